@@ -37,9 +37,9 @@ from dashpot.base.subprocesses import get_long_lived_env
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.batch.input_files import find_entries
-from dashpot.extensions.batch.parquet_parts import tasks
-from dashpot.extensions.batch.process_pool import processors
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.parquet_parts import make_tasks
+from dashpot.extensions.batch.process_pool import count_processors
+from dashpot.extensions.batch.table_row import make_row
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
@@ -172,14 +172,16 @@ def run_loop(folder: str, how: dict[str, Any], share: slice = slice(None)) -> in
     import msgspec  # noqa: F401 -- as in a worker
 
     choices = BatchOptions(**how)
-    entry = find_entries([folder], without=Path(folder) / "none")[share]
-    requested = tasks(entry, choices)
-    return sum(row(item.entry, item.hashes, choices)["outcome"] == "fitted" for item in requested)
+    entry = find_entries([folder], output_folder=Path(folder) / "none")[share]
+    requested = make_tasks(entry, choices)
+    return sum(
+        make_row(item.entry, item.hashes, choices)["outcome"] == "fitted" for item in requested
+    )
 
 
 def run_loops(folder: str, how: dict[str, Any]) -> int:
     """Make them in as many loops as processors, each on one of its own; no table, no engine."""
-    count = processors()
+    count = count_processors()
     words = [sys.executable, __file__, "--share", folder, json.dumps(how), str(count)]
     loops = [
         subprocess.Popen([*words, str(i)], stdout=subprocess.PIPE, text=True) for i in range(count)
@@ -228,7 +230,7 @@ def run_cluster(folder: str, how: dict[str, Any]) -> int:
     from distributed import LocalCluster
 
     warnings.filterwarnings("ignore")
-    side = {"n_workers": processors(), "threads_per_worker": 1, "dashboard_address": None}
+    side = {"n_workers": count_processors(), "threads_per_worker": 1, "dashboard_address": None}
     with TemporaryDirectory() as output, LocalCluster(**side, silence_logs=50) as cluster:
         lot = batch(folder, output=output, scheduler=cluster.scheduler_address, **how)
         return lot.outcomes["fitted"]
@@ -245,7 +247,7 @@ def run_joblib(folder: str, how: dict[str, Any]) -> int:
     from joblib.externals.loky import get_reusable_executor
 
     arms, paths = how.get("arms", "auto"), sorted(Path(folder).glob("*.csv"))
-    fitted = Parallel(processors())(delayed(fit_file)(path, arms) for path in paths)
+    fitted = Parallel(count_processors())(delayed(fit_file)(path, arms) for path in paths)
     get_reusable_executor().shutdown(wait=True)  # whose CPU time then counts
     return sum(fitted)
 
@@ -254,7 +256,7 @@ def run_dask_map(folder: str, how: dict[str, Any]) -> int:
     """Fit them by the workers of a cluster as it comes: no table, and what fails ends the run."""
     from distributed import Client, LocalCluster
 
-    side = {"n_workers": processors(), "threads_per_worker": 1, "dashboard_address": None}
+    side = {"n_workers": count_processors(), "threads_per_worker": 1, "dashboard_address": None}
     with LocalCluster(**side, silence_logs=50) as cluster, Client(cluster) as client:
         paths = sorted(Path(folder).glob("*.csv"))
         return sum(

@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 import dashpot as dp
 from dashpot.extensions.depths.depth_dependence import fit_depths
 from dashpot.extensions.materials.cld.datamodel import CLD
-from dashpot.extensions.materials.cld.equilibrium_curve import relaxed_law
+from dashpot.extensions.materials.cld.equilibrium_curve import fit_relaxed_law
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.indentation.fit import fit_indentation
@@ -102,7 +102,7 @@ def relaxation() -> dp.Fit:
 def check_tangents(seed: int, air: bool) -> Held:
     """Tangents of the law under one cycle whose relaxation is known."""
     seal, speed = seal_of(seed), np.random.default_rng([seed, 2]).choice([1e-4, 5e-4, 2e-3])
-    law = relaxed_law(pressed_once(seal, speed, seed, air), relaxation()).law
+    law = fit_relaxed_law(pressed_once(seal, speed, seed, air), relaxation()).law
     yield from bends(law, seal)
 
 

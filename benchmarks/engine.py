@@ -29,7 +29,7 @@ from scipy.signal import lfilter
 
 import dashpot
 from dashpot.extensions.batch.arrays.batched_solver import solve_many
-from dashpot.extensions.batch.arrays.shared_sampling import hold_family, recorded_family
+from dashpot.extensions.batch.arrays.shared_sampling import make_hold_family, make_recorded_family
 from dashpot.fitting.relaxation import fit as fit_prepared
 from dashpot.numerics import log_tau_descent as first_look
 from dashpot.numerics.design_matrices import data_compression
@@ -140,7 +140,7 @@ def batch() -> None:
         k, tau = TRUTH[arms]
         clean = hold(seconds, np.array((K_INF, *k, *tau)))
         forces = clean + NOISE * GENERATOR.standard_normal((200, len(clean)))
-        family = hold_family(seconds, depth=DEPTH, ramp_time=1.0)
+        family = make_hold_family(seconds, depth=DEPTH, ramp_time=1.0)
         ours = cpu(lambda f=family, y=forces, n=arms: solve_many(f, y, n), 5) / len(forces)
         plain = cpu(lambda y=forces: [values.sum() for values in y], 5) / len(forces)
         theirs = rival(lambda p, y=forces: hold(seconds, p) - y[0], arms, 5)
@@ -172,7 +172,7 @@ def compare_recorded_motion() -> None:
     theirs = rival(residual, 2, 7)
     row("any recorded history, 41k points, N = 2", cpu(fit, 41), theirs, 10, fit().sse)
     forces = force + 0.1 * NOISE * GENERATOR.standard_normal((64, len(force)))
-    family = recorded_family(seconds, x)
+    family = make_recorded_family(seconds, x)
     ours = cpu(lambda: solve_many(family, forces, 2), 3) / len(forces)
     row("  the same in a batch, per record", ours, theirs, 10)
 

@@ -33,9 +33,9 @@ from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.extensions.curves.modulus.read import read_modulus
 from dashpot.extensions.curves.relaxation_spectrum import (
+    compute_passive_misfit,
     dynamic_master_curve,
     master_curve,
-    passive_misfit,
 )
 from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts
 from dashpot.extensions.curves.superposition.superpose import superpose
@@ -132,7 +132,7 @@ def over_frequency(folder: Path) -> None:
         e_0, terms, spent = theirs
         storage, loss = prony_frequency(data.omega, terms)
         row("pyvisco", len(terms), data, 1e6 * e_0 * (storage + 1j * loss), spent)
-    print("  " + kramers_kronig(passive_misfit(data)).message)
+    print("  " + kramers_kronig(compute_passive_misfit(data)).message)
 
 
 def row(

@@ -86,7 +86,7 @@ class Commands(Directive):
                 one = click.Context(verb, info_name=name, parent=above)
                 section = _section(f"dashpot {name}")
                 section += nodes.literal_block(
-                    text=verb.render_help(one, every=True), language="text"
+                    text=verb.render_help(one, show_all=True), language="text"
                 )
                 part += section
             parts.append(part)

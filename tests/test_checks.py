@@ -459,7 +459,7 @@ PREPARATION = [
     Case("ramp_recorded", lambda x: preparation.ramp_recorded(-2.0, 2 * x), 1.0999, 1.1001),
     Case(
         "single_loading",
-        judge_integer(lambda n: preparation.single_loading(0, loadings(n), requested=False)),
+        judge_integer(lambda n: preparation.single_loading(0, loadings(n), is_requested=False)),
         1,
         2,
     ),
@@ -2889,7 +2889,7 @@ def test_a_contradiction_too_small_to_matter_is_none() -> None:
 def test_what_the_method_bears_is_excused() -> None:
     creeping = plate(np.where((TIME > 1) & (TIME < 2), 0.9, 1.0))
     assert preparation.hold_is_still(creeping, method="full").passed
-    assert preparation.single_loading(0, loadings(3), requested=True).passed
+    assert preparation.single_loading(0, loadings(3), is_requested=True).passed
     for share, moving, grade in (
         (0.099, True, "note"),
         (0.101, True, "limit"),

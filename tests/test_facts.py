@@ -46,7 +46,7 @@ from dashpot.report import tables
 from dashpot.report.first_screen import rows as answer_rows
 from dashpot.report.result_page import kind_page
 from dashpot.text_output import results
-from dashpot.text_output.layout import facts
+from dashpot.text_output.layout import format_values
 from dashpot.workflow.dataframes import frame
 from dashpot.workflow.json_archive import to_document
 from dashpot.workflow.recommended_solid import recommend_solid
@@ -165,7 +165,7 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
 
 def format_for_terminal(fit):
     """What `-v` prints of a fit, every parameter first."""
-    message = results.fit(fit)
+    message = results.render_fit(fit)
     return table([*message.details, *message.lines])
 
 
@@ -175,7 +175,7 @@ def test_the_text_has_every_fact(fit):
 
 def test_text_row_of_an_arm_equals_its_reported_values(fit):
     rows, expected = (
-        table(results.fit(fit).lines),
+        table(results.render_fit(fit).lines),
         {fact.name: fact for fact in list_known_values(fit)},
     )
     for j in range(1, fit.model.arms + 1):
@@ -205,7 +205,7 @@ def test_page_and_terminal_print_the_same_cells(fit):
 def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     """b = k tau says of an arm what k and tau say."""
     shown = [fact for fact in list_known_values(fit) if fact.name[:2] != "b_"]
-    rows = {term.name: (term.value, term.unit) for term in view_models.terms(fit)}
+    rows = {term.name: (term.value, term.unit) for term in view_models.make_terms(fit)}
     assert len(rows) == len(shown)
     require_shown(shown, rows, name=lambda fact: fact.symbol)
     neighbour = {
@@ -266,12 +266,12 @@ def test_batch_row_has_every_value_of_the_arms(fit):
     for value in list_arm_values(fit):
         if value.name[0] == "b":
             continue
-        column = row._column(value)
+        column = row._get_column_name(value)
         name, unit = parse_column_title(column)
         assert unit == value.unit
         assert name.replace("E_", "k_") == value.name
         assert row_of[column] == value.value
-        assert row_of[row._column(value, "_se")] == value.error
+        assert row_of[row._get_column_name(value, "_se")] == value.error
     letter = "k" if fit.unit == "N/m" else "E"
     ending = "N_per_m" if fit.unit == "N/m" else "Pa"
     assert row_of[f"{letter}_end_{ending}"] == pytest.approx(float(fit.model.relaxation(40.0)))
@@ -282,7 +282,7 @@ def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
     for fit in fits.values():
         if not fit.estimate.nuisance:
             continue
-        text = results.fit(fit)
+        text = results.render_fit(fit)
         (line,) = [item for item in (*text.lines, *text.details) if "  also fitted " in item]
         message = [term.fact for term in fit.estimate.nuisance]
         element = ", ".join(f"{fact.label} {fact.cells.ascii.with_unit}" for fact in message)
@@ -295,12 +295,12 @@ def test_nuisance_parameters_are_equal_in_text_and_tables(fits, bench):
 
 def test_compliances_and_shifts_are_equal_in_text_and_values(fits):
     creep = fits["creep"]
-    (line,) = [line for line in results.fit(creep).lines if line.startswith("  creep ")]
+    (line,) = [line for line in results.render_fit(creep).lines if line.startswith("  creep ")]
     for fact in creep.evidence.creep.list_values("1/Pa"):
         assert fact.cells.ascii.with_unit in line
         assert same(fact, fact.cells.value, fact.cells.unit)
     temperatures = fits["temperatures"].temperatures
-    lines = results.fit(fits["temperatures"]).lines
+    lines = results.render_fit(fits["temperatures"]).lines
     (law,) = [line for line in lines if line.startswith("  law ")]
     assert all(
         f"{constant.label} {constant.cells.ascii.with_unit}" in law
@@ -340,7 +340,7 @@ def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
     hyperelastic_fit = hyperelastic_files(
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
-    require_shown(hyperelastic_fit.found, table(facts(hyperelastic_fit.found)))
+    require_shown(hyperelastic_fit.found, table(format_values(hyperelastic_fit.found)))
     retained = {value["name"]: value for value in to_document(hyperelastic_fit)["values"]}
     for fact in hyperelastic_fit.found:
         assert retained[fact.name] == {
@@ -362,13 +362,13 @@ SHAKEN = {"levels": (0.02, 0.5), "mass": 0.1148, "seals": 2.0, "at": (0.1,)}
 )
 def test_levels_say_the_same_on_page_and_in_app(bench, files, requested):
     amplitude_result = level_files([str(bench / file) for file in files], **requested)
-    numbers = level.numbers(amplitude_result)
+    numbers = level.list_level_values(amplitude_result)
     assert numbers
     (shown,) = kind_page(amplitude_result).groups
     rows = {quantity.name: (quantity.value, quantity.unit) for quantity in shown.rows}
     app = {
         quantity.name: (quantity.value, quantity.unit)
-        for quantity in map(view_models.term, numbers)
+        for quantity in map(view_models.make_term, numbers)
     }
     require_shown(numbers, rows, name=lambda fact: fact.symbol)
     require_shown(numbers, app, name=lambda fact: fact.symbol)
@@ -376,8 +376,8 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, requested):
 
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
     amplitude_result = level_files([str(bench / "hammer.csv")], at=(0.05,))
-    values = {item.name: item for item in level.numbers(amplitude_result)}
-    rows = table(amplitude_text.levels(amplitude_result).lines)
+    values = {item.name: item for item in level.list_level_values(amplitude_result)}
+    rows = table(amplitude_text.render_levels(amplitude_result).lines)
     for (peak, motion), element in zip(
         (item.facts for item in amplitude_result.at), amplitude_result.at, strict=True
     ):
@@ -394,7 +394,7 @@ def test_modes_say_the_same_in_text_and_app(bench):
     assert result.modes
     text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
     facts = list_mode_facts([("1", result.modes[0].mode)])
-    app = {item.name: item for item in map(view_models.term, facts)}
+    app = {item.name: item for item in map(view_models.make_term, facts)}
     frequency, ratio, residue = result.modes[0].mode.facts
     assert "Hz, damping ratio" in line
     for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):

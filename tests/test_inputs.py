@@ -36,13 +36,13 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude import fit_handler as level_handler
 from dashpot.extensions.amplitude.fit_files import level_files
-from dashpot.extensions.app.command_lines import line, words_of
+from dashpot.extensions.app.command_lines import format_job_command, format_options
 from dashpot.extensions.app.page_form import fill_form, get_job_defaults
 from dashpot.extensions.app.request_parsing import (
     build_from_request,
+    build_job,
     convert_to_request,
-    job_of,
-    page_of,
+    describe_job,
 )
 from dashpot.extensions.app.upload_store import Store
 from dashpot.extensions.batch import batch_run
@@ -236,7 +236,7 @@ def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
 def test_a_field_says_the_unit_that_a_command_line_would(name: str, unit: str) -> None:
     (item,) = [field for cls in (Job, Specimen) for field in iterate_option_fields(cls)
               if field.name == name.removeprefix("specimen-")]  # fmt: skip
-    assert words_of(replace(Job("x"), mass=0.1))[1].endswith("g")
+    assert format_options(replace(Job("x"), mass=0.1))[1].endswith("g")
     assert item.metadata["unit"] in {"mass", "length"}
     assert re.search(rf'id="{name}"[^>]*><i>{unit}</i>', page())
 
@@ -245,7 +245,7 @@ def test_form_defaults_make_the_default_job(tmp_path: Path) -> None:
     store = Store()
     try:
         file = store.put("a.csv", b"")
-        job = job_of(_convert_to_json(get_job_defaults()) | {"relaxation": file}, store.folder)
+        job = build_job(_convert_to_json(get_job_defaults()) | {"relaxation": file}, store.folder)
         assert replace(job, relaxation="a.csv") == Job("a.csv")
     finally:
         store.remove()
@@ -384,7 +384,7 @@ def _empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @given(instances(Job).map(drop_unused_options))
 def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
-    messages = heard(workflow, "run", line("report", job))
+    messages = heard(workflow, "run", format_job_command("report", job))
     assert messages.heard == (job,)
 
 
@@ -395,7 +395,7 @@ OF_FIT = tuple(field.name for field in fields(Job) if "decides" in field.metadat
 def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     # a window is one of hits: of a test on a bench it is refused
     job = replace(job, reading=replace(job.reading, window_decay=None))
-    messages = heard(workflow, "fit_files", line("fit", job))
+    messages = heard(workflow, "fit_files", format_job_command("fit", job))
     (files,), message = messages.heard, messages.named
     first, *extra = files
     named = {name: message[name] for name in OF_FIT if name in message}
@@ -408,7 +408,7 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     if not amplitude:
         job = replace(job, options=replace(job.options, window_decay=None))
     message = job if amplitude else LevelJob(job.files, law=job.law, options=job.options)
-    typed = line("fit", message)
+    typed = format_job_command("fit", message)
     messages = heard(level_handler, "level_files", typed, "frf" if amplitude else "strain-sweep")
     assert LevelJob(*messages.heard, **messages.named) == message
 
@@ -416,10 +416,10 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
 @given(instances(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
 def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[float]) -> None:
     bare = replace(job, files=job.files or ("frf.csv",), seals=1.0)  # seals are of masses
-    messages = heard(modes_handler, "modes_files", line("fit", bare), "frf")
+    messages = heard(modes_handler, "modes_files", format_job_command("fit", bare), "frf")
     assert ModesJob(*messages.heard, **messages.named) == bare
     weighed = replace(job, files=tuple(f"{n}.csv" for n in range(len(masses))), masses=(*masses,))
-    messages = heard(modes_handler, "modes_by_mass", line("fit", weighed), "frf")
+    messages = heard(modes_handler, "modes_by_mass", format_job_command("fit", weighed), "frf")
     files, under = messages.heard
     assert ModesJob(files, masses=under, **messages.named) == weighed
 
@@ -443,7 +443,7 @@ def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchOptions) -> None
     neighbour = said.reading_impact.select_fields(
         [name for name in OF_HAMMER if name != "frequency"]
     )
-    typed = ["-o", "lot", *words_of(replace(said, reading_impact=neighbour))]
+    typed = ["-o", "lot", *format_options(replace(said, reading_impact=neighbour))]
     messages = heard(batch_run, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
     assert messages.heard[0].choices == said
 
@@ -458,9 +458,9 @@ def test_a_page_says_a_job_back(job: Job) -> None:
             reading=replace(job.reading, calibration=None),
             reading_impact=replace(job.reading_impact, calibration=None),
         )  # fmt: skip
-        head = page_of(at_hand)
+        head = describe_job(at_hand)
         message = head.pop("job") | head | {"relaxation": file}
-        result = job_of(_convert_to_json(message), store.folder)
+        result = build_job(_convert_to_json(message), store.folder)
         assert replace(result, relaxation=file) == at_hand
     finally:
         store.remove()

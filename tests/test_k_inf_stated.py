@@ -85,7 +85,7 @@ def test_every_output_states_the_same_limit_of_k_inf(results, name):
     assert list_arm_values(again)[0] == list_arm_values(fit)[0]
     # text and page
     printed = f"{fact.cells.interval}"
-    assert printed in "\n".join(text_of.fit(fit).lines)
+    assert printed in "\n".join(text_of.render_fit(fit).lines)
     page = kind_page(fit)
     if page is not None:
         rows = [row for group in page.groups for row in group.rows]

@@ -19,7 +19,7 @@ from dashpot.base.checks import Check, Remedy, select_gravest_check, verdict
 from dashpot.base.errors import Status
 from dashpot.cli._command import verb
 from dashpot.cli._command_result import CommandResult
-from dashpot.cli._options import result
+from dashpot.cli._options import result_options
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
@@ -82,7 +82,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert [check for check in checks if check.failed] == []
     assert study.fit.ok
     assert study.joint.ok
-    printed = format_for_screen(results.study(study), study.verdict, checks, verbose=False)
+    printed = format_for_screen(results.render_study(study), study.verdict, checks, verbose=False)
     assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(to_json(study))
     assert document["verdict"] == {
@@ -194,14 +194,16 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
 
 @pytest.mark.parametrize(("check", "code"), [(OPEN, 0), (NOTE, 0), (LIMIT, 1), (STOP, 1)])
 def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
-    command = verb("story", "", result())(lambda **_: CommandResult({}, Text(["text"]), (check,)))
+    command = verb("story", "", result_options())(
+        lambda **_: CommandResult({}, Text(["text"]), (check,))
+    )
     assert CliRunner().invoke(command, ["--strict"]).exit_code == code
     assert CliRunner().invoke(command, []).exit_code == 0
 
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
     fit = replace_fields(handmade.study().fit, checks=(STOP, OPEN, NOTE))
-    printed = format_for_screen(results.fit(fit), fit.verdict, fit.checks, verbose=True)
+    printed = format_for_screen(results.render_fit(fit), fit.verdict, fit.checks, verbose=True)
     lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "Do not use: a stop. Do that."
     assert any(line.split()[:1] == ["optimiser"] for line in lines)

@@ -17,7 +17,7 @@ from dashpot.base.number_format import (
     interval,
     percent,
     round_to_error,
-    shorter,
+    shorten_number,
     split_identifier,
     symbol,
     with_error,
@@ -96,9 +96,9 @@ def test_parameters_are_written_as_printed():
 
 
 def test_long_numbers_in_steps_are_shortened_and_words_are_not():
-    assert shorter("1.5264523502809903") == "1.52645"
-    assert shorter("0.25") == "0.25"
-    assert shorter("lowpass:10.0000Hz") == "lowpass:10.0000Hz"
+    assert shorten_number("1.5264523502809903") == "1.52645"
+    assert shorten_number("0.25") == "0.25"
+    assert shorten_number("lowpass:10.0000Hz") == "lowpass:10.0000Hz"
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from kit.shell import ran, run_json
 from dashpot import workflow
 from dashpot.base.option_fields import get_choice_values
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._command import LIMIT, WIDTH, CommandOption, DashpotCommand
+from dashpot.cli._command import MOST_HELP_LINES, WIDTH, CommandOption, DashpotCommand
 from dashpot.cli._param_types import Keyed, Scoped, Units, format_suggestion
 from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindOption
 from dashpot.extensions.materials.options import MODES
@@ -87,14 +87,14 @@ def test_there_are_sixteen_verbs() -> None:
 def test_the_help_of_a_verb_fits_a_screen(name: str) -> None:
     text = ran(name, "--help").stdout
     lines = text.splitlines()
-    assert len(lines) <= LIMIT
+    assert len(lines) <= MOST_HELP_LINES
     assert max(map(len, lines)) <= WIDTH
     assert "\b" not in text
     assert "\\b" not in text
     whole = ran(name, "--help-all").stdout
     assert max(map(len, whole.splitlines())) <= WIDTH
     assert all(f" {item.flag}" in f" {whole}" for item in verb(name).options)
-    hidden = [item for item in verb(name).options if item.more]
+    hidden = [item for item in verb(name).options if item.is_advanced]
     assert (f"{len(hidden)} more: dashpot {name} --help-all" in text) is bool(hidden)
 
 
@@ -152,7 +152,7 @@ def test_the_help_of_a_file_shows_the_options_of_its_kind(tmp_path: Path, name: 
         return
     assert f"{name} is " in text
     for item in verb("fit").options:
-        suits = result["kind"] in (item.kinds or {result["kind"]} - item.unheard)
+        suits = result["kind"] in (item.kinds or {result["kind"]} - item.excluded_kinds)
         assert (f" {item.flag} " in f"{text}\n".replace("\n", " ")) is suits, item.flag
 
 

@@ -12,9 +12,9 @@ from kit.shell import ran
 
 from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._command import KEYED, build_options, verb
-from dashpot.cli._failure import _failure
-from dashpot.cli._options import get_typed_options, piece
+from dashpot.cli._command import KEYED_OPTIONS, build_options, verb
+from dashpot.cli._failure import _classify_error
+from dashpot.cli._options import get_typed_options, specimen_options
 from dashpot.cli._param_types import Keyed
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -40,13 +40,13 @@ class Tea:
 
 @pytest.fixture(autouse=True)
 def _pot(monkeypatch):
-    monkeypatch.setitem(KEYED, "--pot", ("KEY=VALUE", "time or leaf."))
+    monkeypatch.setitem(KEYED_OPTIONS, "--pot", ("KEY=VALUE", "time or leaf."))
 
 
 def run_brew(*words):
     got = []
 
-    @verb("brew", "Brew it.", build_options(Tea, into="tea"))
+    @verb("brew", "Brew it.", build_options(Tea, argument="tea"))
     def command(*, tea):
         got.append(tea)
 
@@ -139,7 +139,7 @@ def test_the_list_of_commands_needs_none_of_them():
 
 
 def test_the_next_command_says_each_of_several_temperatures() -> None:
-    @verb("asked", "Say it again.", piece(flag=True))
+    @verb("asked", "Say it again.", specimen_options(per_file=True))
     def print_typed_options(**_: object) -> None:
         click.echo(" ".join(get_typed_options()))
 
@@ -210,6 +210,6 @@ def test_predict_takes_kind_for_frf_type(tmp_path):
 def test_suggestion_shows_the_present_spelling(words, shown):
     exception = CliRunner().invoke(main, words.split(), standalone_mode=False).exception
     assert isinstance(exception, click.NoSuchOption)
-    text = _failure(exception).message
+    text = _classify_error(exception).message
     assert shown in text
     assert not re.search(r"Did you mean.*--(between|level|memory|known)\b", text)

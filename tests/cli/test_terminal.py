@@ -22,7 +22,7 @@ from dashpot.base.progress import send_progress
 from dashpot.cli import _command_files, _command_result, _terminal
 from dashpot.cli._command import verb
 from dashpot.cli._command_result import CommandResult
-from dashpot.cli._options import result as told
+from dashpot.cli._options import result_options as told
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
 from dashpot.export import TARGETS
 from dashpot.text_output import layout, results
@@ -160,9 +160,9 @@ def test_a_file_name_cannot_steer_the_terminal(name):
 def test_every_story_fits_a_screen():
     study = handmade.study()
     for text, result, checks in (
-        (results.study(study), study.verdict, study.every_check),
-        (results.fit(study.fit), study.fit.verdict, study.fit.checks),
-        (results.fit(study.joint), study.joint.verdict, study.joint.checks),
+        (results.render_study(study), study.verdict, study.every_check),
+        (results.render_fit(study.fit), study.fit.verdict, study.fit.checks),
+        (results.render_fit(study.joint), study.joint.verdict, study.joint.checks),
     ):
         short = strip_styles(format_for_screen(text, result, checks, verbose=False))
         assert len(short) <= LINES
@@ -179,7 +179,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
     for name in ("k_1", "ln_tau_1"):
         row = fit.estimate.parameters.index(name)
         wide[row, row] *= 1e8
-    text = results.fit(replace_fields(fit, covariance=wide, profiles=()))
+    text = results.render_fit(replace_fields(fit, covariance=wide, profiles=()))
     rows = {line.split()[0]: line for line in text.lines if line.strip()}
     # an arm is a row, and what is not known of it stands in the place of its error
     assert rows["1"].count("not identified") == 3
@@ -195,7 +195,7 @@ def test_the_arms_of_a_study_stand_on_the_first_screen():
     """Of 24 lines of 80 columns: an arm is a row, beside what was predicted and measured."""
     study = handmade.study()
     lines = strip_styles(
-        format_for_screen(results.study(study), study.verdict, study.checks, size=NARROW)
+        format_for_screen(results.render_study(study), study.verdict, study.checks, size=NARROW)
     )
     assert max(map(len, lines)) <= NARROW.columns
     assert len(lines) <= NARROW.lines
@@ -209,7 +209,9 @@ def test_the_arms_of_a_study_stand_on_the_first_screen():
 
 
 def invoke(*words, checks=(STOP,), **how):
-    outcome = CommandResult({}, Text(["text"]), checks, verdict=verdict(checks), follow="dashpot x")
+    outcome = CommandResult(
+        {}, Text(["text"]), checks, verdict=verdict(checks), next_command="dashpot x"
+    )
     command = verb("story", "Tell a story.", told(plot=False))(lambda: outcome)
     return CliRunner().invoke(command, words, **how)
 
@@ -229,7 +231,7 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 
 @pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
 def test_every_verdict_has_a_distinct_colour(use):
-    (line,) = layout.lead(Verdict(use, "because"))
+    (line,) = layout.format_verdict(Verdict(use, "because"))
     assert click.unstyle(line) == f"{use.capitalize()}: because"
     others = {layout.VERDICT_COLOURS[other] for other in layout.VERDICT_COLOURS if other != use}
     assert layout.VERDICT_COLOURS[use] not in others
@@ -242,7 +244,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
     @verb("page", "Write a page.", told(plot=False))
     def command():
         _command_result.write_output(str(tmp_path / "page.html"), "x")
-        return CommandResult({}, Text(["text"]), follow="dashpot fit page.html")
+        return CommandResult({}, Text(["text"]), next_command="dashpot fit page.html")
 
     result = CliRunner().invoke(command, [])
     assert result.output.splitlines()[-2:] == [
@@ -291,7 +293,7 @@ def test_a_planned_test_is_rehearsed_as_it_was_planned():
 
 def test_next_is_typed_as_the_shell_reads_it():
     assert (
-        _command_files.format_command("fit", "my seal.csv", why="again")
+        _command_files.format_command("fit", "my seal.csv", remark="again")
         == "dashpot fit 'my seal.csv'  # again"
     )
 
@@ -309,7 +311,7 @@ def draw_progress(monkeypatch, stream, *, patience):
     monkeypatch.setattr(_terminal, "PROGRESS_DELAY", patience)
     monkeypatch.setattr(_terminal, "PROGRESS_PERIOD", 0.001)
     shown_once = stream.tell
-    with _terminal.progress():
+    with _terminal.show_progress():
         send_progress("fitting")
         while patience == 0 and "fitting" not in stream.getvalue() and stream.isatty():
             shown_once()
@@ -405,7 +407,7 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
         DepthStiffness(8e-3, 200.0, 202.0, (100.0, 0.0), (1.0, 1.0)),
         DepthStiffness(4e-3, 150.0, 152.0, (80.0, 20.0), (1.0, 1.0)),
     )
-    lines = "\n".join(results.fit(a_fit(solid, stiffness_by_depth=depths)).lines)
+    lines = "\n".join(results.render_fit(a_fit(solid, stiffness_by_depth=depths)).lines)
     assert "k_2" in lines
     assert "0.0200" in lines
 
@@ -419,12 +421,12 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
     small = os.terminal_size((80, 24))
     monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): small)
-    lines = format_for_screen(*message, size=_terminal.screen())
+    lines = format_for_screen(*message, size=_terminal.get_screen_size())
     assert max(map(len, lines)) <= 80
     assert len(lines) + _terminal.OTHER_LINES <= 24
     assert lines[-1].strip() == "more with -v"
     large = os.terminal_size((300, 90))
     monkeypatch.setattr("shutil.get_terminal_size", lambda fallback=(80, 24): large)
-    assert _terminal.screen() == (COLUMNS, LINES)
+    assert _terminal.get_screen_size() == (COLUMNS, LINES)
     monkeypatch.setattr("sys.stdout.isatty", lambda: False, raising=False)
-    assert _terminal.screen() == (COLUMNS, LINES)
+    assert _terminal.get_screen_size() == (COLUMNS, LINES)

@@ -359,9 +359,10 @@ def test_fit_request_refuses_a_repeated_single_value():
         _ = make_request(mass=(0.1, 0.2)).mass
     for output, suffix in (("fit.csv", ".csv"), ("-", ".json"), ("fit", ".json"), (None, None)):
         assert (
-            make_request(output=output).check_output_suffix(".json", ".csv", what="a fit") == suffix
+            make_request(output=output).check_output_suffix(".json", ".csv", result_name="a fit")
+            == suffix
         )
     with pytest.raises(
         click.UsageError, match=r"a fit is written as \.json or \.csv or \.html, not as \.txt"
     ):
-        make_request(output="fit.txt").check_output_suffix(".json", ".csv", what="a fit")
+        make_request(output="fit.txt").check_output_suffix(".json", ".csv", result_name="a fit")

@@ -22,7 +22,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.text_output.results import fit as told_text
+from dashpot.text_output.results import render_fit as told_text
 from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once

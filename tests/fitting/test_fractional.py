@@ -25,7 +25,7 @@ import dashpot as dp
 from dashpot.base.errors import FitError
 from dashpot.base.plain_text import sentences
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
-from dashpot.extensions.curves.dynamic.fit import fit_dynamic, frequency_block
+from dashpot.extensions.curves.dynamic.fit import fit_dynamic, make_frequency_block
 from dashpot.fitting.data_blocks import FitData, FitSetup, data_of
 from dashpot.fitting.fractional_model.family_selection import (
     ArmColumns,
@@ -190,7 +190,7 @@ def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
     x = 8e-3 * np.clip(t, 0, 1)
     in_time = recorded_block(t, x, solid.force(t, x))
     omega = 2 * np.pi * np.geomspace(0.01, 100, 60)
-    swept = frequency_block(omega, solid.complex_stiffness(omega=omega))
+    swept = make_frequency_block(omega, solid.complex_stiffness(omega=omega))
     for blocks in ([in_time], [swept], [in_time, swept.scale_rows(1e-3)]):
         result = fit_fractional_model(FitData(blocks, blocks)).solid
         near = (500.0, 200.0, 0.05, 0.5)

@@ -14,7 +14,7 @@ from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.friction import Kraus
 from dashpot.extensions.amplitude.level_results import LevelFit
-from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import compute_sweep
 from dashpot.extensions.systems.level_response import response_at_level
 from dashpot.extensions.systems.multibody import Mount, System, point_mass
 from dashpot.solids.jenkins import Jenkins
@@ -54,7 +54,7 @@ def sweep():
 @cache
 def law_of_loops():
     """The law of those loops."""
-    return fit_amplitude(sweep_of_loops(loops()))
+    return fit_amplitude(compute_sweep(loops()))
 
 
 @cache

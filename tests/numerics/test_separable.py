@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.extensions.curves.dynamic.fit import frequency_block
+from dashpot.extensions.curves.dynamic.fit import make_frequency_block
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.numerics.exponential_fit import certificate, full_jacobian, solve, solve_orders
@@ -313,7 +313,7 @@ def test_stack_joins_frequency_data_and_a_hold() -> None:
     sd = 1e-3
     stiffness = stiffness + sd * (generator.standard_normal((2, 40)).T @ [1, 1j])
     weight = np.full(40, 1 / sd)
-    spectrum = frequency_block(omega, stiffness, weights=(weight, weight), dashpot=True)
+    spectrum = make_frequency_block(omega, stiffness, weights=(weight, weight), dashpot=True)
     hold = hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(9), weights=TIME * 0 + 100)
     solution = solve([spectrum], 2)
     np.testing.assert_allclose(solution.tau, tau, rtol=0.02)

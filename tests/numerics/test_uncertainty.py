@@ -11,9 +11,9 @@ from dashpot.numerics.inference.correlated_noise import (
     Noise,
     ResidualSeries,
     autocovariance,
-    directions,
     geyer_cut,
     initial_sequence,
+    make_directions,
     noise_gain_ratio,
     noise_of,
     sandwich,
@@ -121,7 +121,7 @@ def test_autocovariance_correction_counts_shared_parameters_once(
         J = x[:, None] ** np.arange(4)
         r = np.random.default_rng(seed + 1000).standard_normal(240)
         residual = r - J @ np.linalg.lstsq(J, r, rcond=None)[0]
-        expected = directions(np.split(J, records), shared=shared)
+        expected = make_directions(np.split(J, records), shared=shared)
         noises = [
             noise_of(part, columns)
             for part, columns in zip(np.split(residual, records), expected.columns, strict=True)
@@ -139,9 +139,9 @@ def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() ->
     rng = np.random.default_rng(8)
     time = np.linspace(0.0, 40.0, 4000)
     jacobian = np.stack((np.ones(4000), np.exp(-time / 2), time * np.exp(-time / 2)), axis=1)
-    expected = directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
+    expected = make_directions([jacobian, np.diag([1e-3, 2.0, 5.0])])
     covariance = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
-    shared = directions([jacobian[:, :2]])
+    shared = make_directions([jacobian[:, :2]])
     residual = ResidualSeries(autoregressive(rng, 4000, 0.98))
     noise = noise_of(residual.values, jacobian)
     # a residual that was asked already, without columns, answers as a new one
@@ -267,7 +267,7 @@ def test_white_noise_is_even_and_slow_noise_is_not() -> None:
     jacobian = np.exp(-t[:, None] / [0.02, 0.2, 2.0]) * [1.0, 1e3, 1e-3]
 
     def ratio(columns: np.ndarray, noise: Noise) -> float:
-        expected = directions([columns])
+        expected = make_directions([columns])
         return noise_gain_ratio(expected, [expected.compute_record_gain(0, noise)])
 
     assert ratio(jacobian, Noise(400, np.array([0.5]), 1.0, 2.0)) == pytest.approx(1.0)

@@ -117,7 +117,9 @@ def test_saved_record_keeps_its_cautions(tmp_path: Path) -> None:
     place = tmp_path / "files" / "one" / "seal.csv"
     place.write_text(path.read_text())
     for _ in range(2):  # as read, and as kept
-        relaxation = record_cache.relaxation(str(place), options=ReadOptions(), specimen=None)
+        relaxation = record_cache.read_relaxation_test(
+            str(place), options=ReadOptions(), specimen=None
+        )
         assert dp.fit(relaxation).verdict.reasons == ("numbers_unambiguous",)
 
 

@@ -18,7 +18,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import COMMANDS
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
-from dashpot.extensions.batch.columns import NUMBERS
+from dashpot.extensions.batch.columns import NUMBER_COLUMNS
 from dashpot.extensions.blank_tests.fit_files import fit_blank_files
 from dashpot.extensions.curves.creep.compliance import measured_compliance
 from dashpot.extensions.curves.creep.preprocess import load_hold
@@ -167,7 +167,7 @@ def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
 @pytest.mark.parametrize("kind", ROWS)
 def test_options_and_columns_named_by_a_kind_exist(kind: KindOfTest) -> None:
     assert not kind.required_value or kind.required_value in set(LotSpecimen._fields)
-    assert set(kind.columns) <= set(NUMBERS)
+    assert set(kind.columns) <= set(NUMBER_COLUMNS)
     assert bool(kind.columns) == bool(kind.lot_row)
 
 

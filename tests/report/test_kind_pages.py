@@ -24,7 +24,7 @@ from dashpot.extensions.materials.cld.figure import cld as cld_figure
 from dashpot.plot.layout import arrange_sheet
 from dashpot.plot.picture import Tag
 from dashpot.report import html
-from dashpot.report.first_screen import ORDER
+from dashpot.report.first_screen import MARK_ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import (
     Topic,
@@ -69,7 +69,7 @@ def test_page_of_every_kind_has_the_same_structure(name):
     for part in ('class="who"', 'id="verdict"', 'class="lights"', 'id="numbers"', 'id="checks"'):
         assert page.count(part) == 1, part
     assert f">{result.verdict.use.capitalize()}<" in page
-    worst = max((item.mark for item in shown.indicators), key=ORDER.index)
+    worst = max((item.mark for item in shown.indicators), key=MARK_ORDER.index)
     assert (VERDICT_COLOURS[result.verdict.use] == "good") == (worst in {"good", "note"})
     (link,) = re.findall(
         rf'download="{shown.name}.json" href="data:application/json;base64,([^"]+)"', page

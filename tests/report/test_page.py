@@ -344,7 +344,7 @@ def test_report_and_terminal_show_the_same_shift(whole_page):
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
     (line,) = [
         row
-        for row in results.fit(joint).details
+        for row in results.render_fit(joint).details
         if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
     ]
     assert line.split()[-1] == "-2.0"
@@ -627,7 +627,7 @@ def test_an_inferred_mass_is_called_inferred(sketch):
     text = sketch(replace(S, mass_inferred=True))
     assert "was found from the measured FRF, so the agreement in frequency proves nothing" in text
     result = replace(S, mass_inferred=True)
-    assert first_screen.under_mass(result, recommend_solid(result))[0].endswith(
+    assert first_screen.make_mass_rows(result, recommend_solid(result))[0].endswith(
         "found from the FRF"
     )
 
@@ -747,7 +747,7 @@ def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
     lead = Explanation("mass", 0.115, 0.001, "kg", 0.1, 1067.0, True, "the mass is 115 g")
     near = replace(lead, is_sufficient=False, deviance_fall=0.5)
     tried = (lead, near, replace(near, deviance_fall=-251.1))
-    lines = results.fit(replace_fields(S.joint, explanations=tried)).lines
+    lines = results.render_fit(replace_fields(S.joint, explanations=tried)).lines
     ends = [line.partition(" (")[2] for line in lines if line.startswith("  tried  ")]
     assert ends == [
         "a match; chi-square falls by 1067)",

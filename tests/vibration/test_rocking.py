@@ -11,7 +11,7 @@ import pytest
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.impact.rocking import _weights
+from dashpot.vibration.impact.rocking import _solve_weights
 
 pytestmark = pytest.mark.once
 
@@ -134,8 +134,8 @@ def test_single_accelerometer_is_not_combined(strike):
 
 def test_accelerometer_weights_sum_to_unity_and_cancel_a_shape():
     shape = np.array([[1.0 + 0j], [-0.7], [0.2]])
-    weights = _weights(shape)
+    weights = _solve_weights(shape)
     assert weights.sum() == pytest.approx(1)
     assert abs(weights @ shape[:, 0]) < 1e-12
     # two accelerometers see one shape in exactly one way
-    assert _weights(np.array([[1.0 + 0j], [-0.5]])) == pytest.approx([1 / 3, 2 / 3])
+    assert _solve_weights(np.array([[1.0 + 0j], [-0.5]])) == pytest.approx([1 / 3, 2 / 3])

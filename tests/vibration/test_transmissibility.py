@@ -250,7 +250,7 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, mes
     # over a base the line at 1 Hz shows a 160th of the stiffness: of 1e-9 no arm so slow is known
     assert message or expected.message.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
     assert list_undetermined_times(fit) == (() if message else fit.model.tau[1:])
-    first = text.fit(fit, requested_arms=2).lines[0]
+    first = text.render_fit(fit, requested_arms=2).lines[0]
     assert ("relaxation time 16.4 s not determined" in first) is not message
     # its stiffness in the band is known all the same
     assert fit.verdict.use == "use"

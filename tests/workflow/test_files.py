@@ -30,7 +30,7 @@ from dashpot.workflow.identification import identify_files
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, ShiftChoices
 from dashpot.workflow.measured_frf import total_mass
-from dashpot.workflow.stiffness_under_mass import _slid
+from dashpot.workflow.stiffness_under_mass import _slide_limits
 
 
 @pytest.fixture(scope="module")
@@ -291,13 +291,13 @@ def test_what_nothing_limits_stays_without_limit_however_the_tangent_slides():
     f = np.geomspace(5.0, 30.0, 200)
     limits = np.array([np.full(200, 0.1), np.where((f > 12) & (f < 13), np.inf, 5.0)])
     point = operating_point(hard(0.02), MassOnSeals(0.104, 2))
-    slid = _slid(f, limits, point)
+    slid = _slide_limits(f, limits, point)
     assert not np.isnan(slid).any()
     assert np.isinf(slid[1]).sum() > np.isinf(limits[1]).sum()
     assert (slid[0] <= limits[0]).all()
     assert (slid[1] >= limits[1]).all()
     certain = operating_point(hard(), MassOnSeals(0.104, 2))
-    np.testing.assert_array_equal(_slid(f, limits, certain), limits)
+    np.testing.assert_array_equal(_slide_limits(f, limits, certain), limits)
 
 
 def test_what_was_inspected_is_drawn(tmp_path):

@@ -116,7 +116,7 @@ def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:
             raise DataError(
                 "records are given one by one, not as a list: dp.fit(one, two), or dp.fit(*them)"
             )
-        entries[_name(record, number, entries)] = kind_of(record)
+        entries[_get_record_name(record, number, entries)] = kind_of(record)
     return entries
 
 
@@ -150,7 +150,7 @@ def kind_of(record: object) -> str:
     return row.name
 
 
-def _name(record: Any, number: int, entries: Mapping[str, str]) -> str:
+def _get_record_name(record: Any, number: int, entries: Mapping[str, str]) -> str:
     source = getattr(record, "source", None)
     group = source[0] if isinstance(source, tuple) and source else source
     name = getattr(group, "file", "") or f"record {number}"

@@ -60,11 +60,11 @@ def predict(solid: Any, /, **options: Any) -> Any:
     compression, temperature, shape, level, sweep, record
         As in ``dashpot predict --help``; `record` is the test behind the fit.
     close : float or str
-        Of a door: the speed at its edge, m/s.
+        For a door: the speed at its edge, m/s.
     leak : bool
-        Of a door: the speed of the car at which its seal lifts.
+        For a door: the speed of the car at which its seal lifts.
     drop : float or str
-        Of a mass dropped on a specimen: its impact speed, m/s, or its drop height, ``"18mm"``.
+        For a mass dropped on a specimen: its impact speed, m/s, or its drop height, ``"18mm"``.
 
     Returns
     -------

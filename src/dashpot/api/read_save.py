@@ -41,17 +41,17 @@ class ReadOptionKeywords(TypedDict, total=False):
     window_decay : float or str
         Time constant, s, of an exponential window that hits or an FRF carry; 0 if there is none.
     calibration : path
-        Of a six-axis transducer, with `axis`.
+        File of a six-axis transducer, with `axis`.
     profile : path
         Answers that ``dashpot inspect --save`` has kept.
     specimen : Specimen
     test : str
-        Of stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
+        For stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
         ``"volumetric"``.
     mass, radius, radius_error, drop_height, impact_velocity : float or str
-        Of an indenter.
+        Data of an indenter.
     role : str
-        Of a blank test: ``"stop"``, ``"spring"`` or ``"empty"``.
+        For a blank test: ``"stop"``, ``"spring"`` or ``"empty"``.
     """
 
     columns: Mapping[str, Column]
@@ -136,9 +136,9 @@ def read(
     read_frame = None if isinstance(path, str | Path) else find_handler("read", path)
     if read_frame is not None:
         return read_frame(path, kind=kind, **keywords)
-    options = _options(keywords, kind)
+    options = _make_read_options(keywords, kind)
     if not isinstance(path, str | Path):
-        return _several(_list_paths(path), options, keywords)
+        return _read_several(_list_paths(path), options, keywords)
     detection = recognise(path, options)
     if detection.stored:
         from dashpot.workflow.json_archive import read_json_document
@@ -149,7 +149,7 @@ def read(
     read_whole = find_handler("read", detection.kind)
     if read_whole is not None:
         return read_whole(path)
-    return _record(path, detection.kind, options, keywords)
+    return _read_record(path, detection.kind, options, keywords)
 
 
 def _list_paths(places: Any) -> list[Path]:
@@ -169,7 +169,7 @@ def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in keywords.items() if value is not None}
 
 
-def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
+def _make_read_options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
     """Return the reading options that were said."""
     for name, example in _MAPPINGS.items():
         if not isinstance(keywords.get(name, {}), Mapping):
@@ -177,7 +177,9 @@ def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
                 f"{name}= of dp.read is {keywords[name]!r}; expected a mapping, such as "
                 f"{name}={example}"
             )
-    columns = {role: _column(role, item) for role, item in (keywords.get("columns") or {}).items()}
+    columns = {
+        role: _get_column_text(role, item) for role, item in (keywords.get("columns") or {}).items()
+    }
     given_options: dict[str, Any] = {**columns, **(keywords.get("part") or {})}
     given_options |= {
         _TEXT.get(name, name): value for name, value in (keywords.get("text") or {}).items()
@@ -201,14 +203,14 @@ def _options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
     )
 
 
-def _column(role: str, name_or_number: Any) -> str | tuple[str, ...]:
+def _get_column_text(role: str, name_or_number: Any) -> str | tuple[str, ...]:
     """The name or number of a role's column as text; of accelerations there may be several."""
     if not isinstance(name_or_number, str | int):
         return tuple(map(str, name_or_number))
     return (str(name_or_number),) if role == "acceleration" else str(name_or_number)
 
 
-def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
+def _read_record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
     """Return the record in a file of one of the kinds of the register."""
     name = Path(path).name
     if kind not in KINDS or not KINDS[kind].reader:
@@ -233,21 +235,21 @@ def _record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str,
     return load_object(KINDS[kind].reader)(path, **arguments)
 
 
-def _impact(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
+def _read_impact(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
     if options["options"].base_acceleration is not None:
         return require_handler("read several", "shaken base")([path], options=options["options"])
     return load_object(KINDS["impact"].reader)(path, **options)
 
 
-def _transmissibility(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
+def _read_transmissibility(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
     return load_object(KINDS["transmissibility"].reader)(path, **options)
 
 
-_SPECIAL = {"impact": _impact, "transmissibility": _transmissibility}
+_SPECIAL = {"impact": _read_impact, "transmissibility": _read_transmissibility}
 """Kinds whose readers want to know something else than the options and the specimen."""
 
 
-def _several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
+def _read_several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
     """Files that are one record: hits of one hammer test, or points of one structure."""
     kinds = {path: recognise(path, options).kind for path in paths}
     kind_set = set(kinds.values())
@@ -301,7 +303,7 @@ def inspect(
     if inspect_frame is not None:
         result: InspectedFile = inspect_frame(path, kind=kind, **keywords)
         return result
-    return inspect_files([path], options=_options(keywords, kind)).files[0]
+    return inspect_files([path], options=_make_read_options(keywords, kind)).files[0]
 
 
 @refuse_wrong_options

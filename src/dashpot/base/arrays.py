@@ -44,7 +44,7 @@ class EqualByValue:
         if type(other) is not type(self):
             return NotImplemented
         return all(
-            _equal(getattr(self, item.name), getattr(other, item.name))
+            _are_equal(getattr(self, item.name), getattr(other, item.name))
             for item in fields(self)  # type: ignore[arg-type]
         )
 
@@ -64,13 +64,13 @@ class FrozenArrays(EqualByValue):
 _KINDS = {"FloatArray": float, "ComplexArray": complex, "BoolArray": bool}
 
 
-def _equal(a: object, b: object) -> bool:
+def _are_equal(a: object, b: object) -> bool:
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return a.dtype == b.dtype and bool(np.array_equal(a, b, equal_nan=True))
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return False
     if isinstance(a, tuple) and isinstance(b, tuple):
-        return len(a) == len(b) and all(_equal(x, y) for x, y in zip(a, b, strict=True))
+        return len(a) == len(b) and all(_are_equal(x, y) for x, y in zip(a, b, strict=True))
     return bool(a == b)
 
 
@@ -196,7 +196,7 @@ def number_of_run(starts: Sequence[int], count: int) -> IndexArray:
 
 def make_cosine_sequence(count: int, turn: float, size: complex = 1.0) -> FloatArray:
     """Return the real part of size exp(j turn i) for i = 0 .. count - 1, from two short tables."""
-    fine, coarse = _tables(count, turn)
+    fine, coarse = _make_rotation_tables(count, turn)
     coarse = size * coarse
     parts = np.stack((coarse.real, -coarse.imag), axis=1) @ np.stack((fine.real, fine.imag))
     return np.asarray(parts.ravel()[:count])
@@ -204,7 +204,7 @@ def make_cosine_sequence(count: int, turn: float, size: complex = 1.0) -> FloatA
 
 def compute_single_dft(values: FloatArray, turn: float) -> complex:
     """Return the sum of values[i] exp(j turn i), from two short tables."""
-    fine, coarse = _tables(len(values), turn)
+    fine, coarse = _make_rotation_tables(len(values), turn)
     rows = len(values) // len(fine)
     head, rest = values[: rows * len(fine)].reshape(rows, -1), values[rows * len(fine) :]
     sums = head @ np.stack((fine.real, fine.imag), axis=1)
@@ -212,7 +212,7 @@ def compute_single_dft(values: FloatArray, turn: float) -> complex:
     return complex(result + np.exp(1j * turn * rows * len(fine)) * (fine[: len(rest)] @ rest))
 
 
-def _tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
+def _make_rotation_tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
     """Return a stretch of exp(j turn i), and where such stretches begin, to make `count` of."""
     short = max(int(np.ceil(np.sqrt(count))), 1)
     fine, coarse = (np.exp(1j * turn * np.arange(short) * index) for index in (1, short))
@@ -314,7 +314,7 @@ def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
     ``measured`` and ``samples`` do the same.
     """
-    return _private(values, None)
+    return _copy_if_writable(values, None)
 
 
 def set_readonly(values: FloatArray) -> FloatArray:
@@ -323,7 +323,7 @@ def set_readonly(values: FloatArray) -> FloatArray:
     return values
 
 
-def _private(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[Any]:
+def _copy_if_writable(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[Any]:
     """A read-only array: a copy, unless it is read-only and no small part of what it lies in."""
     array = np.asarray(values, dtype=dtype)
     inner: Any = array
@@ -339,7 +339,7 @@ def _validate_array(
     name: str, values: npt.ArrayLike, dtype: np.dtype[Any], minimum: int
 ) -> npt.NDArray[Any]:
     try:
-        array = _private(values, dtype)
+        array = _copy_if_writable(values, dtype)
     except (TypeError, ValueError) as error:
         raise DataError(f"{name} must hold numbers: {error}") from None
     if array.ndim != 1:

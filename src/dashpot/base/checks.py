@@ -336,7 +336,7 @@ class Criterion(Generic[P]):
     Attributes
     ----------
     name : str
-        Of the checks that it makes.
+        Name of the checks that it makes.
     stage : str
         Which part of the work asks.
     question : str

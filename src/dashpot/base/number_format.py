@@ -270,7 +270,7 @@ def format_typographic(sentence: str) -> str:
     return _UNIT.sub("\N{NO-BREAK SPACE}", typeset)
 
 
-def shorter(text: str) -> str:
+def shorten_number(text: str) -> str:
     """Return a number given in full precision as six digits; anything else as it is."""
     try:
         return f"{float(text):.6g}" if len(text) > 8 else text

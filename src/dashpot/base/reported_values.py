@@ -75,7 +75,7 @@ class ReportedValue(Serialisable):
         95 % interval, SI; nan where none is known, `low` 0 where `high` is a bound alone, and nan
         of a value that is at most `high`; `high` infinite where `low` is a bound alone.
     unit : str
-        Of SI; empty for a plain number.
+        Unit of SI; empty for a plain number.
     error : float or None
         Standard error: 0 of what was held, infinite of what is not identified, None of what was
         given or has an interval alone.

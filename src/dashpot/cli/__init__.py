@@ -41,7 +41,7 @@ atexit.register(gc.freeze)
 COMMANDS = {command.name: command.help for command in ROWS.values()}
 
 
-class _Lazy(click.Group):
+class _LazyGroup(click.Group):
     """A group whose verbs are imported when they are asked for, and not to be listed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -69,27 +69,27 @@ class _Lazy(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Answer a word that is no verb with the line that is meant."""
-        name, *others = args
+        name, *arguments = args
         if name not in COMMANDS and not name.startswith("-"):
-            suggestion = call_handler("suggest", "command", name, others, default="")
+            suggestion = call_handler("suggest", "command", name, arguments, default="")
             ctx.fail(f"There is no command '{name}'. {suggestion}")
         return super().resolve_command(ctx, args)
 
-    def main(self, *given: Any, **how: Any) -> Any:
+    def main(self, *arguments: Any, **settings: Any) -> Any:
         """Run a command; whatever goes wrong ends in a sentence and an exit code."""
         run: Callable[..., Any] = super().main
-        if not how.pop("standalone_mode", True):
-            return run(*given, standalone_mode=False, **how)
-        words = given[0] if given else how.get("args")
+        if not settings.pop("standalone_mode", True):
+            return run(*arguments, standalone_mode=False, **settings)
+        words = arguments[0] if arguments else settings.get("args")
         try:
-            sys.exit(run(*given, standalone_mode=False, **how))
+            sys.exit(run(*arguments, standalone_mode=False, **settings))
         except Exception as error:  # noqa: BLE001 -- the last net: no one is shown a raw traceback
             from dashpot.cli._failure import report_error
 
             sys.exit(report_error(error, sys.argv[1:] if words is None else list(words)))
 
 
-@click.group("dashpot", cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group("dashpot", cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="dashpot")
 @click.option("--traceback", is_flag=True, expose_value=False, help="Show where a fault happened.")
 def main() -> None:

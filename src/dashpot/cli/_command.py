@@ -19,15 +19,15 @@ from dashpot.cli._param_types import Keyed, Scoped, type_of
 
 WIDTH = 80
 """Columns of a page of help."""
-NAMES = 27
-"""Of them for the name of an option; what is longer stands on a line of its own."""
-LIMIT = 40
+NAME_WIDTH = 27
+"""Columns of them them for the name of an option; what is longer stands on a line of its own."""
+MOST_HELP_LINES = 40
 """Lines that the help of a verb may take."""
 
-TYPED = "dashpot.typed"
+TYPED_VALUES = "dashpot.typed"
 """Where options are kept as they were typed."""
 
-KEYED = {
+KEYED_OPTIONS = {
     "--column": ("ROLE=NAME", "Column of a role, by name or number: force=Kraft."),
     "--text-format": ("KEY=VALUE", "delimiter, decimal, encoding or skip (lines)."),
     "--file-part": ("KEY=VALUE", "segment, cycle or sheet to read."),
@@ -45,7 +45,7 @@ class TargetFields(NamedTuple):
     """Fields that an option fills: those of a dataclass argument, or arguments by themselves."""
 
     cls: type
-    receives: str
+    argument: str
     fields: tuple[Field[Any], ...]
 
 
@@ -59,24 +59,24 @@ class CommandOption(click.Option):
         self,
         *flags: str,
         kinds: Iterable[str] = (),
-        more: bool = False,
-        fills: TargetFields | None = None,
+        is_advanced: bool = False,
+        target: TargetFields | None = None,
         former: str = "",
-        **how: Any,
+        **click_options: Any,
     ) -> None:
-        super().__init__(flags, **how)
+        super().__init__(flags, **click_options)
         self.group = ""
         self.kinds = frozenset(kinds)
-        self.unheard: frozenset[str] = frozenset()
+        self.excluded_kinds: frozenset[str] = frozenset()
         """Kinds that do not take it, of an option that is of no kind alone."""
-        self.more = more
-        self.fills = fills
+        self.is_advanced = is_advanced
+        self.target = target
         self.former = former
 
     def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
-        shown, self.opts = self.opts, self.list_spellings()  # click shows what `opts` holds
+        names, self.opts = self.opts, self.list_spellings()  # click shows what `opts` holds
         super().add_to_parser(parser, ctx)
-        self.opts = shown
+        self.opts = names
 
     def list_spellings(self) -> list[str]:
         """Return the option as it is typed, also as in the edition before."""
@@ -90,109 +90,123 @@ class CommandOption(click.Option):
     def consume_value(self, ctx: click.Context, opts: Mapping[str, Any]) -> tuple[Any, Any]:
         value, source = super().consume_value(ctx, opts)
         if source is click.core.ParameterSource.COMMANDLINE:
-            ctx.meta.setdefault(TYPED, {})[self.name] = value
+            ctx.meta.setdefault(TYPED_VALUES, {})[self.name] = value
         return value, source
 
-    def suits(self, kinds: set[str]) -> bool:
+    def applies_to(self, record_kinds: set[str]) -> bool:
         """Return whether it is for records of any of these kinds."""
         if self.kinds:
-            return not self.kinds.isdisjoint(kinds)
-        return not kinds or not self.unheard >= kinds
+            return not self.kinds.isdisjoint(record_kinds)
+        return not record_kinds or not self.excluded_kinds >= record_kinds
 
     @property
     def names(self) -> set[str]:
         """Names of the arguments of the command function: its fields, or the value that they
         fill.
         """
-        if self.fills is None:
+        if self.target is None:
             return {str(self.name)}
-        return {self.fills.receives, *(field.name for field in self.fills.fields)}
+        return {self.target.argument, *(field.name for field in self.target.fields)}
 
     def iterate_field_values(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield what its fields are by what click passes on, for all files ("") or for some."""
-        assert self.fills is not None  # noqa: S101
-        field = self.fills.fields[0]
+        assert self.target is not None  # noqa: S101
+        field = self.target.fields[0]
         if isinstance(self.type, Keyed):
             yield from value or ()
         elif isinstance(self.type, Scoped):
             yield from ((glob, {field.name: item}) for glob, item in value or ())
         else:
-            how = field.metadata
-            yield "", {field.name: how["parse"](value) if "parse" in how else value}
+            metadata = field.metadata
+            yield "", {field.name: metadata["parse"](value) if "parse" in metadata else value}
 
     def get_typed_words(self, ctx: click.Context) -> list[str]:
         """Return its words as they were typed; nothing where it was not."""
-        stated = ctx.meta.get(TYPED, {})
-        if self.name not in stated:
+        typed_values = ctx.meta.get(TYPED_VALUES, {})
+        if self.name not in typed_values:
             return []
-        value = stated[self.name]
+        value = typed_values[self.name]
         if self.is_flag:
             return [self.flag]
-        several = value if isinstance(value, list | tuple) else (value,)
-        return [word for item in several for word in (self.flag, str(item))]
+        items = value if isinstance(value, list | tuple) else (value,)
+        return [word for item in items for word in (self.flag, str(item))]
 
 
-def opt(*flags: str, kinds: str = "", **how: Any) -> CommandOption:
+def opt(*flags: str, kinds: str = "", **click_options: Any) -> CommandOption:
     """Return an option; without a metavar and a type it is a flag."""
-    if "metavar" not in how and "type" not in how:
-        how["is_flag"] = True
-    return CommandOption(*flags, kinds=kinds.split(), **how)
+    if "metavar" not in click_options and "type" not in click_options:
+        click_options["is_flag"] = True
+    return CommandOption(*flags, kinds=kinds.split(), **click_options)
 
 
 def build_options(
     cls: type,
     *names: str,
-    into: str = "",
-    leave: Sequence[str] = (),
+    argument: str = "",
+    omit: Sequence[str] = (),
     kinds: str = "",
-    more: bool = False,
-    **other: Any,
+    is_advanced: bool = False,
+    **overrides: Any,
 ) -> list[CommandOption]:
     """Return the options that these fields of a dataclass declare, or all.
 
-    A command function receives each, or the value as one argument, `into`. `other` is what these
-    options say otherwise here: `help`, `default`, `required`, `metavar`.
+    A command function receives each, or the value as one argument, `argument`. `overrides` is what
+    these options say otherwise here: `help`, `default`, `required`, `metavar`.
     """
-    every = {field.name: field for field in iterate_option_fields(cls) if field.name not in leave}
-    rows: dict[str, list[Field[Any]]] = {}
-    for name in names or every:
-        rows.setdefault(flag_of(every[name]), []).append(every[name])
+    fields_by_name = {
+        field.name: field for field in iterate_option_fields(cls) if field.name not in omit
+    }
+    fields_by_flag: dict[str, list[Field[Any]]] = {}
+    for name in names or fields_by_name:
+        fields_by_flag.setdefault(flag_of(fields_by_name[name]), []).append(fields_by_name[name])
     return [
-        _make_option(flag, TargetFields(cls, into, tuple(row)), kinds=kinds, more=more, **other)
-        for flag, row in rows.items()
+        _make_option(
+            flag,
+            TargetFields(cls, argument, tuple(option_fields)),
+            kinds=kinds,
+            is_advanced=is_advanced,
+            **overrides,
+        )
+        for flag, option_fields in fields_by_flag.items()
     ]
 
 
 def _make_option(
-    flag: str, fills: TargetFields, *, kinds: str, more: bool, **other: Any
+    flag: str, target: TargetFields, *, kinds: str, is_advanced: bool, **overrides: Any
 ) -> CommandOption:
-    (field, *_), name = fills.fields, f"{fills.receives}_{fills.fields[0].name}"
-    how: dict[str, Any] = {}
-    if "under" in field.metadata or len(fills.fields) > 1:
-        metavar, message = KEYED[flag]
-        how = {"type": Keyed(flag, fills.fields), "multiple": True, "metavar": metavar}
-        how["help"] = message
+    (field, *_), name = target.fields, f"{target.argument}_{target.fields[0].name}"
+    click_options: dict[str, Any] = {}
+    if "under" in field.metadata or len(target.fields) > 1:
+        metavar, message = KEYED_OPTIONS[flag]
+        click_options = {"type": Keyed(flag, target.fields), "multiple": True, "metavar": metavar}
+        click_options["help"] = message
     else:
-        how = {key: field.metadata[key] for key in _PASSED if key in field.metadata}
-        how["default"] = _get_default(field)
-        if "is_flag" not in how:
-            kind = how["type"] = type_of(field)
-            how.setdefault("metavar", _metavar(kind))
-    how |= other
-    how["help"] = _with_default(how.get("help") or "", how.get("default"))
-    how.setdefault("former", field.metadata.get("former", ""))
-    return CommandOption(flag, name, kinds=kinds.split(), more=more, fills=fills, **how)
+        click_options = {
+            key: field.metadata[key] for key in _CLICK_SETTINGS if key in field.metadata
+        }
+        click_options["default"] = _get_default(field)
+        if "is_flag" not in click_options:
+            kind = click_options["type"] = type_of(field)
+            click_options.setdefault("metavar", _get_metavar(kind))
+    click_options |= overrides
+    click_options["help"] = _add_default(
+        click_options.get("help") or "", click_options.get("default")
+    )
+    click_options.setdefault("former", field.metadata.get("former", ""))
+    return CommandOption(
+        flag, name, kinds=kinds.split(), is_advanced=is_advanced, target=target, **click_options
+    )
 
 
-def _metavar(kind: click.ParamType[Any]) -> str:
+def _get_metavar(kind: click.ParamType[Any]) -> str:
     """Return what stands for a value: its words, its dimension, or a number."""
     if isinstance(kind, click.Choice):
         return "|".join(kind.choices)
-    return _NUMBERS.get(kind.name, kind.name.upper())
+    return _METAVARS.get(kind.name, kind.name.upper())
 
 
-_NUMBERS = {"float": "N", "integer": "N", "integer range": "N", "text": "NAME"}
-_PASSED = ("help", "metavar", "multiple", "is_flag")
+_METAVARS = {"float": "N", "integer": "N", "integer range": "N", "text": "NAME"}
+_CLICK_SETTINGS = ("help", "metavar", "multiple", "is_flag")
 
 
 def _get_default(field: Field[Any]) -> Any:
@@ -204,28 +218,28 @@ def _get_default(field: Field[Any]) -> Any:
     return field.metadata.get("word") if field.default is None else field.default
 
 
-def _with_default(message: str, default: Any) -> str:
+def _add_default(message: str, default: Any) -> str:
     """Say what is usual, where that is a word or a number."""
     if default in (None, "", False, ()) or message.endswith(")."):
         return message
-    shown = f"{default:g}" if isinstance(default, float) else str(default)
-    return f"{message.rstrip('.')} ({shown})."
+    default_text = f"{default:g}" if isinstance(default, float) else str(default)
+    return f"{message.rstrip('.')} ({default_text})."
 
 
 def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options under one title of the help."""
-    flat = _flatten(options)
-    for item in flat:
-        item.group = title
-    return flat
+    group_options = _flatten(options)
+    for option in group_options:
+        option.group = title
+    return group_options
 
 
 def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
     """Return options that the short help leaves out."""
-    flat = _flatten(options)
-    for item in flat:
-        item.more = True
-    return flat
+    advanced_options = _flatten(options)
+    for option in advanced_options:
+        option.is_advanced = True
+    return advanced_options
 
 
 def _flatten(params: Iterable[Any]) -> list[Any]:
@@ -242,7 +256,7 @@ class DashpotCommand(click.Command):
 
     Attributes
     ----------
-    by_kind : callable or None
+    detect_kinds : callable or None
         From words of the command to the kinds of the files in them; of a verb whose options are of
         kinds of records.
     """
@@ -252,16 +266,16 @@ class DashpotCommand(click.Command):
         name: str,
         *,
         params: Sequence[click.Parameter],
-        by_kind: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
-        **how: Any,
+        detect_kinds: Callable[[Sequence[str]], Mapping[str, str]] | None = None,
+        **click_options: Any,
     ) -> None:
         options = [
             click.Option(["-h", "--help"], is_flag=True, expose_value=False, hidden=True),
             click.Option(["--help-all"], is_flag=True, expose_value=False, hidden=True),
             click.Option(["--traceback"], is_flag=True, expose_value=False, hidden=True),
         ]
-        super().__init__(name, params=[*params, *options], add_help_option=False, **how)
-        self.by_kind = by_kind
+        super().__init__(name, params=[*params, *options], add_help_option=False, **click_options)
+        self.detect_kinds = detect_kinds
 
     @property
     def options(self) -> list[CommandOption]:
@@ -272,37 +286,37 @@ class DashpotCommand(click.Command):
         words = args[: args.index("--")] if "--" in args else args
         if {"-h", "--help", "--help-all"} & set(words):
             files = [word for word in words if not word.startswith("-") and Path(word).is_file()]
-            click.echo(self.render_help(ctx, every="--help-all" in words, files=files))
+            click.echo(self.render_help(ctx, show_all="--help-all" in words, files=files))
             ctx.exit()
         return super().parse_args(ctx, args)
 
     def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        named = [
+        argument_names = [
             param.make_metavar(ctx) for param in self.params if isinstance(param, click.Argument)
         ]
-        return [*named, "[OPTIONS]"]
+        return [*argument_names, "[OPTIONS]"]
 
     def get_help(self, ctx: click.Context) -> str:
         return self.render_help(ctx)
 
     def render_help(
-        self, ctx: click.Context, *, every: bool = False, files: Sequence[str] = ()
+        self, ctx: click.Context, *, show_all: bool = False, files: Sequence[str] = ()
     ) -> str:
         """Return the help: the common options, all, or those of the kinds of the files."""
-        kinds = self.by_kind(files) if files and self.by_kind and not every else {}
-        have = set(kinds.values())
+        kinds = self.detect_kinds(files) if files and self.detect_kinds and not show_all else {}
+        file_kinds = set(kinds.values())
         if kinds:
-            options = [option for option in self.options if option.suits(have)]
+            options = [option for option in self.options if option.applies_to(file_kinds)]
         else:
-            options = [option for option in self.options if every or not option.more]
-        head = f"{_format_kinds(kinds)}. These options apply:" if kinds else self.help or ""
+            options = [option for option in self.options if show_all or not option.is_advanced]
+        introduction = f"{_format_kinds(kinds)}. These options apply:" if kinds else self.help or ""
         usage = f"Usage: {ctx.command_path} {' '.join(self.collect_usage_pieces(ctx))}"
-        lines = [usage, "", *_wrap_text(head), "", *_groups(options)]
+        lines = [usage, "", *_wrap_text(introduction), "", *_format_groups(options)]
         remaining = len(self.options) - len(options)
         if remaining:
-            name = f"; for a file: {ctx.command_path} FILE --help"
-            again = name if self.by_kind and not kinds else ""
-            lines.append(f"{remaining} more: {ctx.command_path} --help-all{again}")
+            file_hint = f"; for a file: {ctx.command_path} FILE --help"
+            hint = file_hint if self.detect_kinds and not kinds else ""
+            lines.append(f"{remaining} more: {ctx.command_path} --help-all{hint}")
         return "\n".join(lines).rstrip("\n")
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -318,70 +332,79 @@ class DashpotCommand(click.Command):
         options: dict[str, Any] = {}
         arguments: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
         for param in self.params:
-            if param.name not in ctx.params or param.name in _TOLD_APART:
+            if param.name not in ctx.params or param.name in _OUTPUT_OPTIONS:
                 continue
             value = ctx.params[param.name]
-            if not isinstance(param, CommandOption) or param.fills is None:
+            if not isinstance(param, CommandOption) or param.target is None:
                 options[param.name] = value
                 continue
-            cls, receives, fields = param.fills
-            if receives:
-                stated = arguments.setdefault(receives, (cls, {}))[1]
+            cls, argument, fields = param.target
+            if argument:
+                field_values = arguments.setdefault(argument, (cls, {}))[1]
             else:
-                stated = {"": options}
+                field_values = {"": options}
                 options |= {
                     field.name: field.default for field in fields if field.name not in options
                 }
-            _gather(stated, param.iterate_field_values(value))
-        for receives, (cls, stated) in arguments.items():
-            pairs = tuple((glob, cls(**entry)) for glob, entry in stated.items() if glob)
-            options[receives] = cls(**stated.get("", {}), **({"own": pairs} if pairs else {}))
-        return _with_profile(ctx, options)
+            _add_field_values(field_values, param.iterate_field_values(value))
+        for argument, (cls, field_values) in arguments.items():
+            scoped_values = tuple(
+                (glob, cls(**entry)) for glob, entry in field_values.items() if glob
+            )
+            options[argument] = cls(
+                **field_values.get("", {}), **({"own": scoped_values} if scoped_values else {})
+            )
+        return _apply_profiles(ctx, options)
 
 
-def _gather(
-    stated: dict[str, dict[str, Any]], rows: Iterable[tuple[str, Mapping[str, Any]]]
+def _add_field_values(
+    scoped_values: dict[str, dict[str, Any]], new_values: Iterable[tuple[str, Mapping[str, Any]]]
 ) -> None:
     """Add the values of fields, for all files ("") or for some, to those stated before."""
-    for scope, fields in rows:
-        entries = stated.setdefault(scope, {})
+    for scope, fields in new_values:
+        entries = scoped_values.setdefault(scope, {})
         for name, field in fields.items():
             entries[name] = _merge_values(entries[name], field) if name in entries else field
 
 
-def _merge_values(first: Any, then: Any) -> Any:
+def _merge_values(earlier: Any, later: Any) -> Any:
     """Return the merged values of a field stated twice: both units, both columns, or the last."""
-    if isinstance(then, dict):
-        return first | then
-    return (*first, *then) if isinstance(then, tuple) and isinstance(first, tuple) else then
+    if isinstance(later, dict):
+        return earlier | later
+    return (*earlier, *later) if isinstance(later, tuple) and isinstance(earlier, tuple) else later
 
 
-_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
+_OUTPUT_OPTIONS = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
 """Options on the format and the output files of a result, which the output code uses."""
 
 
-def _with_profile(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]:
+def _apply_profiles(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]:
     """Lay what the profiles say below what was typed."""
     if "profile" not in options:
         return options
-    from dashpot.cli._read_options import over_profiles
+    from dashpot.cli._read_options import merge_profiles
 
-    options["options"] = over_profiles(ctx, options["options"], options.pop("profile"))
+    options["options"] = merge_profiles(ctx, options["options"], options.pop("profile"))
     return options
 
 
 def verb(
-    name: str, message: str, *params: click.Parameter | Iterable[click.Parameter], **how: Any
+    name: str,
+    message: str,
+    *params: click.Parameter | Iterable[click.Parameter],
+    **settings: Any,
 ) -> Callable[[Callable[..., Any]], DashpotCommand]:
     """Make a verb of a function that receives its arguments and options."""
 
     def make_command(function: Callable[..., Any]) -> DashpotCommand:
-        return DashpotCommand(name, params=_flatten(params), help=message, callback=function, **how)
+        return DashpotCommand(
+            name, params=_flatten(params), help=message, callback=function, **settings
+        )
 
     return make_command
 
 
-def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, str]) -> None:
+def refuse_options(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, str]) -> None:
     """Refuse an option that is of other kinds of records than those that were given.
 
     Raises
@@ -392,15 +415,21 @@ def refuse_others(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, 
     from dashpot.cli._command_files import format_override_hint
     from dashpot.reading.columns.file_kinds import get_kind_label
 
-    have = set(kinds.values())
+    file_kinds = set(kinds.values())
     for option in verb.options:
-        if not option.suits(have) and option.get_typed_words(ctx):
+        if not option.applies_to(file_kinds) and option.get_typed_words(ctx):
             if not option.kinds:
                 raise click.UsageError(f"{option.flag} does not suit it. {_format_kinds(kinds)}.")
-            *others, last = dict.fromkeys(get_kind_label(word) for word in sorted(option.kinds))
-            wanted = f"{', '.join(others)} or {last}" if others else last
-            but = format_override_hint(option.kinds) if len(kinds) == 1 else ""
-            raise click.UsageError(f"{option.flag} is for {wanted}. {_format_kinds(kinds)}.{but}")
+            *other_kinds, last_kind = dict.fromkeys(
+                get_kind_label(word) for word in sorted(option.kinds)
+            )
+            expected_kinds = (
+                f"{', '.join(other_kinds)} or {last_kind}" if other_kinds else last_kind
+            )
+            override_hint = format_override_hint(option.kinds) if len(kinds) == 1 else ""
+            raise click.UsageError(
+                f"{option.flag} is for {expected_kinds}. {_format_kinds(kinds)}.{override_hint}"
+            )
 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
@@ -413,15 +442,15 @@ def _format_kinds(kinds: Mapping[str, str]) -> str:
 # -- how it is laid out ---------------------------------------------------------------------------
 
 
-def _groups(options: Sequence[CommandOption]) -> list[str]:
+def _format_groups(options: Sequence[CommandOption]) -> list[str]:
     """Return options under their titles."""
-    width = min(max(len(_format_option_name(option)) for option in options), NAMES)
+    width = min(max(len(_format_option_name(option)) for option in options), NAME_WIDTH)
     lines: list[str] = []
     for title in dict.fromkeys(option.group for option in options):
         lines.append(f"{title}:")
         for item in options:
             if item.group == title:
-                lines += _row(_format_option_name(item), item.help or "", width)
+                lines += _format_option_row(_format_option_name(item), item.help or "", width)
         lines.append("")
     return lines
 
@@ -439,15 +468,15 @@ def _wrap_text(text: str) -> list[str]:
 
 def _format_option_name(option: CommandOption) -> str:
     flags = ", ".join(sorted(option.opts, key=len))
-    lead = "" if flags.startswith("-") and not flags.startswith("--") else "    "
-    return f"{lead}{flags} {option.metavar}" if option.metavar else f"{lead}{flags}"
+    indent = "" if flags.startswith("-") and not flags.startswith("--") else "    "
+    return f"{indent}{flags} {option.metavar}" if option.metavar else f"{indent}{flags}"
 
 
-def _row(name: str, message: str, width: int) -> list[str]:
-    space = WIDTH - width - 4
-    lines = click.formatting.wrap_text(message, space).splitlines() or [""]
+def _format_option_row(name: str, message: str, width: int) -> list[str]:
+    text_width = WIDTH - width - 4
+    lines = click.formatting.wrap_text(message, text_width).splitlines() or [""]
     if len(name) <= width:
-        first = [f"  {name:<{width}}  {lines[0]}"]
+        first_lines = [f"  {name:<{width}}  {lines[0]}"]
     else:
-        first = [f"  {name}", f"  {'':<{width}}  {lines[0]}"]
-    return [*first, *(f"  {'':<{width}}  {line}" for line in lines[1:])]
+        first_lines = [f"  {name}", f"  {'':<{width}}  {lines[0]}"]
+    return [*first_lines, *(f"  {'':<{width}}  {line}" for line in lines[1:])]

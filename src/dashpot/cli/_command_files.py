@@ -21,23 +21,23 @@ if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
-PAGE = "dashpot.page"
+PAGE_RENDERER = "dashpot.page"
 """Where an option keeps the function that writes the page of a result."""
 
 
 def render_page(result: Any, **figures: Any) -> str:
     """Return the page of a result, with what an option adds to it."""
-    write: Callable[..., str] = click.get_current_context().meta.get(PAGE, workflow.html)
+    write: Callable[..., str] = click.get_current_context().meta.get(PAGE_RENDERER, workflow.html)
     return write(result, **figures)
 
 
-def format_command(*words: object, why: str = "") -> str:
+def format_command(*words: object, remark: str = "") -> str:
     """Return a dashpot command as it is typed, with a remark that the shell overlooks."""
     line = shlex.join(["dashpot", *(str(word) for word in words)])
-    return f"{line}  # {why}" if why else line
+    return f"{line}  # {remark}" if remark else line
 
 
-def grams(mass: float) -> str:
+def format_grams(mass: float) -> str:
     """Return a mass, kg, as it is typed."""
     return f"{convert_to_unit(mass, 'g'):g}g"
 
@@ -86,7 +86,7 @@ def _detect_file_kind(path: str, options: ReadOptions) -> Recognised:
     return recognise(path, options.for_file(path))
 
 
-def kinds_of(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
+def get_file_kinds(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
     """Return the word of each file's kind, as it was read with the options.
 
     Raises
@@ -107,12 +107,12 @@ def _format_column_hint(path: str, options: ReadOptions) -> str:
     """Return the options that name the columns of a file; of too few columns, what is missing."""
     from dashpot.reading.readers.detect_kind import suggest_relaxation_options
 
-    see = f"To see its columns: dashpot inspect {path}"
-    named = suggest_relaxation_options(path, options)
+    inspect_hint = f"To see its columns: dashpot inspect {path}"
+    column_options = suggest_relaxation_options(path, options)
     return (
-        f"If it is a test of a seal, name its columns: {named}. {see}"
-        if named
-        else (f"A test of a seal has time, displacement and force. {see}")
+        f"If it is a test of a seal, name its columns: {column_options}. {inspect_hint}"
+        if column_options
+        else (f"A test of a seal has time, displacement and force. {inspect_hint}")
     )
 
 
@@ -120,18 +120,20 @@ def format_override_hint(kinds: Collection[str]) -> str:
     """Return how to state that a file is of this kind; empty for a choice of several."""
     from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 
-    (word, *more) = kinds
-    is_kind = word in KINDS_OF_FILE and not more
-    return f" If the file is {KINDS_OF_FILE[word].label}, add --kind {word}." if is_kind else ""
+    (kind, *other_kinds) = kinds
+    is_kind = kind in KINDS_OF_FILE and not other_kinds
+    return f" If the file is {KINDS_OF_FILE[kind].label}, add --kind {kind}." if is_kind else ""
 
 
 def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
     """Print on stderr the kind for which each file was taken."""
-    grouped: dict[str, list[str]] = {}
+    files_by_kind: dict[str, list[str]] = {}
     for path, detection in detections.items():
-        grouped.setdefault(detection.kind_title, []).append(Path(path).name)
-    listed = "; ".join(f"{', '.join(names)}: {what}" for what, names in grouped.items())
-    to_stderr(f"recognised {listed}")
+        files_by_kind.setdefault(detection.kind_title, []).append(Path(path).name)
+    kind_texts = "; ".join(
+        f"{', '.join(names)}: {kind_title}" for kind_title, names in files_by_kind.items()
+    )
+    to_stderr(f"recognised {kind_texts}")
 
 
 # Input of ``dashpot fit``: the records, their kinds, and the options.

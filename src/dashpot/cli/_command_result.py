@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 WRITTEN, STDOUT_TAKEN = "dashpot.written", "dashpot.stdout"
-JUDGE = "dashpot.judge"
+OUTCOME_JUDGE = "dashpot.judge"
 """Where an option keeps the function that judges the outcome."""
-_MAKERS = ("simulate", "demo")
+_RECORD_WRITERS = ("simulate", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _VISUAL_SUFFIXES = (".html", ".png", ".svg", ".pdf")
 
@@ -34,16 +34,16 @@ def collect_outputs(context: click.Context, *, may_replace: bool) -> Outputs:
     """Return where a command may write, its own outputs claimed: all else it names is read."""
     from dashpot.workflow.outputs import Outputs
 
-    kinds = {param.name: isinstance(param.type, Output) for param in context.command.params}
-    words: dict[bool, list[str]] = {True: [], False: []}
-    for name, group in context.params.items():
-        several = group if isinstance(group, tuple) else (group,)
-        words[kinds.get(name, False)] += [
-            text for text in several if isinstance(text, str) and text != "-"
+    is_output = {param.name: isinstance(param.type, Output) for param in context.command.params}
+    paths: dict[bool, list[str]] = {True: [], False: []}
+    for name, value in context.params.items():
+        items = value if isinstance(value, tuple) else (value,)
+        paths[is_output.get(name, False)] += [
+            item for item in items if isinstance(item, str) and item != "-"
         ]
-    inputs = tuple(word for word in words[False] if Path(word).is_file())
-    outputs = Outputs(inputs, may_replace, makes_records=context.command.name in _MAKERS)
-    outputs.claim(words[True])
+    inputs = tuple(word for word in paths[False] if Path(word).is_file())
+    outputs = Outputs(inputs, may_replace, makes_records=context.command.name in _RECORD_WRITERS)
+    outputs.claim(paths[True])
     return outputs
 
 
@@ -85,9 +85,9 @@ def write_figure(path: str, figure: dp.plot.Picture) -> None:
     write_output(path, dp.plot.render_figure(figure, Path(path).suffix, size=size))
 
 
-def open_written(written: Sequence[str]) -> None:
+def open_written(paths: Sequence[str]) -> None:
     """Open the last page or picture that was written, or say why not."""
-    pages = [path for path in written if Path(path).suffix.lower() in _VISUAL_SUFFIXES]
+    pages = [path for path in paths if Path(path).suffix.lower() in _VISUAL_SUFFIXES]
     if not pages:
         to_stderr("nothing to open: name a page (-o page.html) or a picture (--plot fit.png)")
     elif click.launch(pages[-1]):
@@ -110,7 +110,7 @@ class CommandResult(NamedTuple):
         A failed check is this command's own failure, ``--strict`` or not.
     verdict
         Leads the text; ``--strict`` heeds its checks, or all where there is no verdict.
-    follow
+    next_command
         The command that comes next, if it can be named.
     nothing_done
         Nothing that was given could be used: the exit code is that of bad input.
@@ -123,17 +123,21 @@ class CommandResult(NamedTuple):
     checks: Sequence[Check] = ()
     must_pass: bool = False
     verdict: Verdict | None = None
-    follow: str = ""
+    next_command: str = ""
     nothing_done: bool = False
     unmet: bool = False
 
     @classmethod
-    def from_result(cls, result: Any, *, follow: str = "") -> CommandResult:
+    def from_result(cls, result: Any, *, next_command: str = "") -> CommandResult:
         """Return the text, the checks and the verdict of a result."""
         from dashpot.text_output import render_text
 
         return cls(
-            result, render_text(result), result.checks, verdict=result.verdict, follow=follow
+            result,
+            render_text(result),
+            result.checks,
+            verdict=result.verdict,
+            next_command=next_command,
         )
 
     @property
@@ -150,17 +154,17 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
     what was written and what comes next. Where the outputs go is settled before any work is done;
     what goes wrong is the group's to say.
     """
-    from dashpot.cli._terminal import progress  # a page of help shows none
+    from dashpot.cli._terminal import show_progress  # a page of help shows none
 
     params = context.params
     context.obj = collect_outputs(context, may_replace=params.get("overwrite", False))
-    as_json, written = params["as_json"], context.meta.setdefault(WRITTEN, [])
+    is_json, written = params["as_json"], context.meta.setdefault(WRITTEN, [])
     try:
-        with progress():
+        with show_progress():
             outcome = run()
-            if JUDGE in context.meta:
-                outcome = context.meta[JUDGE](outcome)
-            text = _format_result(outcome, as_json=as_json, verbose=params.get("verbose", False))
+            if OUTCOME_JUDGE in context.meta:
+                outcome = context.meta[OUTCOME_JUDGE](outcome)
+            text = _format_result(outcome, as_json=is_json, verbose=params.get("verbose", False))
         if text:
             to_stdout(text)
     finally:
@@ -168,8 +172,8 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
             to_stderr(f"wrote {path}")
     if params.get("opens"):
         open_written(written)
-    if outcome.follow and not as_json:
-        to_stderr(f"next: {outcome.follow}")
+    if outcome.next_command and not is_json:
+        to_stderr(f"next: {outcome.next_command}")
     if outcome.nothing_done:
         sys.exit(2)
     if (params.get("strict") or outcome.must_pass) and (outcome.weighty or outcome.unmet):
@@ -181,11 +185,13 @@ def _format_result(outcome: CommandResult, *, as_json: bool, verbose: bool) -> s
         return format_json(outcome.result)
     if click.get_current_context().meta.get(STDOUT_TAKEN):
         return ""
-    from dashpot.cli._terminal import screen
+    from dashpot.cli._terminal import get_screen_size
     from dashpot.text_output.layout import format_for_screen
 
     parts = outcome.text, outcome.verdict, outcome.checks
-    return "\n".join(format_for_screen(*parts, verbose=verbose, style=click.style, size=screen()))
+    return "\n".join(
+        format_for_screen(*parts, verbose=verbose, style=click.style, size=get_screen_size())
+    )
 
 
 def format_json(result: Serialisable) -> str:

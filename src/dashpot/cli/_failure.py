@@ -21,7 +21,7 @@ from dashpot.base.version import __version__
 from dashpot.cli._terminal import to_stderr, to_stdout
 from dashpot.registry import call_handler
 
-BAD, FAULT, INTERRUPTED = 2, 3, 130
+BAD_INPUT, FAULT, INTERRUPTED = 2, 3, 130
 """Exit codes: bad input or usage, internal error of dashpot, stopped by the user."""
 
 REPORT_ADDRESS = "the maintainers of the repository that dashpot came from (SECURITY.md there)"
@@ -48,22 +48,28 @@ def report_error(error: BaseException, words: Sequence[str]) -> int:
     stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
     document. With ``--traceback`` both say where in the code it happened.
     """
-    failure = _failure(error)
-    where = "".join(traceback.format_exception(error)) if _has_option("--traceback", words) else ""
-    to_stderr(where + failure.shown)
+    failure = _classify_error(error)
+    traceback_text = (
+        "".join(traceback.format_exception(error)) if _has_option("--traceback", words) else ""
+    )
+    to_stderr(traceback_text + failure.shown)
     if _has_option("--json", words) and sys.stdout is not None:
-        document = replace(failure, traceback=where or None).to_dict()
+        document = replace(failure, traceback=traceback_text or None).to_dict()
         to_stdout(escaped_json(json.dumps(document, indent=2, ensure_ascii=False)))
     return failure.code
 
 
 def _has_option(option: str, words: Sequence[str]) -> bool:
     """Tell whether an option stands among the words, before ``--``, which ends the options."""
-    requested = list(words)
-    return option in (requested[: requested.index("--")] if "--" in requested else requested)
+    before_separator = list(words)
+    return option in (
+        before_separator[: before_separator.index("--")]
+        if "--" in before_separator
+        else before_separator
+    )
 
 
-def _failure(error: BaseException) -> Failure:
+def _classify_error(error: BaseException) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
         if isinstance(error, click.NoSuchOption):
@@ -75,39 +81,43 @@ def _failure(error: BaseException) -> Failure:
             error = click.NoSuchOption(
                 error.option_name, f"{error.message} {suggestion or ''}".rstrip(), ctx=context
             )
-        page = io.StringIO()
-        error.show(page)
-        message = _plainly(error.format_message())
-        shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n")))
-        return Failure("UsageError", message, shown, error.exit_code)
+        click_output = io.StringIO()
+        error.show(click_output)
+        message = _simplify_text(error.format_message())
+        screen_text = re.sub(
+            "(?m)^Error: ", "dashpot: ", _simplify_text(click_output.getvalue().rstrip("\n"))
+        )
+        return Failure("UsageError", message, screen_text, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
         text = str(error.__cause__ or error)  # click aborts because of the interrupt
-        return _sentence("Interrupted", text or "interrupted", INTERRUPTED)
+        return _build_failure("Interrupted", text or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
-        return _sentence(kind, f"{error}{_format_example_hint(error.__context__)}", BAD)
+        return _build_failure(kind, f"{error}{_format_example_hint(error.__context__)}", BAD_INPUT)
     if isinstance(error, FileNotFoundError) and error.filename:
         from dashpot.reading.raw_file import missing
 
         message = missing(os.fsdecode(error.filename)) + _format_example_hint(error)
-        return _sentence("OSError", message, BAD)
+        return _build_failure("OSError", message, BAD_INPUT)
     if isinstance(error, OSError):
-        where = f"{error.filename}: " if error.filename else ""
-        return _sentence("OSError", f"{where}{error.strerror or error}", BAD)
+        file_prefix = f"{error.filename}: " if error.filename else ""
+        return _build_failure("OSError", f"{file_prefix}{error.strerror or error}", BAD_INPUT)
     if isinstance(error, MemoryError):
-        return _sentence(kind, "there is not enough memory for this; give a shorter record", BAD)
-    what = ": ".join((kind, *str(error).splitlines()[:1]))
+        return _build_failure(
+            kind, "there is not enough memory for this; give a shorter record", BAD_INPUT
+        )
+    error_summary = ": ".join((kind, *str(error).splitlines()[:1]))
     message = (
-        f"a fault in dashpot {__version__} itself, not in what you typed: {what}. Please report "
-        f"it, with the command and, if it may be shown, the file, to {REPORT_ADDRESS}; "
-        "--traceback shows where it happened"
+        f"a fault in dashpot {__version__} itself, not in what you typed: {error_summary}. "
+        f"Please report it, with the command and, if it may be shown, the file, to "
+        f"{REPORT_ADDRESS}; --traceback shows where it happened"
     )
-    return _sentence("InternalError", message, FAULT)
+    return _build_failure("InternalError", message, FAULT)
 
 
-def _plainly(message: str) -> str:
+def _simplify_text(message: str) -> str:
     """Return a refusal of click in words that no programmer is needed for."""
-    whole = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
-    return whole.replace("is not a valid float", "is no number")
+    replaced = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
+    return replaced.replace("is not a valid float", "is no number")
 
 
 def _format_example_hint(cause: BaseException | None) -> str:
@@ -120,5 +130,5 @@ def _format_example_hint(cause: BaseException | None) -> str:
     return ""
 
 
-def _sentence(kind: str, message: str, code: int) -> Failure:
+def _build_failure(kind: str, message: str, code: int) -> Failure:
     return Failure(kind, message, f"dashpot: {message}", code)

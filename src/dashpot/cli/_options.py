@@ -37,7 +37,7 @@ from dashpot.workflow.job import BlockOnSeals, HammerChoices, Job, TimeLimits
 
 MODEL, MASS, READING, RESULT = "Model", "Mass on seals", "Reading the files", "Result"
 RAMP, TEMPERATURE_GROUP, HITS = "Ramp and hold", "Several temperatures", "Hammer hits"
-PIECE = "Specimen"
+SPECIMEN_GROUP = "Specimen"
 
 VIBRATION = "impact frf transmissibility"
 """Kinds that are of a mass on its seals."""
@@ -48,26 +48,28 @@ SOLIDS = "relaxation dma master-curve modulus creep fit"
 def _build_keyed_option(cls: type[Any], name: str, into: str) -> list[CommandOption]:
     """Return the option of KEY=VALUE that fills fields of a dataclass."""
     keys = [field.name for field in fields(cls) if field.metadata.get("under") == name]
-    return build_options(cls, *keys, into=into)
+    return build_options(cls, *keys, argument=into)
 
 
-def files(
-    metavar: str, name: str = "files", *, several: bool = True, least: int = 1
+def file_argument(
+    metavar: str, name: str = "files", *, multiple: bool = True, min_count: int = 1
 ) -> click.Argument:
     """Return the argument that names what a verb reads."""
-    nargs = -1 if several else 1
-    return click.Argument([name], type=File(), nargs=nargs, required=least > 0, metavar=metavar)
+    nargs = -1 if multiple else 1
+    return click.Argument([name], type=File(), nargs=nargs, required=min_count > 0, metavar=metavar)
 
 
-def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> list[CommandOption]:
-    """Return the options that say what a file leaves open; `short` stand in the short help."""
+def reading_options(
+    *, common_flags: Sequence[str] = ("--column", "--units", "--profile")
+) -> list[CommandOption]:
+    """Return the options that say what a file leaves open; the short help shows `common_flags`."""
     options = [
         *_build_keyed_option(ReadOptions, "column", into="options"),
         *build_options(
             ReadOptions,
             "units",
             type=Units(),
-            into="options",
+            argument="options",
             help="Unit of a role or column: force=N.",
         ),
         opt(
@@ -85,7 +87,7 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             type=Scoped(WithUnit("frequency")),
             multiple=True,
             metavar="FREQUENCY",
-            into="options",
+            argument="options",
         ),
         *build_options(
             ReadOptions,
@@ -94,9 +96,9 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             multiple=True,
             metavar="TIME",
             kinds="impact frf",
-            into="options",
+            argument="options",
         ),
-        *build_options(ReadOptions, "calibration", "axis", into="options"),
+        *build_options(ReadOptions, "calibration", "axis", argument="options"),
         *build_options(
             ReadOptions,
             "kind",
@@ -104,31 +106,36 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
             multiple=True,
             metavar="KIND",
             help="What a file is, if taken for another: FILE:KIND.",
-            into="options",
+            argument="options",
         ),
     ]
     for option in options:
-        option.more = option.flag not in short
+        option.is_advanced = option.flag not in common_flags
     return group(READING, options)
 
 
-def result(
-    message: str = "",
+def result_options(
+    file_help: str = "",
     *suffixes: str,
     plot: bool = True,
-    checked: bool = True,
+    has_checks: bool = True,
     title: str = RESULT,
     default: str | None = None,
     required: bool = False,
-    opens: bool = True,
+    has_open_option: bool = True,
 ) -> list[CommandOption]:
     """Return the options on the output files and the format of a result."""
     options: list[CommandOption] = []
-    if message:
-        how: dict[str, Any] = {"required": True} if required else {"default": default}
+    if file_help:
+        output_settings: dict[str, Any] = {"required": True} if required else {"default": default}
         options.append(
             CommandOption(
-                "-o", "--output", type=Output(suffixes), metavar="FILE", help=message, **how
+                "-o",
+                "--output",
+                type=Output(suffixes),
+                metavar="FILE",
+                help=file_help,
+                **output_settings,
             )
         )
     if plot:
@@ -143,10 +150,10 @@ def result(
                 help="Size of --plot: 85 mm wide, or of a slide.",
             )
         )
-    if opens:
+    if has_open_option:
         options.append(opt("--open", "opens", help="Open the page or picture written."))
     options.append(opt("--overwrite", help="Replace a file that dashpot did not write."))
-    if checked:
+    if has_checks:
         options += [
             opt("--json", "as_json", help="Print one JSON document in SI units."),
             opt("--strict", help="Exit with 1 if a check limits the use."),
@@ -155,11 +162,14 @@ def result(
     return group(title, options)
 
 
-def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> list[CommandOption]:
-    """Return the options of a mass on its seals; `name` says what goes without it."""
-    message = f"Test mass, e.g. 104g.{name}"
+def mass_options(
+    *, kinds: str = "", purpose: str = "", required: bool = False
+) -> list[CommandOption]:
+    """Return the options of a mass on its seals; `purpose` says what goes without it."""
     return [
-        *build_options(Job, "mass", kinds=kinds, help=message, required=required),
+        *build_options(
+            Job, "mass", kinds=kinds, help=f"Test mass, e.g. 104g.{purpose}", required=required
+        ),
         *build_options(Job, "seals", kinds=kinds, metavar="N"),
         *mark_advanced(
             build_options(Job, "seal_mass", kinds=kinds),
@@ -169,57 +179,59 @@ def under_mass(*, kinds: str = "", name: str = "", required: bool = False) -> li
 
 
 def pop_block(options: dict[str, Any]) -> BlockOnSeals:
-    """Take the block that the options of :func:`under_mass` describe out of what was said."""
+    """Take the block that the options of :func:`mass_options` describe out of what was said."""
     return BlockOnSeals(*(options.pop(attribute.name) for attribute in fields(BlockOnSeals)))
 
 
-def hammer(*, kinds: str = "", leave: Sequence[str] = ()) -> list[CommandOption]:
+def hammer_options(*, kinds: str = "", omit: Sequence[str] = ()) -> list[CommandOption]:
     """Return the options of hits, and of a mass over a base that moves."""
-    hits = build_options(HammerChoices, into="hammer", leave=("motion", *leave), kinds=kinds)
-    for hit in hits:
-        if hit.flag == "--polarity" and hit.kinds:
-            hit.kinds |= {"frf"}
-    return mark_advanced(group(HITS, hits))
+    hit_options = build_options(
+        HammerChoices, argument="hammer", omit=("motion", *omit), kinds=kinds
+    )
+    for option in hit_options:
+        if option.flag == "--polarity" and option.kinds:
+            option.kinds |= {"frf"}
+    return mark_advanced(group(HITS, hit_options))
 
 
-def relative(kinds: str = "") -> list[CommandOption]:
+def relative_motion_option(kinds: str = "") -> list[CommandOption]:
     """Return the option of a motion that was measured against the base."""
-    return mark_advanced(build_options(HammerChoices, "motion", into="hammer", kinds=kinds))
+    return mark_advanced(build_options(HammerChoices, "motion", argument="hammer", kinds=kinds))
 
 
-def machine(kinds: str = "") -> list[CommandOption]:
+def machine_option(kinds: str = "") -> list[CommandOption]:
     """Return the option of what is known of the testing machine."""
-    return build_options(Machine, into="machine", kinds=kinds)
+    return build_options(Machine, argument="machine", kinds=kinds)
 
 
-def time_limits(kinds: str = "") -> list[CommandOption]:
+def time_limits_option(kinds: str = "") -> list[CommandOption]:
     """Return the option of cuts that are made by hand."""
-    return build_options(TimeLimits, into="time_limits", kinds=kinds)
+    return build_options(TimeLimits, argument="time_limits", kinds=kinds)
 
 
-def piece(*, flag: bool = False, more: bool = True) -> list[CommandOption]:
-    """Return the options of the specimen; a temperature for `flag` file where there are several."""
+def specimen_options(*, per_file: bool = False, is_advanced: bool = True) -> list[CommandOption]:
+    """Return the options of the specimen; with `per_file`, a temperature of each file."""
     options = [
         *(
             build_options(Job, "temperatures")
-            if flag
-            else build_options(Specimen, "temperature", into="specimen")
+            if per_file
+            else build_options(Specimen, "temperature", argument="specimen")
         ),
-        *build_options(Specimen, "length", "height", into="specimen"),
+        *build_options(Specimen, "length", "height", argument="specimen"),
         *_build_keyed_option(Specimen, "label", into="specimen"),
     ]
     for option in options:
-        option.more = more
-    return group(PIECE, options)
+        option.is_advanced = is_advanced
+    return group(SPECIMEN_GROUP, options)
 
 
-def wlf() -> CommandOption:
+def wlf_option() -> CommandOption:
     """Return the option of how a seal follows temperature."""
-    message = "How the seal follows temperature: 6.94,129.6K,23degC."
-    return opt("--wlf", type=Wlf(), metavar="C1,C2,T", help=message)
+    return opt("--wlf", type=Wlf(), metavar="C1,C2,T",
+               help="How the seal follows temperature: 6.94,129.6K,23degC.")  # fmt: skip
 
 
-def get_typed_options(*titles: str, but: Container[str] = ()) -> list[str]:
+def get_typed_options(*groups: str, excluded: Container[str] = ()) -> list[str]:
     """Return the options that were typed, of these groups of the help or of all, as typed.
 
     For the command that comes next; without what says where results go.
@@ -229,30 +241,30 @@ def get_typed_options(*titles: str, but: Container[str] = ()) -> list[str]:
     return [
         word
         for option in context.command.options
-        if (not titles or option.group in titles)
-        and option.name not in but
+        if (not groups or option.group in groups)
+        and option.name not in excluded
         and option.group != RESULT
         for word in option.get_typed_words(context)
     ]
 
 
-def get_typed_options_for(verb: str, *, but: Container[str] = ()) -> list[str]:
+def get_typed_options_for(verb: str, *, excluded_flags: Container[str] = ()) -> list[str]:
     """Return the options that were typed and that another verb takes too, as typed.
 
-    `but` are flags that it is given otherwise.
+    `excluded_flags` are flags that it is given otherwise.
     """
     root = click.get_current_context().find_root()
     assert isinstance(root.command, click.Group)  # noqa: S101
-    other = root.command.get_command(root, verb)
-    assert isinstance(other, DashpotCommand)  # noqa: S101
-    names = {option.flag for option in other.options if option.group != RESULT}
+    other_command = root.command.get_command(root, verb)
+    assert isinstance(other_command, DashpotCommand)  # noqa: S101
+    names = {option.flag for option in other_command.options if option.group != RESULT}
     command = click.get_current_context().command
     assert isinstance(command, DashpotCommand)  # noqa: S101
     return get_typed_options(
-        but={
+        excluded={
             option.name
             for option in command.options
-            if option.flag not in names or option.flag in but
+            if option.flag not in names or option.flag in excluded_flags
         }
     )
 
@@ -264,15 +276,19 @@ def format_column_hint(files: Sequence[str]) -> str:
     """
     context = click.get_current_context()
     assert isinstance(context.command, DashpotCommand)  # noqa: S101
-    words = [
+    typed_columns = [
         option.get_typed_words(context)
         for option in context.command.options
         if option.flag == "--column"
     ]
-    plain = [word for word in words[0][1::2] if ":" not in word.partition("=")[0]] if words else []
-    if len(files) < 2 or not plain:
+    columns = (
+        [word for word in typed_columns[0][1::2] if ":" not in word.partition("=")[0]]
+        if typed_columns
+        else []
+    )
+    if len(files) < 2 or not columns:
         return ""
-    text = shlex.join(["--column", f"{Path(files[0]).name}:{plain[0]}"])
+    text = shlex.join(["--column", f"{Path(files[0]).name}:{columns[0]}"])
     return f" What --column says is for every file; for one alone: {text}"
 
 
@@ -288,7 +304,7 @@ def select_arguments(
     """
     names = signature(function).parameters
     for option in verb.options:
-        other = option.group != RESULT and option.names.isdisjoint(names)
-        if other and option.get_typed_words(click.get_current_context()):
+        is_other = option.group != RESULT and option.names.isdisjoint(names)
+        if is_other and option.get_typed_words(click.get_current_context()):
             raise click.UsageError(f"{option.flag} {reason}. Leave out one of them.")
     return {name: options[name] for name in names if name in options}

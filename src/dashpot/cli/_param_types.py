@@ -34,11 +34,11 @@ def format_suggestion(word: str, names: Iterable[str]) -> str:
     """
     from difflib import get_close_matches  # where a word was misspelt
 
-    every = list(dict.fromkeys(names))
-    near = get_close_matches(word, every, 1)
-    if near:
-        return f"Did you mean '{near[0]}'?"
-    return format_choices(every)
+    known_names = list(dict.fromkeys(names))
+    close_matches = get_close_matches(word, known_names, 1)
+    if close_matches:
+        return f"Did you mean '{close_matches[0]}'?"
+    return format_choices(known_names)
 
 
 def format_choices(words: Sequence[str]) -> str:
@@ -110,13 +110,13 @@ class WithUnit(click.ParamType[Any]):
         return getattr(param, "help", None) or ""
 
 
-class Plain(click.ParamType[float]):
+class PlainNumber(click.ParamType[float]):
     """Number without a unit; that unit is stated by another option."""
 
     name = "number"
 
-    def __init__(self, quantity: str, example: str) -> None:
-        self.of, self.example = quantity, example
+    def __init__(self, unit_text: str, example: str) -> None:
+        self.of, self.example = unit_text, example
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -127,7 +127,7 @@ class Plain(click.ParamType[float]):
             self.fail(f"'{value}' is no plain number{self.of}, such as {self.example}", param, ctx)
 
 
-DENSITY = Plain(" of kg/m^3", "1000")
+DENSITY = PlainNumber(" of kg/m^3", "1000")
 
 DIMENSION_NAMES = {"strain": "share", "force rate": "rate"}
 """What a dimension is called in the help, where not by its own name."""
@@ -220,8 +220,8 @@ class ChoiceWithSuggestion(click.Choice[str]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         key = str(value).lower()
-        folded = {choice.lower(): choice for choice in self.choices} | dict(self.synonyms)
-        value = folded.get(key) or folded.get(re.sub("[-_ ]", "", key), value)
+        spellings = {choice.lower(): choice for choice in self.choices} | dict(self.synonyms)
+        value = spellings.get(key) or spellings.get(re.sub("[-_ ]", "", key), value)
         if value not in self.choices and not self._is_plugin(str(value)):
             advice = find_handler("choice", key) or format_suggestion(key, self.choices)
             message = f"'{value}' is unknown. {advice}"
@@ -289,18 +289,20 @@ class Keyed(click.ParamType[Any]):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not isinstance(value, str):
             return value
-        read = find_handler("read option", self.flag) if value.endswith(".toml") else None
-        if read is not None:
-            return "", read(value)
-        glob, rest = self._scope(value)
-        stated: dict[str, Any] = {}
-        for number, part in enumerate(self.between.split(rest)):
-            field, text = self._field(part, number, param, ctx)
-            item = self._convert_field(field, text, param, ctx)
-            stated[field.name] = (
-                (*stated.get(field.name, ()), item) if "multiple" in field.metadata else item
+        read_file = find_handler("read option", self.flag) if value.endswith(".toml") else None
+        if read_file is not None:
+            return "", read_file(value)
+        glob, pairs_text = self._scope(value)
+        values: dict[str, Any] = {}
+        for position, pair in enumerate(self.between.split(pairs_text)):
+            field, text = self._field(pair, position, param, ctx)
+            converted = self._convert_field(field, text, param, ctx)
+            values[field.name] = (
+                (*values.get(field.name, ()), converted)
+                if "multiple" in field.metadata
+                else converted
             )
-        return glob, stated
+        return glob, values
 
     def _scope(self, value: str) -> tuple[str, str]:
         if self.sign != "=":
@@ -312,19 +314,19 @@ class Keyed(click.ParamType[Any]):
         return (match["glob"], match["rest"]) if match else ("", value)
 
     def _field(
-        self, part: str, number: int, param: click.Parameter | None, ctx: click.Context | None
+        self, pair: str, position: int, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[Field[Any], str]:
-        key, sign, text = part.partition(self.sign)
+        key, separator, text = pair.partition(self.sign)
         key = re.sub(r"[ _]", "-", key.strip().lower())
-        named = [word for word in self.fields if self.first is None or f"--{word}" != self.flag]
-        if self.first is not None and number == 0 and key not in named:
-            return self.first, part
-        if not sign or not text.strip():
-            word = key if key in named else named[0]
-            self.fail(f"'{part}': write {self.flag} {word}{self.sign}VALUE", param, ctx)
-        if key not in named:
+        keys = [word for word in self.fields if self.first is None or f"--{word}" != self.flag]
+        if self.first is not None and position == 0 and key not in keys:
+            return self.first, pair
+        if not separator or not text.strip():
+            word = key if key in keys else keys[0]
+            self.fail(f"'{pair}': write {self.flag} {word}{self.sign}VALUE", param, ctx)
+        if key not in keys:
             suggest = find_handler("suggest key", self.flag)
-            advice = (suggest and suggest(key, text)) or format_suggestion(key, named)
+            advice = (suggest and suggest(key, text)) or format_suggestion(key, keys)
             self.fail(f"'{key}' is unknown. {advice}", param, ctx)
         return self.fields[key], text
 
@@ -368,8 +370,8 @@ class Units(Scoped):
         if not isinstance(value, str):
             return value
         # a pattern has the look of a file; what else stands before a colon is a column's name
-        named = r"(?:[A-Za-z]:)?[^=:]*[*?\[./\\][^=:]*"
-        match = re.match(rf"^(?P<glob>{named}):(?P<rest>\S[^=]*=.*)$", value, re.DOTALL)
+        file_pattern = r"(?:[A-Za-z]:)?[^=:]*[*?\[./\\][^=:]*"
+        match = re.match(rf"^(?P<glob>{file_pattern}):(?P<rest>\S[^=]*=.*)$", value, re.DOTALL)
         glob, text = (match["glob"], match["rest"]) if match else ("", value)
         try:
             return glob, parse_units(text)
@@ -393,7 +395,7 @@ def type_of(field: Field[Any]) -> click.ParamType[Any]:
         return ArmCount()
     if "least" in metadata:
         return click.IntRange(metadata["least"])
-    return _PLAIN.get(type(field.default), click.STRING)
+    return _TYPES.get(type(field.default), click.STRING)
 
 
-_PLAIN: dict[type, click.ParamType[Any]] = {bool: click.BOOL, float: click.FLOAT, int: click.INT}
+_TYPES: dict[type, click.ParamType[Any]] = {bool: click.BOOL, float: click.FLOAT, int: click.INT}

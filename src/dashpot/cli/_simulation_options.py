@@ -26,7 +26,7 @@ class SimulatedSeal(NamedTuple):
     law: TemperatureLaw
 
 
-def seal_named(name: str) -> SimulatedSeal:
+def load_simulated_seal(name: str) -> SimulatedSeal:
     """Return a demonstration seal, or that of a fit's JSON file."""
     from dashpot.solids.demo_seals import SEALS, SHIFT
 
@@ -40,13 +40,13 @@ def seal_named(name: str) -> SimulatedSeal:
     return SimulatedSeal(solid, None, law or SHIFT)
 
 
-def relaxation(
+def simulate_relaxation(
     *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[Any, ...]:
     """Return a simulated relaxation test as CSV, its truth as JSON, and what an extension adds."""
-    simulated, rig, climate = _bench(seal, choices)
+    simulated_seal, rig, climate = _build_bench(seal, choices)
     record = dp.simulation.simulate_relaxation(
-        simulated.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        simulated_seal.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
     return _serialise_record(record, choices)
@@ -54,17 +54,21 @@ def relaxation(
 
 def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
     """Return the record of a motion as CSV, its truth as JSON, and what an extension adds."""
-    simulated, rig, climate = _bench(seal, choices)
-    with as_it_stands(follow):
-        sent = dp.files.read_trajectory(follow)
+    simulated_seal, rig, climate = _build_bench(seal, choices)
+    with explain_unclear_file(follow):
+        commanded_motion = dp.files.read_trajectory(follow)
     motion = dp.simulation.simulate_motion(
-        simulated.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
+        simulated_seal.solid,
+        commanded_motion,
+        rig=rig,
+        climate=climate,
+        seed=choices.get("seed", 0),
     )
     return _serialise_record(motion, choices)
 
 
 @contextmanager
-def as_it_stands(path: str) -> Iterator[None]:
+def explain_unclear_file(path: str) -> Iterator[None]:
     """Say of a file that leaves a question open what answers it, where no option here does."""
     try:
         yield
@@ -78,13 +82,13 @@ def as_it_stands(path: str) -> Iterator[None]:
         ) from error
 
 
-def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
+def _build_bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
     """Return the seal, the rig and its climate that were asked for."""
     options = {name: choices.get(name) for name in ("rate", "softening", "warming")}
-    simulated, rig, climate = _set_up(dp.simulation.Rig(), seal, choices, options)
+    simulated_seal, rig, climate = _build_instrument(dp.simulation.Rig(), seal, choices, options)
     if choices.get("friction"):
         rig = replace(rig, axis=replace(rig.axis, friction=choices["friction"]))
-    return simulated, rig, climate
+    return simulated_seal, rig, climate
 
 
 def _serialise_record(record: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
@@ -99,23 +103,23 @@ def _serialise_record(record: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
     return text, dp.simulation.truth_json(record.truth)
 
 
-def creep(
+def simulate_creep(
     *, seal: str, load: float = 1.0, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[str, str]:
     """Return a simulated creep test as CSV, and its truth as JSON."""
     from dashpot.reading.write import write_relaxation
 
-    simulated, rig, climate = _bench(seal, choices)
+    simulated_seal, rig, climate = _build_bench(seal, choices)
     module = dp.simulation
     record = module.simulate_creep(
-        simulated.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        simulated_seal.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
     comments = (*module.stamp(record.truth), "creep test: the force is held")
     return write_relaxation(record.test, comments=comments), module.truth_json(record.truth)
 
 
-def impact(
+def simulate_impact(
     *, seal: str, mass: float | None = None, seals: float = 2.0, hits: int = 5, **choices: Any
 ) -> tuple[str, str]:
     """Return a simulated hammer test as CSV, and its truth as JSON."""
@@ -123,33 +127,35 @@ def impact(
 
     module = dp.simulation
     options = {"record": choices.get("hit_length"), "rate": choices.get("rate")}
-    simulated, rig, climate = _set_up(module.Hammer(), seal, choices, options)
-    block = mass if mass is not None else simulated.mass
-    if block is None:
+    simulated_seal, rig, climate = _build_instrument(module.Hammer(), seal, choices, options)
+    test_mass = mass if mass is not None else simulated_seal.mass
+    if test_mass is None:
         raise DataError(f"the mass under the hammer is not known for {seal}; add --mass")
     record = module.simulate_impact(
-        simulated.solid, mass=block, seals=seals, hits=hits, rig=rig, climate=climate,
+        simulated_seal.solid, mass=test_mass, seals=seals, hits=hits, rig=rig, climate=climate,
         seed=choices.get("seed", 0),
     )  # fmt: skip
     kelvin = choices.get("temperature")
-    stated = () if kelvin is None else (temperature_line(kelvin),)
-    comments = (*module.stamp(record.truth), *stated)
+    header_lines = () if kelvin is None else (temperature_line(kelvin),)
+    comments = (*module.stamp(record.truth), *header_lines)
     return write_impact(record.test, comments=comments), module.truth_json(record.truth)
 
 
-def _set_up(
+def _build_instrument(
     instrument: Any, seal: str, choices: dict[str, Any], options: dict[str, Any]
 ) -> tuple[SimulatedSeal, Any, Any]:
     """Return the seal, the instrument with what was said of it, and where the test is made."""
-    simulated = seal_named(seal)
-    stated = {name: value for name, value in options.items() if value is not None}
+    simulated_seal = load_simulated_seal(seal)
+    settings = {name: value for name, value in options.items() if value is not None}
     # what was asked for by name is there in any case
-    quiet = instrument.noise_free() if choices.get("noise_free") else instrument
-    climate = _climate(simulated, choices.get("temperature"), choices.get("wlf"))
-    return simulated, replace(quiet, **stated), climate
+    base_instrument = instrument.noise_free() if choices.get("noise_free") else instrument
+    climate = _build_climate(simulated_seal, choices.get("temperature"), choices.get("wlf"))
+    return simulated_seal, replace(base_instrument, **settings), climate
 
 
-def _climate(seal: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
+def _build_climate(
+    seal: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None
+) -> Any:
     """Return where the test is made, by the seal's own law unless another is given."""
     if temperature is None:
         if law is not None:

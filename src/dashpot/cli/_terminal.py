@@ -15,7 +15,7 @@ import click
 
 from dashpot.base.plain_text import escape_terminal_text
 from dashpot.base.progress import set_progress_listener
-from dashpot.text_output.layout import COLUMNS, SIZE, ScreenSize
+from dashpot.text_output.layout import COLUMNS, DEFAULT_SIZE, ScreenSize
 
 # Colour and progress.
 
@@ -30,40 +30,42 @@ OTHER_LINES = 4
 """Lines that are left for what was recognised and written, and for what comes next."""
 
 
-def screen() -> ScreenSize:
+def get_screen_size() -> ScreenSize:
     """Return the size for which a result is laid out: that of the terminal, if stdout is one."""
     if not getattr(sys.stdout, "isatty", bool)():
-        return SIZE
-    columns, lines = shutil.get_terminal_size((COLUMNS, SIZE.lines + OTHER_LINES))
+        return DEFAULT_SIZE
+    columns, lines = shutil.get_terminal_size((COLUMNS, DEFAULT_SIZE.lines + OTHER_LINES))
     return ScreenSize(
-        min(max(columns, MIN_SCREEN.columns), SIZE.columns),
-        min(max(lines - OTHER_LINES, MIN_SCREEN.lines), SIZE.lines),
+        min(max(columns, MIN_SCREEN.columns), DEFAULT_SIZE.columns),
+        min(max(lines - OTHER_LINES, MIN_SCREEN.lines), DEFAULT_SIZE.lines),
     )
 
 
 @contextmanager
-def progress() -> Iterator[None]:
+def show_progress() -> Iterator[None]:
     """Show on stderr, if that is a terminal, what takes longer than a second."""
     if not getattr(sys.stderr, "isatty", bool)():  # None where it is closed
         yield
         return
-    now, over, began = ["working"], threading.Event(), time.monotonic()
-    watch = threading.Thread(target=_watch, args=(now, over, began), daemon=True)
-    watch.start()
+    current_task, is_over, start = ["working"], threading.Event(), time.monotonic()
+    display = threading.Thread(
+        target=_display_progress, args=(current_task, is_over, start), daemon=True
+    )
+    display.start()
     try:
-        with set_progress_listener(lambda what: now.__setitem__(0, what)):
+        with set_progress_listener(lambda what: current_task.__setitem__(0, what)):
             yield
     finally:
-        over.set()
-        watch.join()
+        is_over.set()
+        display.join()
 
 
-def _watch(now: list[str], over: threading.Event, began: float) -> None:
+def _display_progress(current_task: list[str], is_over: threading.Event, start: float) -> None:
     """Write what is being done and for how long, over itself, and wipe it at the end."""
-    if over.wait(PROGRESS_DELAY):
+    if is_over.wait(PROGRESS_DELAY):
         return
-    while not over.wait(PROGRESS_PERIOD):
-        line = f"{escape_terminal_text(now[0])} ... {time.monotonic() - began:.0f} s"
+    while not is_over.wait(PROGRESS_PERIOD):
+        line = f"{escape_terminal_text(current_task[0])} ... {time.monotonic() - start:.0f} s"
         sys.stderr.write(f"\r\x1b[K{line[: COLUMNS - 1]}")
         sys.stderr.flush()
     sys.stderr.write("\r\x1b[K")
@@ -75,27 +77,29 @@ def _watch(now: list[str], over: threading.Event, began: float) -> None:
 
 def to_stdout(text: str) -> None:
     """Print a result on stdout."""
-    _echo(text, err=False)
+    _print_text(text, err=False)
 
 
 def to_stderr(message: str) -> None:
     """Print progress, remarks and errors on stderr."""
-    _echo(message, err=True)
+    _print_text(message, err=True)
 
 
-def _echo(text: str, *, err: bool) -> None:
+def _print_text(text: str, *, err: bool) -> None:
     stream = sys.stderr if err else sys.stdout
     if stream is None and not err:
         raise OSError(errno.EBADF, "stdout is closed, and the result with it", "stdout")
-    retained = escape_terminal_text(text.removesuffix("\n"), colours=True)
+    safe_text = escape_terminal_text(text.removesuffix("\n"), colours=True)
     # an alphabet that lacks a sign prints its escape
-    alphabet = getattr(stream, "encoding", None) or "utf-8"
+    encoding = getattr(stream, "encoding", None) or "utf-8"
     click.echo(
-        retained.encode(alphabet, "backslashreplace").decode(alphabet), err=err, color=_colour()
+        safe_text.encode(encoding, "backslashreplace").decode(encoding),
+        err=err,
+        color=_get_colour_choice(),
     )
 
 
-def _colour() -> bool | None:
+def _get_colour_choice() -> bool | None:
     """Return False where no colour is wanted, None where click may ask the terminal."""
-    unwanted = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
-    return False if unwanted else None
+    is_colourless = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return False if is_colourless else None

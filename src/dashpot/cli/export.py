@@ -54,8 +54,8 @@ class Exported(Serialisable):
 
 _SOLVER = "Solver"
 _SOLVERS = tuple(SOLVER_INPUTS)
-_FORMS = "arms, table or prony, as the solver has it."
-ALL = "all"
+_FORM_HELP = "arms, table or prony, as the solver has it."
+ALL_PROBLEMS = "all"
 """The word of ``--allow`` that overlooks every problem."""
 
 
@@ -66,7 +66,7 @@ ALL = "all"
   dashpot export joint.json --to nastran --unit-system mm-t-s \\
       --temperature 23degC --length 50mm --band 1:20Hz -o seal.bdf
   dashpot export law.json --to abaqus --unit-system mm-t-s --temperature 23degC""",
-    options.files("FIT", "fit", several=False),
+    options.file_argument("FIT", "fit", multiple=False),
     group(
         _SOLVER,
         opt("--to", "target", type=ChoiceWithSuggestion(
@@ -74,7 +74,7 @@ ALL = "all"
             metavar="SOLVER",
             help=f"{', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s, mm-kg-ms, in-lbf-s."),
-        opt("--form", metavar="NAME", help=_FORMS),
+        opt("--form", metavar="NAME", help=_FORM_HELP),
         opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
             help="Frequencies of a table (the valid band)."),
         build_options(Job, "seals", metavar="N"),
@@ -105,8 +105,9 @@ ALL = "all"
         ),
     ),
     *call_handler("option groups", "export", default=()),
-    options.piece(more=False),
-    options.result("Solver input (printed).", plot=False, opens=False, default="-"),
+    options.specimen_options(is_advanced=False),
+    options.result_options("Solver input (printed).", plot=False, has_open_option=False,
+                           default="-"),
 )  # fmt: skip
 def command(
     *,
@@ -125,68 +126,72 @@ def command(
 
     exported: Any = workflow.read_exported(fit)
     if isinstance(exported, dp.Fit):
-        added = _update_specimen(exported.specimen, specimen)
-        exported = replace(exported, provenance=replace(exported.provenance, specimen=added))
+        updated_specimen = _update_specimen(exported.specimen, specimen)
+        exported = replace(
+            exported, provenance=replace(exported.provenance, specimen=updated_specimen)
+        )
     elif isinstance(exported, Solid):
         choices["specimen"] = specimen
     elif hasattr(exported, "specimen"):
         exported = replace(exported, specimen=_update_specimen(exported.specimen, specimen))
     if target is None:
-        raise click.UsageError(_unsaid(exported, units, specimen, choices["allow"]))
+        raise click.UsageError(_format_missing_options(exported, units, specimen, choices["allow"]))
     if line is None and choices["first_id"] is not None:
         raise click.UsageError("--first-id numbers the elements of a line: add --line FILE.")
     if line is not None:
-        kelvin = specimen.temperature
-        choices["line"], choices["shear"] = _seal_line(line, pitch, normal, units, kelvin)
+        temperature = specimen.temperature
+        choices["line"], choices["shear"] = _read_stations(line, pitch, normal, units, temperature)
     choices |= {"units": units, "temperature": specimen.temperature}
-    by_option = (
+    exporters = (
         find_handler("export with option", name) for name in list_names("export with option")
     )
-    outcomes = (export(target, exported, output, choices) for export in by_option)
-    outcome: CommandResult | None = next(filter(None, outcomes), None)
-    if outcome:
-        return outcome
+    option_results = (export(target, exported, output, choices) for export in exporters)
+    option_result: CommandResult | None = next(filter(None, option_results), None)
+    if option_result:
+        return option_result
     deck = workflow.deck_for(target, exported, **choices)
     if output == "-" and not deck.printable:
         raise ExportError(
             f"the file of {target} is an archive, which is not printed; name it: -o FILE"
         )
     write_output(output, deck.file_content)
-    for mark in deck.overrides:
-        to_stderr(f"OVERRIDE: {mark}")
-    written = (None, deck) if output == "-" else (output, None)
+    for override in deck.overrides:
+        to_stderr(f"OVERRIDE: {override}")
+    file_and_deck = (None, deck) if output == "-" else (output, None)
     text = Text([f"{output}: {target} deck, {units}, {deck.summary}"])
-    made = Exported(target, units, deck.overrides, *written)
-    return CommandResult(made, text, deck.checks, verdict=deck.verdict)
+    export_result = Exported(target, units, deck.overrides, *file_and_deck)
+    return CommandResult(export_result, text, deck.checks, verdict=deck.verdict)
 
 
-def _unsaid(result: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]) -> str:
+def _format_missing_options(
+    result: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]
+) -> str:
     """What to say where no solver is named: that, and all else that a deck would be asked for."""
-    requested = f"Name the solver: --to {', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."
+    solver_request = f"Name the solver: --to {', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."
     try:
         workflow.deck_for(
             "abaqus", result, units=units, temperature=specimen.temperature, allow=allow
         )
     except ExportError as error:
-        return paragraph(requested, str(error))
-    return requested
+        return paragraph(solver_request, str(error))
+    return solver_request
 
 
-def _update_specimen(specimen: Specimen, provided_specimen: Specimen) -> Specimen:
+def _update_specimen(specimen: Specimen, user_specimen: Specimen) -> Specimen:
     """Return what a fit knows of its specimen with what the user adds now."""
-    news = {
-        field.name: getattr(provided_specimen, field.name)
-        for field in fields(provided_specimen)
+    new_values = {
+        field.name: getattr(user_specimen, field.name)
+        for field in fields(user_specimen)
         if field.name != _DECK_FIELD
     }
-    return replace(specimen, **{name: value for name, value in news.items() if value})
+    return replace(specimen, **{name: value for name, value in new_values.items() if value})
 
 
 _DECK_FIELD = "temperature"
-"""Of the specimen: what a deck is asked for, not what is added to the fit."""
+"""Field of the specimen: what a deck is asked for, not what is added to the fit."""
 
 
-def _normal(text: str) -> tuple[float, float, float]:
+def _parse_normal(text: str) -> tuple[float, float, float]:
     try:
         x, y, z = map(float, text.split(","))
     except ValueError:
@@ -194,7 +199,7 @@ def _normal(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _seal_line(
+def _read_stations(
     path: str,
     pitch: float | None,
     normal: str | None,
@@ -204,13 +209,13 @@ def _seal_line(
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length, or of a door."""
     import numpy as np
 
-    systems = workflow.UNIT_SYSTEMS
+    unit_systems = workflow.UNIT_SYSTEMS
     if Path(path).suffix.lower() == ".toml":
         stations: tuple[Stations, Shear | None] = require_handler("stations", "door")(
             path, pitch, normal, temperature
         )
         return stations
-    if pitch is None or units is None or units not in systems:
+    if pitch is None or units is None or units not in unit_systems:
         raise ExportError("--line needs --pitch, e.g. 25mm, and --unit-system")
     try:
         points = np.genfromtxt(path, delimiter=",", comments="#", dtype=float, ndmin=2)
@@ -218,9 +223,9 @@ def _seal_line(
         raise ExportError(f"{path}: {error}; expected three columns x, y, z") from None
     if points.shape[1] < 3:
         raise ExportError(f"{path} has {points.shape[1]} columns; expected x, y, z")
-    named = bool(np.isnan(points[0, :3]).any())  # a first row of names reads as NaN
-    corners = points[1 if named else 0 :, :3] * systems[units].length
-    line = dp.systems.SealLine(corners, normal=np.array(_normal(normal or "0,0,1")))
+    has_header = bool(np.isnan(points[0, :3]).any())  # a first row of names reads as NaN
+    points_in_metres = points[1 if has_header else 0 :, :3] * unit_systems[units].length
+    line = dp.systems.SealLine(points_in_metres, normal=np.array(_parse_normal(normal or "0,0,1")))
     if line.length > LONGEST_LINE:
         raise ExportError(
             f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "

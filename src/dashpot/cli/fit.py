@@ -19,10 +19,10 @@ from dashpot.cli._command import (
     group,
     mark_advanced,
     opt,
-    refuse_others,
+    refuse_options,
     verb,
 )
-from dashpot.cli._command_files import detect_file_kinds, kinds_of, print_detected_kinds
+from dashpot.cli._command_files import detect_file_kinds, get_file_kinds, print_detected_kinds
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, TEMPERATURE_GROUP, VIBRATION
 from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
@@ -46,12 +46,14 @@ _ELASTIC_LAWS = (*get_choice_values(RampLawOption), "by-depth")
 def _detect_kinds(files: Sequence[str]) -> Mapping[str, str]:
     """Return the kinds of files, for the help of each; empty where one is not recognised."""
     with suppress(DashpotError, click.ClickException):
-        return kinds_of(detect_file_kinds(files, ReadOptions()), ReadOptions())
+        return get_file_kinds(detect_file_kinds(files, ReadOptions()), ReadOptions())
     return {}
 
 
-def _make_choice_option(flag: str, choice: Sequence[str], **how: Any) -> CommandOption:
-    return opt(flag, **{"type": ChoiceWithSuggestion(choice), "metavar": "|".join(choice), **how})
+def _make_choice_option(flag: str, choice: Sequence[str], **click_options: Any) -> CommandOption:
+    return opt(
+        flag, **{"type": ChoiceWithSuggestion(choice), "metavar": "|".join(choice), **click_options}
+    )
 
 
 def _make_mass_options() -> list[CommandOption]:
@@ -74,17 +76,17 @@ def _make_mass_options() -> list[CommandOption]:
                 help="Compression where the result is wanted.",
             ),
             build_options(LevelJob, "at", kinds=VIBRATION),
-            build_options(HammerRig, "mass_sd", into="rig", kinds=VIBRATION),
-            options.relative(VIBRATION),
+            build_options(HammerRig, "mass_sd", argument="rig", kinds=VIBRATION),
+            options.relative_motion_option(VIBRATION),
             build_options(
                 KnownSolid,
                 "static_stiffness",
                 "natural_frequency",
                 "damping_ratio",
-                into="known",
+                argument="known",
                 kinds=VIBRATION,
             ),
-            build_options(KnownSolid, "parallel_dashpot", into="known", kinds=VIBRATION),
+            build_options(KnownSolid, "parallel_dashpot", argument="known", kinds=VIBRATION),
             opt(
                 "--stiffness-table",
                 type=Output([".csv"]),
@@ -114,34 +116,34 @@ _OPTIONS = (
                 "--method", get_choice_values(Method), default="full", kinds="relaxation",
                 help="Whole record (full), or equation (5) of the paper.",
             ),
-            options.time_limits("relaxation"),
-            options.machine(f"relaxation creep cyclic {VIBRATION} "
+            options.time_limits_option("relaxation"),
+            options.machine_option(f"relaxation creep cyclic {VIBRATION} "
                             f"{find_kinds_by_option('machine')}"),
             build_options(Job, "filter", kinds="relaxation"),
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
         ),
         group(
             TEMPERATURE_GROUP,
-            build_options(ShiftChoices, into="shifting", kinds=_BENCH),
+            build_options(ShiftChoices, argument="shifting", kinds=_BENCH),
             opt("--save-shifts", type=Output([".csv"]), metavar="FILE", kinds=_BENCH,
                 help="Write the shift factors as CSV."),
             build_options(Job, "impact_temperature", kinds=VIBRATION),
         ),
-        options.hammer(kinds="impact transmissibility"),
+        options.hammer_options(kinds="impact transmissibility"),
         *chain.from_iterable(
             require_handler("option groups", name)()
             for name in list_names("option groups")
             if name.startswith("fit")
         ),
-        options.piece(flag=True),
+        options.specimen_options(per_file=True),
     ),
-    options.reading(),
-    options.result("Keep it as .json, .html; of hits .csv or .uff."),
+    options.reading_options(),
+    options.result_options("Keep it as .json, .html; of hits .csv or .uff."),
     find_handler("options", "limits") or (),
 )  # fmt: skip
 for _option in chain.from_iterable(_OPTIONS):
     if _option.group not in {options.READING, options.RESULT}:
-        _option.unheard = frozenset(
+        _option.excluded_kinds = frozenset(
             kind.name
             for kind in KINDS.values()
             if kind.fits and not _option.names & set(kind.fit_options)
@@ -160,27 +162,27 @@ for _option in chain.from_iterable(_OPTIONS):
   dashpot fit seal_8mm.csv -o fit.json
   dashpot fit seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o joint.json
   dashpot fit hit.csv --mass 5g --radius 5mm""",
-    options.files("FILE..."),
+    options.file_argument("FILE..."),
     *_OPTIONS,
-    by_kind=_detect_kinds,
+    detect_kinds=_detect_kinds,
 )
 def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
     """Return the result of the fit that suits the kinds of the files."""
     from dashpot.cli.fit_handlers import FitRequest
     from dashpot.workflow.fit_routing import find_selected_fit, route
 
-    stated_kinds = (
+    kinds_by_option = (
         kind.name
         for kind in KINDS.values()
         if kind.kind_option and arguments[kind.kind_option] not in (None, (), "")
     )
-    if arguments["options"].kind is None and (name := next(stated_kinds, None)):
+    if arguments["options"].kind is None and (name := next(kinds_by_option, None)):
         arguments["options"] = replace(arguments["options"], kind=name)
     detections = detect_file_kinds(files, arguments["options"])
-    kinds = kinds_of(detections, arguments["options"])
+    kinds = get_file_kinds(detections, arguments["options"])
     context = click.get_current_context()
-    refuse_others(command, context, kinds)
-    typed = {
+    refuse_options(command, context, kinds)
+    typed_names = {
         name
         for option in command.options
         if option.get_typed_words(context)
@@ -188,7 +190,7 @@ def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
     }
     try:
         fit_name = route(
-            kinds, masses=len(arguments["mass"]), selected=find_selected_fit(typed),
+            kinds, masses=len(arguments["mass"]), selected=find_selected_fit(typed_names),
         )  # fmt: skip
     except ReadError as error:
         raise ReadError(f"{error}{options.format_column_hint(files)}") from None
@@ -231,16 +233,16 @@ def _refuse_unused(context: click.Context, fit_name: str) -> None:
     """
     if fit_name not in FITS:  # a kind of the registry alone, which says what it takes
         return
-    used = set(FITS[fit_name].options)
-    for item in command.options:
-        shared = item.group in {options.READING, options.RESULT}
-        if shared or item.names & used or not item.get_typed_words(context):
+    used_names = set(FITS[fit_name].options)
+    for option in command.options:
+        is_shared = option.group in {options.READING, options.RESULT}
+        if is_shared or option.names & used_names or not option.get_typed_words(context):
             continue
-        *others, last = [
-            fit.command_title for fit in FITS.values() if item.names & set(fit.options)
+        *other_titles, last_title = [
+            fit.command_title for fit in FITS.values() if option.names & set(fit.options)
         ]
-        fits = f"{', '.join(others)} or {last}" if others else last
+        fits = f"{', '.join(other_titles)} or {last_title}" if other_titles else last_title
         raise click.UsageError(
-            f"{item.flag} is for {fits}. Here it would change nothing, as these files are fitted "
+            f"{option.flag} is for {fits}. Here it would change nothing, as these files are fitted "
             f"as {FITS[fit_name].command_title}: leave it out."
         )

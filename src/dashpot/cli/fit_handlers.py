@@ -18,7 +18,7 @@ from dashpot.base.option_fields import FamilyOption, Method, get_choice_values
 from dashpot.cli._command_files import (
     PAGE_SUFFIXES,
     format_command,
-    grams,
+    format_grams,
     is_json,
     render_page,
 )
@@ -64,7 +64,7 @@ class FitRequest:
         """Return the files of these kinds, in their order."""
         return tuple(path for path in self.files if self.kinds[path] in kinds)
 
-    def model(self, choice: Any, usual: str = "auto") -> Any:
+    def model(self, choice_type: Any, default: str = "auto") -> Any:
         """Return the word of ``--model``, one of a choice.
 
         Raises
@@ -72,13 +72,13 @@ class FitRequest:
         click.UsageError
             If it is another.
         """
-        named = self.stated_options["model"] or usual
-        values = get_choice_values(choice)
-        if named not in values:
+        model_name = self.stated_options["model"] or default
+        model_names = get_choice_values(choice_type)
+        if model_name not in model_names:
             raise click.UsageError(
-                f"--model: '{named}' is unknown. {format_suggestion(named, values)}"
+                f"--model: '{model_name}' is unknown. {format_suggestion(model_name, model_names)}"
             )
-        return named
+        return model_name
 
     @property
     def mass(self) -> float | None:
@@ -111,15 +111,15 @@ class FitRequest:
     @property
     def specimen(self) -> Specimen:
         """The specimen, with the one temperature of all files."""
-        warmth = self.stated_options["temperatures"]
-        if len(warmth) > 1:
+        temperatures = self.stated_options["temperatures"]
+        if len(temperatures) > 1:
             raise click.UsageError(
-                f"--temperature was given {len(warmth)} times; these records have one."
+                f"--temperature was given {len(temperatures)} times; these records have one."
             )
         from dataclasses import replace
 
         specimen: Specimen = self.stated_options["specimen"]
-        return replace(specimen, temperature=warmth[0]) if warmth else specimen
+        return replace(specimen, temperature=temperatures[0]) if temperatures else specimen
 
     def refuse_polarity(self) -> None:
         """Refuse a sign of FRFs where none is heeded: a mass or a level does not depend on it.
@@ -133,7 +133,7 @@ class FitRequest:
                 "--polarity is for hits, or for FRFs whose modes or model are sought. Leave it out."
             )
 
-    def check_output_suffix(self, *suffixes: str, what: str) -> str | None:
+    def check_output_suffix(self, *suffixes: str, result_name: str) -> str | None:
         """Return the suffix of the file that keeps the result or its page; None where none is.
 
         Raises
@@ -147,7 +147,9 @@ class FitRequest:
         if suffix in (*suffixes, *PAGE_SUFFIXES) or not suffix:
             return suffix or suffixes[0]
         text = " or ".join((*suffixes, PAGE_SUFFIXES[0]))
-        raise click.UsageError(f"-o {self.output}: {what} is written as {text}, not as {suffix}.")
+        raise click.UsageError(
+            f"-o {self.output}: {result_name} is written as {text}, not as {suffix}."
+        )
 
     def draw(self, figure: Any) -> None:
         """Draw the figure that a function makes, if it was asked for."""
@@ -169,25 +171,25 @@ class FitRequest:
         if not self.page:
             write_output(self.output, format_json(result._saved_result) + "\n")
             return
-        pictures = {name: make() for name, make in figures.items()}
-        write_output(self.output, render_page(result, **pictures))
+        extra_figures = {name: make() for name, make in figures.items()}
+        write_output(self.output, render_page(result, **extra_figures))
 
     def write_output(
-        self, result: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
+        self, result: Any, *, figure: Callable[[], Any] | None = None, next_command: str = ""
     ) -> CommandResult:
         """Draw and save a result as requested, and return its output."""
         self.draw(figure or result.plot)
         self.keep(result)
-        return CommandResult.from_result(result, follow=follow)
+        return CommandResult.from_result(result, next_command=next_command)
 
     @property
     def result_path(self) -> str:
         """The file that the result can be read back from; empty where there is none."""
         return "" if self.output in {None, "-"} or self.page else str(self.output)
 
-    def get_option_words(self, *but: str) -> list[str]:
+    def get_option_words(self, *excluded: str) -> list[str]:
         """Return the options as they were typed."""
-        return get_typed_options(but=("picture", "output", *but))
+        return get_typed_options(excluded=("picture", "output", *excluded))
 
 
 # Bench tests of one part.
@@ -195,7 +197,7 @@ class FitRequest:
 
 def run_bench_tests(request: FitRequest) -> CommandResult:
     """Fit a solid to relaxation tests, creep, sweeps or a modulus."""
-    request.check_output_suffix(".json", what="a fit")
+    request.check_output_suffix(".json", result_name="a fit")
     elastic = request["elastic"]
     fit, records = workflow.fit_files(
         request.files,
@@ -212,10 +214,10 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
     request.keep(fit, **_make_bench_figures(fit, records))
     return CommandResult(
         fit,
-        results.fit(fit, requested_arms=request["arms"]),
+        results.render_fit(fit, requested_arms=request["arms"]),
         fit.checks,
         verdict=fit.verdict,
-        follow=_format_bench_next_steps(request, fit),
+        next_command=_format_bench_next_steps(request, fit),
     )
 
 
@@ -228,16 +230,16 @@ def format_shift_table(fit: dp.Fit) -> str:
 
 def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
     if any(check.name == "same_specimen" and check.failed for check in fit.checks):
-        return format_command("batch", *request.files, "-o", "lot", why="fits each specimen")
+        return format_command("batch", *request.files, "-o", "lot", remark="fits each specimen")
     if not request.output or request.page:
-        why = "keeps it for predict, compare, export"
+        remark = "keeps it for predict, compare, export"
         return format_command(
-            "fit", *request.files, *request.get_option_words(), "-o", "fit.json", why=why
+            "fit", *request.files, *request.get_option_words(), "-o", "fit.json", remark=remark
         )
     if not request.result_path:
         return ""
     if fit.unit == "Pa":  # no mass rests on a material
-        deck = (
+        export_arguments = (
             "export",
             request.result_path,
             "--to",
@@ -248,28 +250,30 @@ def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
             "mm-t-s",
         )
         missing = ("--temperature", "TEMPERATURE") if fit.specimen.temperature is None else ()
-        return format_command(*deck, *missing)
+        return format_command(*export_arguments, *missing)
     return format_command("predict", request.result_path, "--mass", "MASS", "--seals", 2)
 
 
 def _make_bench_figures(fit: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
     """What a page of the fit shows: the answer, with what the test leaves open, and the test."""
     first = records[0]
-    drawn = partial(_draw_bench_tests, fit, records)
+    draw_tests = partial(_draw_bench_tests, fit, records)
     if fit.temperatures is not None and not isinstance(first, dp.RampHold):
-        return {"lead": drawn, "extra_pictures": lambda: (fit.plot(),)}
+        return {"lead": draw_tests, "extra_pictures": lambda: (fit.plot(),)}
     return {
         "lead": lambda: workflow.over_frequency(fit, records),
-        "extra_pictures": lambda: (drawn(),),
+        "extra_pictures": lambda: (draw_tests(),),
     }
 
 
 def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
-    others: list[dp.Fit] = []
+    alternatives: list[dp.Fit] = []
     if len(records) == 1 and isinstance(records[0], dp.RampHold):
         method: Method = "hold" if fit.method == "hold" else "full"
-        others = [workflow.fit_fixed_order(records[0], n, method=method) for n in (1, 2)]  # Fig. 4
-    return dp.plot.bench(fit, records, alternatives=others)
+        alternatives = [
+            workflow.fit_fixed_order(records[0], n, method=method) for n in (1, 2)
+        ]  # Fig. 4
+    return dp.plot.bench(fit, records, alternatives=alternatives)
 
 
 # Kinds fitted by their registry row alone.
@@ -278,13 +282,18 @@ def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
 def run_generic_kind(request: FitRequest) -> CommandResult:
     """Fit the files as the row of their kind says."""
     row = KINDS[request.kinds[request.files[0]]]
-    request.check_output_suffix(".json", what="this fit")
+    request.check_output_suffix(".json", result_name="this fit")
     result = load_object(row.fit)(
         request.files, options=request.reading, **request.some(*row.fit_options)
     )
-    follow = (request.result_path if part == "FILE" else part for part in row.next_command.split())
+    next_command = (
+        request.result_path if word == "FILE" else word for word in row.next_command.split()
+    )
     return request.write_output(
-        result, follow=format_command(*follow) if request.result_path and row.next_command else ""
+        result,
+        next_command=format_command(*next_command)
+        if request.result_path and row.next_command
+        else "",
     )
 
 
@@ -294,31 +303,31 @@ def run_generic_kind(request: FitRequest) -> CommandResult:
 FRF_SUFFIXES = (".csv", ".uff", ".unv")
 
 
-def run_hits(value: FitRequest) -> CommandResult:
+def run_hits(request: FitRequest) -> CommandResult:
     """Cut records into hits, judge each, and average them into an FRF."""
-    value.check_output_suffix(*FRF_SUFFIXES, ".json", what="the FRF of hits")
-    mass = value.mass
+    request.check_output_suffix(*FRF_SUFFIXES, ".json", result_name="the FRF of hits")
+    mass = request.mass
     result, reason = workflow.impact_files(
-        value.files, file=value.output, hammer=value.hammer, options=value.reading, mass=mass,
-        band=value["band"],
+        request.files, file=request.output, hammer=request.hammer, options=request.reading,
+        mass=mass, band=request["band"],
     )  # fmt: skip
     if reason:
         to_stderr(f"no mode: {reason}")
-    if value.page:
-        value.keep(result)
-    elif value.output:
-        write_frf(result, result.frf, value.output)
-    value.draw(
+    if request.page:
+        request.keep(result)
+    elif request.output:
+        write_frf(result, result.frf, request.output)
+    request.draw(
         lambda: dp.plot.frf(
             result.frf, labels=("measured",), stamp=dp.plot.stamp(result.frf.source, mass=mass)
         )
     )
-    block = "MASS" if mass is None else grams(mass)
+    mass_text = "MASS" if mass is None else format_grams(mass)
     return CommandResult.from_result(
         result,
-        follow=format_command("compare", "FIT", *value.files, "--mass", block, "--seals", 2,
-                     *value.get_option_words("mass", "seals"), why="tests the fit of a relaxation "
-                                                                   "test"),
+        next_command=format_command("compare", "FIT", *request.files, "--mass", mass_text,
+                     "--seals", 2, *request.get_option_words("mass", "seals"),
+                     remark="tests the fit of a relaxation test"),
     )  # fmt: skip
 
 
@@ -326,44 +335,44 @@ def write_frf(result: workflow.ImpactResult, frf: dp.FRF, path: str) -> None:
     """Write the result as JSON, or its FRF as CSV or UFF 58, by how the file's name ends."""
     from dashpot.reading.write import write_frf
 
-    ending = Path(path).suffix.lower()
-    if ending == ".json":
+    suffix = Path(path).suffix.lower()
+    if suffix == ".json":
         write_output(path, format_json(result) + "\n")
     else:
-        write_output(path, (find_handler("write frf", ending) or write_frf)(frf))
+        write_output(path, (find_handler("write frf", suffix) or write_frf)(frf))
 
 
 # Identification from vibration under a known mass, alone or with bench tests.
 
 
-_A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
+_DECK_OPTIONS = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
 VIBRATION = ("impact", "frf", "transmissibility")
 
 
 def run_joint(request: FitRequest) -> CommandResult:
     """Identify the solid under a mass from hits or FRFs, and from tests of it on a bench."""
-    request.check_output_suffix(".json", *FRF_SUFFIXES, what="a fit")
+    request.check_output_suffix(".json", *FRF_SUFFIXES, result_name="a fit")
     if request.mass is None:
         raise click.UsageError(
             "A test and a hammer test are fitted together under a mass. "
             "Give the test mass: --mass 104g"
         )
-    measured = request.select_files(*VIBRATION)
-    extras = [path for path in request.files if path not in measured]
-    fits = [path for path in extras if is_json(path)]
-    reading = request.reading
+    vibration_files = request.select_files(*VIBRATION)
+    other_files = [path for path in request.files if path not in vibration_files]
+    fits = [path for path in other_files if is_json(path)]
+    read_options = request.reading
     if request["elastic"] == "by-depth":
         raise click.UsageError(
             "--elastic by-depth is for relaxation tests of several depths without a hammer. Fit "
             "them first, then the fit with the hammer."
         )
     result = workflow.identify_files(
-        measured,
+        vibration_files,
         BlockOnSeals(request.mass, **request.some("seals", "seal_mass", "compression")),
         fits=[workflow.read_fit(path) for path in fits],
-        tests=[path for path in extras if path not in fits],
-        options=reading.drop_fields(reading.bench_fields),
-        options_with=reading.select_fields(("units", *reading.bench_fields)),
+        tests=[path for path in other_files if path not in fits],
+        options=read_options.drop_fields(read_options.bench_fields),
+        options_with=read_options.select_fields(("units", *read_options.bench_fields)),
         family=request.model(FamilyOption, "maxwell"),
         seals_assumed="--seals" not in request.get_option_words(),
         bench=BenchFitOptions(
@@ -387,7 +396,9 @@ def run_joint(request: FitRequest) -> CommandResult:
         write_frf(result.vibration, result.vibration.frf, request.output)
     else:
         request.keep(result)
-    return CommandResult.from_result(result, follow=_format_joint_next_steps(request, result.fit))
+    return CommandResult.from_result(
+        result, next_command=_format_joint_next_steps(request, result.fit)
+    )
 
 
 def _format_joint_next_steps(request: FitRequest, fit: dp.Fit) -> str:
@@ -400,19 +411,19 @@ def _format_joint_next_steps(request: FitRequest, fit: dp.Fit) -> str:
             if output.endswith(".json")
             else ""
         )
-    again = request.get_option_words("stiffness_table")
+    option_words = request.get_option_words("stiffness_table")
     return format_command(
-        "fit", *request.files, *again, "-o", "joint.json", why="keeps it for export"
+        "fit", *request.files, *option_words, "-o", "joint.json", remark="keeps it for export"
     )
 
 
 def _make_deck_words(fit: dp.Fit) -> list[str]:
     """The options of a deck in the valid band, with what the fit does not know to be filled in."""
-    piece = fit.specimen
-    requested: tuple[tuple[str, Any], ...] = (
-        ("--temperature", piece.temperature), ("--length", piece.length),
+    specimen = fit.specimen
+    specimen_values: tuple[tuple[str, Any], ...] = (
+        ("--temperature", specimen.temperature), ("--length", specimen.length),
     )  # fmt: skip
-    missing = [name for name, item in requested if item is None]
+    missing = [name for name, item in specimen_values if item is None]
     low, high = max(1, ceil(fit.band[0])), floor(fit.band[1])
-    rows = ("--band", f"{low}:{high}Hz") if low < high else ()
-    return [*_A_DECK, *rows, *(word for name in missing for word in (name, name[2:].upper()))]
+    band = ("--band", f"{low}:{high}Hz") if low < high else ()
+    return [*_DECK_OPTIONS, *band, *(word for name in missing for word in (name, name[2:].upper()))]

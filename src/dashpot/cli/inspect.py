@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 
-_SHORT = (
+_COMMON_FLAGS = (
     "--column",
     "--units",
     "--profile",
@@ -45,15 +45,15 @@ _SHORT = (
 The last line names the command that comes next. Settings saved with --save are
 given to every other command by --profile lab.toml, or hammer*.csv:lab.toml for
 some files alone.""",
-    options_of.files("FILE...", least=0),
-    options_of.reading(short=_SHORT),
+    options_of.file_argument("FILE...", min_count=0),
+    options_of.reading_options(common_flags=_COMMON_FLAGS),
     group(
         RESULT,
         opt("--save", type=Output([".toml"]), metavar="FILE",
             help="Save these answers as a profile (.toml)."),
         opt("--plugins", help="List installed plug-ins; none is loaded."),
     ),
-    options_of.result(plot=False, opens=False),
+    options_of.result_options(plot=False, has_open_option=False),
 )  # fmt: skip
 def command(
     *, files: tuple[str, ...], save: str | None, plugins: bool, options: ReadOptions
@@ -62,7 +62,7 @@ def command(
     if plugins:
         if files:
             raise click.UsageError("--plugins lists packages and inspects no file. Leave one out.")
-        return _plugins()
+        return _list_plugins()
     if not files:
         raise click.UsageError("Missing argument 'FILE...'.")
     inspections = workflow.inspect_files(files, options=options)
@@ -73,46 +73,49 @@ def command(
     summary_lines = [
         line
         for file, path in zip(inspections.files, files, strict=True)
-        for line in _answer(file, "" if len(files) == 1 else path)
+        for line in _format_inspection(file, "" if len(files) == 1 else path)
     ]
-    tables = [line for file in inspections.files for line in (file.file, *_columns(file))]
+    tables = [line for file in inspections.files for line in (file.file, *_format_columns(file))]
     text = Text(summary_lines, tables) if len(files) > 1 else Text([*summary_lines, *tables[1:]])
     return CommandResult(
-        inspections, text, inspections.checks, follow=_follow(files, inspections.files, save)
+        inspections,
+        text,
+        inspections.checks,
+        next_command=_format_next_command(files, inspections.files, save),
     )
 
 
-_ASKED = {
+_USES = {
     "formats": "fit FILE --file-part format={}", "kinds": "fit FILE --kind {}",
     "solver_inputs": "export FIT --to {}",
 }  # fmt: skip
 """How a plug-in of each group is asked for."""
 
 
-def _plugins() -> CommandResult:
+def _list_plugins() -> CommandResult:
     """What packages of others add, as their rows say."""
     from dashpot.registry.plugins import read_plugins
 
     installed = read_plugins()
     rows = [["adds", "name", "package", "asked for by"]]
     rows += [
-        [p.group, p.name, p.package_version, _ASKED[p.group].format(p.name)]
-        for p in installed.plugins
+        [plugin.group, plugin.name, plugin.package_version, _USES[plugin.group].format(plugin.name)]
+        for plugin in installed.plugins
     ]
     lines = table(rows, align_left=True) if installed.plugins else []
     lines += [f"{sentence}." for sentence in installed.refused or ()]
     return CommandResult(installed, Text(lines or ["no plug-in is installed"]))
 
 
-def _follow(
-    paths: tuple[str, ...], inspections: tuple[InspectedFile, ...], saved: str | None
+def _format_next_command(
+    paths: tuple[str, ...], inspections: tuple[InspectedFile, ...], profile: str | None
 ) -> str:
     """Return the whole command for such files, once no question is open."""
-    options = ["--profile", saved] if saved and saved != "-" else get_typed_options(READING)
+    options = ["--profile", profile] if profile and profile != "-" else get_typed_options(READING)
     if any(inspection.questions or inspection.refusal for inspection in inspections):
-        return format_command("inspect", *paths, *options, why="with the option that answers")
-    words = _get_next_command(inspections[0])
-    return format_command(*words, *paths, *options) if words else ""
+        return format_command("inspect", *paths, *options, remark="with the option that answers")
+    next_words = _get_next_command(inspections[0])
+    return format_command(*next_words, *paths, *options) if next_words else ""
 
 
 def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
@@ -120,15 +123,15 @@ def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
     return ("fit",) if kind and kind.fit_route and not kind.required_value else ()
 
 
-def _answer(inspection: InspectedFile, path: str = "") -> list[str]:
+def _format_inspection(inspection: InspectedFile, shown_path: str = "") -> list[str]:
     """Return what a file is, what it still asks, and the test in it; briefly for one of several.
 
-    Of those the first question alone is shown, with the `path` by which the rest are asked for.
+    Of those the first question alone is shown, with the path by which the rest are asked for.
     """
-    requested = [f"  ASK       {question.message}" for question in inspection.questions]
-    if path and requested[1:]:
-        requested[1:] = [
-            f"  ASK       {len(requested) - 1} more: {format_command('inspect', path)}"
+    question_lines = [f"  ASK       {question.message}" for question in inspection.questions]
+    if shown_path and question_lines[1:]:
+        question_lines[1:] = [
+            f"  ASK       {len(question_lines) - 1} more: {format_command('inspect', shown_path)}"
         ]
     lines = [
         f"{inspection.file}: {inspection.kind} ({inspection.reason})",
@@ -137,38 +140,39 @@ def _answer(inspection: InspectedFile, path: str = "") -> list[str]:
             if inspection.use and not _get_next_command(inspection)
             else []
         ),
-        *requested,
+        *question_lines,
     ]
     if inspection.refusal:
         lines.append(f"  ! cannot be prepared: {inspection.refusal}")
     if inspection.simulated:
         lines.append("  SIMULATED: made by simulation, not measured")
     if inspection.rows:
-        lines.append(f"  sampling  {_sampling(inspection)}")
-    if test := inspection.preparation:
+        lines.append(f"  sampling  {_format_sampling(inspection)}")
+    if preparation := inspection.preparation:
         lines += [
             (
-                f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
-                f"{format_quantity(test.depth, 'mm')}"
+                f"  ramp      {preparation.onset:.4g} to {preparation.ramp_end:.4g} s "
+                f"({preparation.ramp_time:.4g} s), "
+                f"{format_quantity(preparation.depth, 'mm')}"
             ),
-            f"  hold      to {test.hold_end:.5g} s ({test.hold_time:.4g} s)",
+            f"  hold      to {preparation.hold_end:.5g} s ({preparation.hold_time:.4g} s)",
             (
-                f"  noise     force {format_quantity(test.force_noise, 'mN', '.3g')}, "
-                f"displacement {format_quantity(test.displacement_noise, 'um', '.3g')}"
+                f"  noise     force {format_quantity(preparation.force_noise, 'mN', '.3g')}, "
+                f"displacement {format_quantity(preparation.displacement_noise, 'um', '.3g')}"
             ),
         ]
     return [*lines, *(f"  note      {warning}" for warning in inspection.warnings)]
 
 
-def _columns(inspection: InspectedFile) -> list[str]:
+def _format_columns(inspection: InspectedFile) -> list[str]:
     """Return how a file is written, and its columns with their roles."""
-    how = (
+    format_parts = (
         inspection.format,
         inspection.encoding,
         f"delimiter {_format_delimiter(inspection.delimiter)}" if inspection.delimiter else "",
         f"decimal {inspection.decimal!r}" if inspection.decimal else "",
     )
-    lines = [f"  format    {', '.join(part for part in how if part)}"]
+    lines = [f"  format    {', '.join(text for text in format_parts if text)}"]
     if inspection.header:
         lines.append(f"  header    {format_count(len(inspection.header), 'line')} above the table")
     rows = [["  #", "column", "unit", "role", "reason"]]
@@ -182,24 +186,24 @@ def _columns(inspection: InspectedFile) -> list[str]:
         ]
         for column in inspection.columns
     ]
-    several = inspection.segments if len(inspection.segments) > 1 else ()
+    segments_shown = inspection.segments if len(inspection.segments) > 1 else ()
     segments = (
         f"  segment   {segment.name or number}: {segment.rows} rows"
-        for number, segment in enumerate(several, start=1)
+        for number, segment in enumerate(segments_shown, start=1)
     )
     return [*lines, *(table(rows, align_left=True) if inspection.columns else []), *segments]
 
 
-def _sampling(inspection: InspectedFile) -> str:
+def _format_sampling(inspection: InspectedFile) -> str:
     if inspection.rate is None:
         return f"{inspection.rows} rows, no clock"
-    even = "even" if inspection.even else "uneven"
+    evenness = "even" if inspection.even else "uneven"
     duration = "" if inspection.duration is None else f" over {inspection.duration:.5g} s"
-    first, *others = inspection.segments
-    if duration and any(other.start == first.start for other in others):
+    first_segment, *other_segments = inspection.segments
+    if duration and any(other.start == first_segment.start for other in other_segments):
         duration = f"{duration} in each segment"  # whose clock begins anew
-    return f"{inspection.rows} rows, {inspection.rate:.6g} Hz, {even}{duration}"
+    return f"{inspection.rows} rows, {inspection.rate:.6g} Hz, {evenness}{duration}"
 
 
-def _format_delimiter(mark: str) -> str:
-    return {"\t": "tab", " ": "space"}.get(mark, repr(mark))
+def _format_delimiter(delimiter: str) -> str:
+    return {"\t": "tab", " ": "space"}.get(delimiter, repr(delimiter))

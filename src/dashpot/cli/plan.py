@@ -17,7 +17,7 @@ from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult, write_output
 from dashpot.cli._options import get_typed_options
 from dashpot.cli._param_types import Direction, Output, WithUnit
-from dashpot.cli._simulation_options import seal_named
+from dashpot.cli._simulation_options import load_simulated_seal
 from dashpot.datamodel.machine import Machine
 from dashpot.planning.plan_options import HammerPlan, PlannedRamp
 from dashpot.registry import call_handler, find_handler, list_names
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from dashpot.solids.shift_laws import TemperatureLaw
 
 
-_NOT_REHEARSED = (
+_NOT_SIMULATED = (
     "frequency", "cold", "hammer_hits", "hammer_record", "hammer_pulse", "hammer_coherence",
     "bench_method", "bench_baseline",
 )  # fmt: skip
@@ -47,7 +47,7 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
         _TEST_GROUP,
         opt("--frequency", type=WithUnit("frequency"), metavar="FREQUENCY",
             help="The frequency that matters, e.g. 12.71Hz."),
-        build_options(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
+        build_options(PlannedRamp, "depth", "ramp_time", "hold_time", argument="bench"),
         opt(
             "--temperature",
             type=WithUnit("temperature"),
@@ -56,28 +56,28 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
         ),
         opt("--cold", type=WithUnit("temperature"), multiple=True, metavar="TEMPERATURE",
             help="Repeat it at this temperature, e.g. 0degC."),
-        build_options(HammerPlan, "hits", "record", into="hammer"),
+        build_options(HammerPlan, "hits", "record", argument="hammer"),
         mark_advanced(
-            build_options(PlannedRamp, "rate", "method", "baseline", into="bench"),
-            build_options(HammerPlan, into="hammer", leave=("hits", "record", "mass", "seals")),
+            build_options(PlannedRamp, "rate", "method", "baseline", argument="bench"),
+            build_options(HammerPlan, argument="hammer", omit=("hits", "record", "mass", "seals")),
         ),
     ),
     group(
         _PRIOR_GROUP,
-        build_options(PlannedRamp, "noise", into="bench"),
+        build_options(PlannedRamp, "noise", argument="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
             help="Assumed seal: paper, broad, hidden, or a fit."),
-        build_options(HammerPlan, "mass", "seals", into="hammer"),
+        build_options(HammerPlan, "mass", "seals", argument="hammer"),
         opt("--target-sd", "target_sd", former="wanted", type=float, default=10.0,
             metavar="PERCENT", help="Target standard deviation (10)."),
         mark_advanced(
-            build_options(Machine, into="machine", leave=("force_filter",),
+            build_options(Machine, argument="machine", omit=("force_filter",),
                help="What is known of the machine."),
             opt("--arm-stiffness", type=WithUnit("stiffness"), metavar="STIFFNESS",
                 help="Stiffness of an arm that may be hidden."),
             opt("--arm-time", type=WithUnit("time"), metavar="TIME",
                 help="Its relaxation time (1/omega)."),
-            options.wlf(),
+            options.wlf_option(),
         ),
     ),
     group(
@@ -92,17 +92,19 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
         ),
     ),
     *call_handler("option groups", "plan", default=()),
-    options.result(plot=False, opens=False),
+    options.result_options(plot=False, has_open_option=False),
 )  # fmt: skip
 def command(**said: Any) -> CommandResult:
     """Plan a ramp and hold, or the test of which an option is typed."""
-    by = next((name for name in list_names("plan test") if said[name] is not None), "frequency")
-    plan = find_handler("plan test", by) or _plan_ramp_hold
-    if said[by] is None:
+    test_option = next(
+        (name for name in list_names("plan test") if said[name] is not None), "frequency"
+    )
+    plan = find_handler("plan test", test_option) or _plan_ramp_hold
+    if said[test_option] is None:
         raise click.UsageError("Missing option '--frequency'.")
     return plan(
         **options.select_arguments(
-            plan, said, command, f"does not go with --{by.replace('_', '-')}"
+            plan, said, command, f"does not go with --{test_option.replace('_', '-')}"
         )
     )
 
@@ -130,12 +132,12 @@ def _plan_ramp_hold(
     arm = None
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
-    supposed = seal_named("paper" if guess is None else guess)
-    planned = workflow.Bench(**vars(bench), machine=machine)
+    assumed_seal = load_simulated_seal("paper" if guess is None else guess)
+    planned_bench = workflow.Bench(**vars(bench), machine=machine)
     plan = workflow.plan(
-        planned,
+        planned_bench,
         at=frequency,
-        seal=workflow.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
+        seal=workflow.SupposedSeal(assumed_seal.solid, arm, temperature, wlf or assumed_seal.law),
         hammer=hammer,
         cold=cold,
         target_sd=target_sd / 100,
@@ -151,21 +153,21 @@ def _plan_ramp_hold(
             interval=interval,
             along=along,
         )
-        count = byline(f"planned test, {len(motion.time)} set-points")
-        rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
-        timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
-        message = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
-        write_output(setpoints, write_trajectory(motion, comments=message))
-    rehearsed = format_command(
+        title = byline(f"planned test, {len(motion.time)} set-points")
+        timing = (
+            f"rest {bench.baseline:g} s, ramp {bench.ramp_time:g} s, hold {bench.hold_time:g} s"
+        )
+        comments = (title, f"{timing}; one each {interval:g} s, the first where the plate touches")
+        write_output(setpoints, write_trajectory(motion, comments=comments))
+    next_command = format_command(
         "simulate",
         "relaxation",
-        *get_typed_options(_TEST_GROUP, but=_NOT_REHEARSED),
+        *get_typed_options(_TEST_GROUP, excluded=_NOT_SIMULATED),
         *(() if guess is None else ("--seal", guess)),
         "-o",
         "rehearsal.csv",
-        why="simulates this test",
+        remark="simulates this test",
     )
-    plan_verdict = plan.verdict
     return CommandResult(
-        plan, Text([str(plan)]), plan.checks, verdict=plan_verdict, follow=rehearsed
+        plan, Text([str(plan)]), plan.checks, verdict=plan.verdict, next_command=next_command
     )

@@ -12,7 +12,7 @@ import click
 from dashpot import workflow
 from dashpot.base.option_fields import FrfKind, get_choice_values, iterate_option_fields
 from dashpot.cli import _options as options
-from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_others, verb
+from dashpot.cli._command import build_options, group, mark_advanced, opt, refuse_options, verb
 from dashpot.cli._command_files import PAGE_SUFFIXES, detect_file_kinds, format_command
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
 from dashpot.cli._options import MASS, RAMP
@@ -29,7 +29,7 @@ from dashpot.registry import (
 )
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
-_FIT = "fit"
+_FIT_KIND = "fit"
 _FILE_KINDS = list_names("predict file")
 """Kinds of files that are predicted as a whole."""
 _QUESTION_GROUP, _PART_GROUP = "Question", "Part of a material"
@@ -51,13 +51,13 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
   dashpot predict fit.json --mass 114.8g --seals 2
   dashpot predict law.json --drop 0.6m/s --mass 200g
   dashpot predict door.toml --close 1.2m/s""",
-    options.files("FIT|DOOR.toml", "path", several=False),
+    options.file_argument("FIT|DOOR.toml", "path", multiple=False),
     group(
         _QUESTION_GROUP,
         build_options(
             Job,
             "band",
-            kinds=" ".join((_FIT, *_FILE_KINDS)),
+            kinds=" ".join((_FIT_KIND, *_FILE_KINDS)),
             help="Frequencies (1:50Hz; door 1:200Hz).",
         ),
         opt(
@@ -66,13 +66,13 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
             metavar="TEMPERATURE",
             help="Temperature of the seals.",
         ),
-        *call_handler("options", "stiffness", _FIT, default=()),
-        opt("--base", kinds=_FIT, help="The base moves: transmissibility."),
+        *call_handler("options", "stiffness", _FIT_KIND, default=()),
+        opt("--base", kinds=_FIT_KIND, help="The base moves: transmissibility."),
         opt(
             "--base-psd",
             type=File(),
             metavar="DENSITY",
-            kinds=_FIT,
+            kinds=_FIT_KIND,
             help="Random base: FILE or 0.01g^2/Hz.",
         ),
         opt(
@@ -81,20 +81,20 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
             type=File(),
             multiple=True,
             metavar="FILE",
-            kinds=_FIT,
+            kinds=_FIT_KIND,
             help="The record behind the fit: adds a bound.",
         ),
         build_options(
             LevelChoices,
             "levels",
-            into="at_level",
-            kinds=_FIT,
+            argument="at_level",
+            kinds=_FIT_KIND,
             help="Resonance at an amplitude, e.g. 0.5N.",
         ),
-        mark_advanced(build_options(LevelChoices, "sweep", into="at_level", kinds=_FIT)),
+        mark_advanced(build_options(LevelChoices, "sweep", argument="at_level", kinds=_FIT_KIND)),
         *(
             build_options(
-                load_object(kind.predict_options), kinds=kind.name, leave=_list_fit_options(kind)
+                load_object(kind.predict_options), kinds=kind.name, omit=_list_fit_options(kind)
             )
             for kind in PREDICTED
         ),
@@ -106,29 +106,29 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
                 for kind in PREDICTED
                 if _list_fit_options(kind)
             ),
-            *call_handler("options", "predict", _FIT, default=()),
+            *call_handler("options", "predict", _FIT_KIND, default=()),
             opt(
                 "--frf-type",
                 "kind",
                 type=ChoiceWithSuggestion(get_choice_values(FrfKind)),
                 metavar="NAME",
-                kinds=_FIT,
+                kinds=_FIT_KIND,
                 help=", ".join(get_choice_values(FrfKind)[:-1]) + " or "
                 f"{get_choice_values(FrfKind)[-1]}.",
             ),
-            options.relative(_FIT),
+            options.relative_motion_option(_FIT_KIND),
             opt(
                 "--points",
                 "lines",
                 type=click.IntRange(2),
                 default=2001,
                 metavar="N",
-                kinds=_FIT,
+                kinds=_FIT_KIND,
                 help="Lines of the FRF (2001).",
             ),
         ),
     ),
-    group(MASS, options.under_mass(kinds=_FIT)),
+    group(MASS, options.mass_options(kinds=_FIT_KIND)),
     group(
         _PART_GROUP,
         build_options(
@@ -137,8 +137,8 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
             "block",
             "bush",
             "bulb",
-            into="part",
-            kinds=_FIT,
+            argument="part",
+            kinds=_FIT_KIND,
             help="disc:20mm,20mm; block, bush, bulb.",
         ),
         mark_advanced(
@@ -148,8 +148,8 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
                 "lubricated",
                 "resonance",
                 "resonance_mass",
-                into="part",
-                kinds=_FIT,
+                argument="part",
+                kinds=_FIT_KIND,
             ),
             build_options(
                 LevelChoices,
@@ -157,14 +157,14 @@ def _list_fit_options(kind: KindOfTest) -> list[str]:
                 "strain_factor",
                 "fitted_at",
                 "resonance_level",
-                into="at_level",
-                kinds=_FIT,
+                argument="at_level",
+                kinds=_FIT_KIND,
             ),
         ),
     ),
     *call_handler("option groups", "predict", default=()),
-    mark_advanced(group(RAMP, options.machine(_FIT)), options.reading()),
-    options.result("FRF as .csv; of a door .json; or a page, .html."),
+    mark_advanced(group(RAMP, options.machine_option(_FIT_KIND)), options.reading_options()),
+    options.result_options("FRF as .csv; of a door .json; or a page, .html."),
 )
 def command(*, path: str, **arguments: Any) -> CommandResult:
     """Return the prediction by the kind of file: a door, a mass on seals, or the kind's own."""
@@ -172,12 +172,12 @@ def command(*, path: str, **arguments: Any) -> CommandResult:
     if arguments["options"].kind in get_choice_values(FrfKind):  # --kind in the edition before
         kind = arguments["options"].kind
         arguments |= {"kind": kind, "options": replace(arguments["options"], kind=None)}
-    row = KINDS.get(detection.kind) if detection.stored else None
-    has_own_prediction = row is not None and bool(row.predict)
-    kind = detection.kind if detection.kind in _FILE_KINDS or has_own_prediction else _FIT
-    refuse_others(command, click.get_current_context(), {path: kind})
-    if row is not None and has_own_prediction:
-        return _predict_kind(path, row, arguments)
+    kind_of_test = KINDS.get(detection.kind) if detection.stored else None
+    has_own_prediction = kind_of_test is not None and bool(kind_of_test.predict)
+    kind = detection.kind if detection.kind in _FILE_KINDS or has_own_prediction else _FIT_KIND
+    refuse_options(command, click.get_current_context(), {path: kind})
+    if kind_of_test is not None and has_own_prediction:
+        return _predict_kind(path, kind_of_test, arguments)
     if kind in _FILE_KINDS:
         predict = require_handler("predict file", kind)
         _, *names = signature(predict).parameters
@@ -190,7 +190,7 @@ def command(*, path: str, **arguments: Any) -> CommandResult:
     fit_arguments = {
         name
         for option in command.options
-        if not option.kinds or _FIT in option.kinds
+        if not option.kinds or _FIT_KIND in option.kinds
         for name in option.names
     }.difference(_OTHER_PREDICTIONS)
     return _predict_mass(
@@ -198,18 +198,18 @@ def command(*, path: str, **arguments: Any) -> CommandResult:
     )
 
 
-def _predict_kind(path: str, row: KindOfTest, arguments: dict[str, Any]) -> CommandResult:
+def _predict_kind(path: str, kind_of_test: KindOfTest, arguments: dict[str, Any]) -> CommandResult:
     """Return the prediction of a kind's own fit."""
-    request = {
+    predict_options = {
         field.name: arguments[field.name]
-        for field in iterate_option_fields(load_object(row.predict_options))
+        for field in iterate_option_fields(load_object(kind_of_test.predict_options))
     }
-    request |= {
-        name: workflow.read_fit(request[name]) if request[name] else None
-        for name in _list_fit_options(row)
+    predict_options |= {
+        name: workflow.read_fit(predict_options[name]) if predict_options[name] else None
+        for name in _list_fit_options(kind_of_test)
     }
-    result = load_object(row.predict)(
-        workflow.read_json_document(path), temperature=arguments["temperature"], **request
+    result = load_object(kind_of_test.predict)(
+        workflow.read_json_document(path), temperature=arguments["temperature"], **predict_options
     )
     return _write_prediction(result, arguments)
 
@@ -217,15 +217,15 @@ def _predict_kind(path: str, row: KindOfTest, arguments: dict[str, Any]) -> Comm
 def _write_prediction(result: Any, arguments: dict[str, Any]) -> CommandResult:
     """Return the result of a prediction that is no FRF, with its document and figure."""
     output = arguments["output"]
-    page = is_page(output)
+    writes_page = is_page_output(output)
     if arguments["picture"]:
         write_figure(arguments["picture"], result.plot())
     if output:
-        write_output(output, workflow.html(result) if page else format_json(result) + "\n")
+        write_output(output, workflow.html(result) if writes_page else format_json(result) + "\n")
     return CommandResult.from_result(result)
 
 
-def is_page(output: str | None) -> bool:
+def is_page_output(output: str | None) -> bool:
     """Return whether an output other than an FRF is a page; else it is a document."""
     suffix = Path(output or "").suffix.lower()
     if output and output != "-" and suffix not in (".json", *PAGE_SUFFIXES):
@@ -255,24 +255,24 @@ def _predict_mass(
     **choices: Any,
 ) -> CommandResult:
     """Return the response of a mass on seals, or on parts of a material."""
-    fitted = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
+    fit_result = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
     block = options.pop_block(choices)
     if block.mass is None:
         raise click.UsageError("Give the test mass: --mass 104g")
-    several = len(choices["at_level"].levels) > 1
-    if output and several and not output.lower().endswith((".json", *PAGE_SUFFIXES)):
+    has_several_levels = len(choices["at_level"].levels) > 1
+    if output and has_several_levels and not output.lower().endswith((".json", *PAGE_SUFFIXES)):
         raise click.UsageError(
             "-o FRF.csv holds one level: ask one --amplitude, or write .json or .html"
         )
     prediction = workflow.predict_files(
-        fitted, block=block, relative=hammer.motion == "relative", **choices
+        fit_result, block=block, relative=hammer.motion == "relative", **choices
     )
     if picture:
         write_figure(picture, prediction.plot())
     if output:
         _write_frf_output(prediction, output)
     return CommandResult.from_result(
-        prediction, follow="" if prediction.of_part else _format_next_command(fit)
+        prediction, next_command="" if prediction.of_part else _format_next_command(fit)
     )
 
 
@@ -289,5 +289,7 @@ def _write_frf_output(prediction: workflow.Prediction, path: str) -> None:
 
 
 def _format_next_command(fit: str) -> str:
-    again = options.get_typed_options_for("compare", but=("--kind",))  # which is of another file
-    return format_command("compare", fit, "HAMMER", *again, why="tests it with a hammer")
+    typed_options = options.get_typed_options_for(
+        "compare", excluded_flags=("--kind",)
+    )  # which is of another file
+    return format_command("compare", fit, "HAMMER", *typed_options, remark="tests it with a hammer")

@@ -16,7 +16,12 @@ from dashpot.cli._command import group, mark_advanced, opt, verb
 from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
-from dashpot.cli._simulation_options import creep, impact, relaxation, simulate_trajectory
+from dashpot.cli._simulation_options import (
+    simulate_creep,
+    simulate_impact,
+    simulate_relaxation,
+    simulate_trajectory,
+)
 from dashpot.registry import call_handler
 from dashpot.text_output.layout import Text
 
@@ -108,7 +113,7 @@ _RECORD_OPTIONS = call_handler("options", "simulate", default=())
                 metavar="FREQUENCY",
                 help="Sampling rate (the instrument's own).",
             ),
-            options.wlf(),
+            options.wlf_option(),
         ),
     ),
     group(
@@ -126,48 +131,55 @@ _RECORD_OPTIONS = call_handler("options", "simulate", default=())
             *_RECORD_OPTIONS,
         ),
     ),
-    options.result(
-        "CSV; - is stdout (required).", ".csv", ".txt", plot=False, opens=False, required=True
+    options.result_options(
+        "CSV; - is stdout (required).",
+        ".csv",
+        ".txt",
+        plot=False,
+        has_open_option=False,
+        required=True,
     ),
 )
 def command(*, what: str, output: str, **choices: Any) -> CommandResult:
     """Simulate a relaxation, creep or hammer test, or the record of a motion."""
     tests: dict[str, Any] = {
-        "relaxation": relaxation, "creep": creep, "impact": impact, "motion": simulate_trajectory,
+        "relaxation": simulate_relaxation, "creep": simulate_creep,
+        "impact": simulate_impact, "motion": simulate_trajectory,
     }  # fmt: skip
     simulate_kind = tests[what]
-    _refuse_senseless(what, choices)
+    _refuse_inapplicable_options(what, choices)
     extra_files = call_handler("files beside", "simulate", output, choices, default=())
     if output == "-":
         text, *_ = simulate_kind(**choices)
         write_output(output, text)
         return CommandResult(Simulated(what, output, None, text), Text())
-    extra = str(Path(output).with_suffix(".truth.json"))
-    claim_outputs([output, extra, *extra_files])
-    text, truth, *more = simulate_kind(**choices)
+    truth_file = str(Path(output).with_suffix(".truth.json"))
+    claim_outputs([output, truth_file, *extra_files])
+    text, truth, *calibration_parts = simulate_kind(**choices)
     write_output(output, text)
-    write_output(extra, truth)
-    message = [f"{output}: a simulated {what} test; what is true stands in {extra}"]
-    reading = ["inspect", output]
-    if more:
-        calibration, stated = more
+    write_output(truth_file, truth)
+    message = [f"{output}: a simulated {what} test; what is true stands in {truth_file}"]
+    next_words = ["inspect", output]
+    if calibration_parts:
+        calibration, calibration_notes = calibration_parts
         write_output(extra_files[0], calibration)
-        message += [f"! {item}" for item in stated]
-        reading = ["fit", output, "--calibration", extra_files[0]]
-    story = Text(message)
-    return CommandResult(Simulated(what, output, extra), story, follow=format_command(*reading))
+        message += [f"! {item}" for item in calibration_notes]
+        next_words = ["fit", output, "--calibration", extra_files[0]]
+    return CommandResult(
+        Simulated(what, output, truth_file), Text(message), next_command=format_command(*next_words)
+    )
 
 
-_RIG = ("softening", "warming", "friction", *(option.name for option in _RECORD_OPTIONS))
+_RIG_OPTIONS = ("softening", "warming", "friction", *(option.name for option in _RECORD_OPTIONS))
 
 
-def _refuse_senseless(what: str, choices: dict[str, Any]) -> None:
+def _refuse_inapplicable_options(what: str, choices: dict[str, Any]) -> None:
     """Refuse what the test asked for would not heed."""
     if (what == "motion") != bool(choices["follow"]):
         raise DataError(
             "a motion is replayed by 'dashpot simulate motion --follow FILE', with time and "
             "displacement in FILE"
         )
-    for name in _RIG:
-        if choices[name] and what not in ("relaxation", "motion"):
-            raise DataError(f"--{name} is for a relaxation test or a motion, not for {what}")
+    for option_name in _RIG_OPTIONS:
+        if choices[option_name] and what not in ("relaxation", "motion"):
+            raise DataError(f"--{option_name} is for a relaxation test or a motion, not for {what}")

@@ -77,7 +77,8 @@ class EndOfHold(Serialisable):
     k_end, k_3end : (float, float)
         k(T) and k(3 T).
     k_inf : (float, float)
-        Of k_inf. An arm slower than the hold is a spring to the test, so the lower limit is 0.
+        Limits of k_inf. An arm slower than the hold is a spring to the test, so the lower limit is
+        0.
     slope_limit : float
         The steepest :math:`-dk/d\ln t` at T; nan but of a hold.
     distance_outside : float
@@ -305,7 +306,7 @@ class FRFBounds(FrozenArrays, Serialisable):
     frequency : array, shape (n,)
         Hz.
     magnitude : array, shape (n,)
-        Of the predicted accelerance, 1/kg, or transmissibility.
+        Limits of the magnitude of the predicted accelerance, 1/kg, or transmissibility.
     parameter : array, shape (2, n)
         Lowest and highest magnitude that the standard errors of the fit allow.
     unmeasured : array, shape (2, n)

@@ -54,11 +54,12 @@ class Fit(EqualByValue, Plottable, Serialisable):
     solid : Solid
     status : Status
     estimate : ParameterEstimate
-        Of the parameters of `solid`.
+        Estimate of the parameters of `solid`.
     evidence : Evidence
     provenance : Provenance
     unit : str
-        Of every stiffness: ``"N/m"`` for a part, ``"Pa"`` where a material's modulus was fitted.
+        Unit of every stiffness: ``"N/m"`` for a part, ``"Pa"`` where a material's modulus was
+        fitted.
     elastic_law : ElasticLaw or None
         Relaxed force against compression, where a part was pressed; `solid` is the secant one at
         its depth.

@@ -253,7 +253,7 @@ class Evidence:
     parameter_changes : tuple of ParameterChange
         What a further test changed, where there was an earlier fit.
     explanations : tuple of Explanation
-        Of two tests that disagree, the best first.
+        Explanations of two tests that disagree, the best first.
     end_of_hold : EndOfHold or None
         What tests know of the stiffness when they end, and of where it ends.
     creep : CreepEstimate or None

@@ -143,7 +143,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     checks, source, steps
         As in a fit.
     units : str
-        Of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
+        Units of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
 
     Examples
     --------
@@ -497,7 +497,7 @@ class Mode(Serialisable):
     damping_ratio : float
         :math:`\zeta = -\mathrm{Re}\,p / |p|`.
     residue : complex
-        Of the receptance, m/(N s): :math:`X/F = r/(s-p) + r^*/(s-p^*) + \dots`
+        Residue of the receptance, m/(N s): :math:`X/F = r/(s-p) + r^*/(s-p^*) + \dots`
     frequency_se, damping_ratio_se, residue_se : float
         Standard errors; 0 for a model's mode, nan where a method gives none.
     method : str

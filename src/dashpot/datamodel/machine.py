@@ -111,7 +111,7 @@ class MachineCalibration(Serialisable):
     Attributes
     ----------
     delay : float
-        Of the force behind the displacement, s.
+        Delay of the force behind the displacement, s.
     gain, gain_error : float
         Reading of the force over the force, with its standard error.
     compliance_error : float
@@ -144,8 +144,8 @@ class Machine(Serialisable):
     drift : float or None
         Standard deviation of the drift of the load cell, N/s, as its data sheet gives it.
     compliance : float or None
-        Of machine and load cell, m/N: the seal is compressed by :math:`x - C F`; 0 if the
-        displacement is measured at the seal.
+        Compliance of machine and load cell, m/N: the seal is compressed by :math:`x - C F`; 0 if
+        the displacement is measured at the seal.
     creep : float or None
         Standard deviation of what its crosshead settles by in a factor e of time after its stop,
         m, where no reading shows it.
@@ -156,7 +156,7 @@ class Machine(Serialisable):
     oven : float or None
         Standard deviation of the temperature of an oven from what it says, K.
     cable : float or None
-        Of a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
+        In a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
         over that of the seals at the resonance; 0 if they hang free.
     calibration : MachineCalibration or None
         What blank tests measured; the standard deviations above are then theirs.

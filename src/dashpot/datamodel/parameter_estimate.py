@@ -175,8 +175,8 @@ class ParameterEstimate(EqualByValue):
         and ``"b"`` if it was fitted; of a fractional Zener model ``"k_inf"``, ``"k_0"``,
         ``"ln_tau"`` and ``"alpha"``. Stiffness in N/m, ln of tau in s.
     covariance : array, shape (p, p)
-        Of those parameters, for correlated residuals and for all that a rig may have done without
-        a trace. Infinite where not identified.
+        Covariance of those parameters, for correlated residuals and for all that a rig may have
+        done without a trace. Infinite where not identified.
     dof : float
         Degrees of freedom of the t quantile: effective samples less parameters.
     residual : Residual
@@ -422,7 +422,7 @@ class CreepEstimate(FrozenArrays):
         Names of the rows of `covariance`: ``"glass"``, ``"d_1"``..., ``"ln_lam_1"``..., and
         ``"flow"`` if the solid flows.
     covariance : array, shape (p, p)
-        Of those parameters, for correlated residuals.
+        Covariance of those parameters, for correlated residuals.
     """
 
     spectrum: CreepSpectrum

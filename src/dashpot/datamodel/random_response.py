@@ -12,9 +12,9 @@ class RandomResponse:
     Attributes
     ----------
     acceleration : float
-        Of the mass, or of the place, absolute, m/s^2.
+        Acceleration of the mass, or of the place, absolute, m/s^2.
     stretch : float
-        Of the solid, or of the place against the base, m.
+        Stretch of the solid, or of the place against the base, m.
     crossings : float
         Upward crossings of zero of the stretch a second, 1/s (Rice).
     """
@@ -31,11 +31,12 @@ class RandomLimits:
     Attributes
     ----------
     acceleration : (float, float)
-        Of the mass, m/s^2.
+        Acceleration of the mass, m/s^2.
     stretch : (float, float)
-        Of the solid, m.
+        Stretch of the solid, m.
     band_hz : (float, float)
-        Of the noise that the upper limits count: all of a table, of white noise a part.
+        Upper end of the band of the noise that the upper limits count: all of a table, of white
+        noise a part.
     """
 
     acceleration: tuple[float, float]

@@ -57,7 +57,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------

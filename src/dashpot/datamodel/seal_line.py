@@ -154,9 +154,9 @@ class SealSection:
         Parameters
         ----------
         fit : Fit
-            Of a specimen of seal.
+            Fit of a specimen of seal.
         length : str or float, optional
-            Of that specimen, m; by default the length in the fit.
+            Length of that specimen, m; by default the length in the fit.
         temperature : str or float, optional
             K; by default that of the fit.
         shear : Shear, optional
@@ -288,7 +288,7 @@ class Stations(EqualByValue):
         m; the direction in which the seal is pressed there, of length 1; and that in which the
         line runs, square to it.
     length : array, shape (n,)
-        Of seal that each stands for, m: together the whole line.
+        Length of seal that each stands for, m: together the whole line.
     factor : array, shape (n,)
         Stiffness over that of the seal: 1 but at joints.
     compression : array, shape (n,), or None

@@ -68,11 +68,12 @@ class TemperatureShifts(EqualByValue, Serialisable):
     Attributes
     ----------
     law : TemperatureLaw
-        Of the shift factor of time.
+        Law of the shift factor of time.
     shifts : tuple of Shift
         By rising temperature; the reference is among them, with no shift and no error.
     covariance : array, shape (2 n, 2 n)
-        Of log10 a_T of every shift, then of ln b_T of every shift; zero rows at the reference.
+        Covariance of log10 a_T of every shift, then of ln b_T of every shift; zero rows at the
+        reference.
     law_parameters : tuple of str
         Names of the rows of `law_covariance`: ``("c1", "c2")``, ``("energy",)`` or none.
     law_covariance : array, shape (p, p)

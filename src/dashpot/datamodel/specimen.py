@@ -36,7 +36,7 @@ class Specimen:
     lot, operator : str
         Where it comes from, and who tested it.
     date : str
-        Of the test, ISO 8601: 2026-11-21.
+        Date of the test, ISO 8601: 2026-11-21.
     stated_temperature : float or None
         What the file itself says where `temperature` was given otherwise, K.
     warmed : float or None

@@ -139,7 +139,7 @@ class ModeShape(EqualByValue):
     mode : Mode
         Pole and errors; its residue is that of the point that moves most.
     residues : complex array, shape (n,)
-        Of the receptances at n points, m/(N s).
+        Residues of the receptances at n points, m/(N s).
     residue_se : array, shape (n,)
         Their standard errors.
     misfit : float

@@ -120,7 +120,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         Decay a of an exponential window :math:`e^{-at}` that the records were multiplied by, 1/s; 0
         if there was none, nan if one is stated and not its decay, None if nothing is said.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Examples
     --------
@@ -239,9 +239,9 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         return _rate(self.time[self.records()[0]])
 
 
-def same_rate(first: float, other: float, samples: int) -> bool:
+def same_rate(first_rate: float, other_rate: float, samples: int) -> bool:
     """Whether two sampling rates are one, as far as so many samples show: a thousandth, or more."""
-    return abs(other / first - 1) <= max(1e-3, 0.5 / (samples - 1))
+    return abs(other_rate / first_rate - 1) <= max(1e-3, 0.5 / (samples - 1))
 
 
 def _rate(time: FloatArray) -> float:

@@ -92,12 +92,12 @@ def deck_for(
     target : str
         Or a synonym of it, such as ``"mapdl"``, in upper or lower case.
     result : Solid, Fit or another result that a row names
-        Of one seal, or of a material, whose card is written.
+        Result of one seal, or of a material, whose card is written.
     seals : float
     compression : float, optional
-        Of the seals, m: the deck is of small vibration about it.
+        Compression of the seals, m: the deck is of small vibration about it.
     temperature : float, optional
-        Of the seals, K; by default that of the fit.
+        Temperature of the seals, K; by default that of the fit.
     **choices
         Arguments of the target; None counts as not given.
 

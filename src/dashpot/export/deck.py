@@ -213,7 +213,7 @@ class DeckText(str):
     Attributes
     ----------
     verdict : Verdict or None
-        Of the fit behind it, over the rows written; None for a bare solid.
+        Verdict of the fit behind it, over the rows written; None for a bare solid.
     checks : tuple of Check
         Those of the fit, and whether it informs the rows.
     overrides : tuple of str

@@ -77,7 +77,7 @@ def tabulate(
     frequency_range : (float, float)
         Hz, 0 < low < high.
     tolerance : float
-        Of the FRF, relative.
+        Tolerance of the FRF, relative.
     damping : {"loss_factor", "damping"}
     edges : tuple of float
         Frequencies, Hz, that get a point of their own, such as the ends of the valid band.

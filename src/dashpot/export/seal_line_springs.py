@@ -31,7 +31,7 @@ class LineStation:
     frame : tuple of three directions
         Normal, across and along; each square to the others, of length 1.
     shares : (float, float, float)
-        Of the solid of each way; 0 is no spring.
+        Shares of the solid of each way; 0 is no spring.
     """
 
     place: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -46,7 +46,7 @@ class SpringRow:
     Attributes
     ----------
     solids : (Solid, Solid, Solid)
-        Of each way, SI; a station carries its share of them.
+        Models of each way, SI; a station carries its share of them.
     stations : tuple of LineStation
     remarks : tuple of str
         What the header says of them.

@@ -105,7 +105,7 @@ class AdmissibleSpectra:
     fastest : float
         The highest frequency to be asked about, rad/s.
     limit : float
-        Of the deviance, :func:`deviance_limit`.
+        Limit of the deviance, :func:`deviance_limit`.
     extra : array, shape (n,), optional
         Further relaxation times of the grid, s: those of the fit.
     """
@@ -616,7 +616,9 @@ def _contains_origin(start: FloatArray, edges: FloatArray) -> bool:
     return bool((residual >= 0).all() and (residual > 0).any())
 
 
-def _find_steepest_direction(at: FloatArray, offset: float) -> FloatArray:
+def _find_steepest_direction(point: FloatArray, offset: float) -> FloatArray:
     """Return the direction in which ln (|d + offset| / |d|) grows most."""
-    base = at + np.array([offset, 0.0])
-    return np.asarray(base / max(float(base @ base), _TINY) - at / max(float(at @ at), _TINY))
+    base = point + np.array([offset, 0.0])
+    return np.asarray(
+        base / max(float(base @ base), _TINY) - point / max(float(point @ point), _TINY)
+    )

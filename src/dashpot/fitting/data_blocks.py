@@ -81,7 +81,7 @@ def block_of(
         ``"offset"`` and ``"drift"`` have a column each, which counts from the first sample, or from
         the end of an ideal ramp.
     index : int, optional
-        Of the test: its terms are its own, ``"offset@0"``.
+        Index of the test: its terms are its own, ``"offset@0"``.
     start : int, optional
         The first sample that is fitted to the recorded motion, in place of that of contact.
     law : ElasticLaw, optional
@@ -89,7 +89,7 @@ def block_of(
     columns : mapping of str to array, shape (n,)
         Further terms of the recorded motion, a value at every sample to the end of the hold.
     weights : array, shape (n,), optional
-        Of those samples: what is known of the motion, 1 from where it is known.
+        Weights of those samples: what is known of the motion, 1 from where it is known.
     tau_range : (float, float), optional
         Relaxation times that are asked about, s, where the window of the record is not enough.
     """
@@ -292,7 +292,7 @@ class FitData:
         one, a decisive BIC overrules, and under noise as slow as the arms fits in its metric are
         judged.
     encoders : sequence of Encoder, optional
-        Of each record, where the recorded motion is fitted.
+        Encoders of each record, where the recorded motion is fitted.
     bind : callable, optional
         Makes the priors of nuisance terms from the standard deviation of one independent residual
         of each record, N; from None by what the records show before a fit.

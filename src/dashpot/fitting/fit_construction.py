@@ -67,7 +67,7 @@ class SolidEstimate(NamedTuple):
     ----------
     solid : Solid
     estimate : ParameterEstimate
-        Of its parameters.
+        Estimate of its parameters.
     has_fewer_arms : bool
         It has fewer arms than were asked for.
     at_bound : bool
@@ -175,7 +175,7 @@ def nuisances(
     Parameters
     ----------
     names : sequence of str
-        Of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
+        Names of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
     value, error : callable
         Coefficient and standard error of a column.
     unit : str

@@ -61,7 +61,7 @@ class FitOptions(SolidOptions):
     max_arms : int
         The most that ``"auto"`` tries.
     shift_law, vertical : str
-        Of tests at several temperatures.
+        For tests at several temperatures.
     reference : float, optional
         The temperature that they are shifted to, K.
     """

@@ -247,7 +247,7 @@ def _describe_copy(first: RampHold, second: RampHold) -> str:
     )
 
 
-def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
+def noise_correlation(ramp_hold: RampHold, other_hold: RampHold) -> float:
     """Return the correlation of what two holds scatter about their smooth course, -1 to 1.
 
     Means over a few samples at equal times after the onset, less their running mean; lines of hum,
@@ -255,16 +255,16 @@ def noise_correlation(ramp_hold: RampHold, other: RampHold) -> float:
     three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
     no noise.
     """
-    step = _TO_A_MEAN * max(ramp_hold.step, other.step)
-    start = max(record.ramp_time for record in (ramp_hold, other)) + _SMOOTH * step
-    stop = min(record.hold_end - record.onset for record in (ramp_hold, other))
+    step = _TO_A_MEAN * max(ramp_hold.step, other_hold.step)
+    start = max(record.ramp_time for record in (ramp_hold, other_hold)) + _SMOOTH * step
+    stop = min(record.hold_end - record.onset for record in (ramp_hold, other_hold))
     if (stop - start) / step < _FEWEST_SAMPLES:
         return 0.0
     edges = np.arange(start, stop, step)
-    residuals = [_compute_means_off_course(record, edges) for record in (ramp_hold, other)]
+    residuals = [_compute_means_off_course(record, edges) for record in (ramp_hold, other_hold)]
     if any(
         part.std() > _COURSE * record.force_noise
-        for part, record in zip(residuals, (ramp_hold, other), strict=True)
+        for part, record in zip(residuals, (ramp_hold, other_hold), strict=True)
     ):
         return 0.0
     first, second = (_clipped_spectrum(part) for part in residuals)
@@ -305,12 +305,12 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
     return tuple(_end_stiffness(record, at) for record in records)
 
 
-def _end_stiffness(record: RampHold, at: float) -> EndStiffness:
+def _end_stiffness(record: RampHold, time: float) -> EndStiffness:
     time_since_ramp = record.time - record.ramp_end
-    last = (time_since_ramp >= 0.95 * at) & (time_since_ramp <= at)
-    last[int(np.searchsorted(time_since_ramp, at)) - 1] = True
+    last = (time_since_ramp >= 0.95 * time) & (time_since_ramp <= time)
+    last[int(np.searchsorted(time_since_ramp, time)) - 1] = True
     cell_priors = build_load_cell_priors(record)
-    time_to_end = record.ramp_end + 0.975 * at - record.time[0] - cell_priors.offset_time
+    time_to_end = record.ramp_end + 0.975 * time - record.time[0] - cell_priors.offset_time
     force = (
         float(record.force[last].mean())
         - cell_priors.offset.mean

@@ -75,7 +75,8 @@ class NuisanceTerms:
     Attributes
     ----------
     priors : mapping of str to Prior
-        Of the coefficients of the columns, by kind: ``"offset"``, ``"drift"``, ``"delay"``...
+        Priors of the coefficients of the columns, by kind: ``"offset"``, ``"drift"``,
+        ``"delay"``...
     drift_start : float
         Zero of the drift's column, s after the time at which the offset is known.
     least_error : float
@@ -136,21 +137,22 @@ class LoadCellPriors(NamedTuple):
     Attributes
     ----------
     offset : Prior
-        Of the load cell at the time `offset_time`, N.
+        Offset of the load cell at the time `offset_time`, N.
     offset_time : float
         At which the offset is known, s after the first sample.
     drift : Prior
         N/s.
     delay : Prior
-        Of the force behind the displacement, s.
+        Delay of the force behind the displacement, s.
     first_sample : int
         The first that the fit may use: those before contact enter the priors.
     baseline_drift : Prior
-        Of the drift by the baseline alone, N/s; its SD is infinite without one.
+        Prior of the drift by the baseline alone, N/s; its SD is infinite without one.
     conflict : float
         Departure of baseline and load cell from each other; above 1 they contradict.
     limit_drift : Prior
-        Of the drift, N/s, in limits. As free a drift in the fit itself would replace slow arms.
+        Prior of the drift, N/s, in limits. As free a drift in the fit itself would replace slow
+        arms.
     """
 
     offset: Prior

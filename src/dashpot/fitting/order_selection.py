@@ -44,7 +44,7 @@ from dashpot.numerics.exponential_fit import (
 )
 from dashpot.numerics.inference.correlated_noise import (
     Noise,
-    directions,
+    make_directions,
     nearly_white,
     noise_gain_differs,
     noise_gain_ratio,
@@ -148,7 +148,7 @@ class SelectedModel:
     ----------
     data : FitData
     estimate : SolutionEstimate
-        Of the number of arms taken.
+        Estimate of the number of arms taken.
     scores : tuple of Score
         Every number tried, from none up.
     choice : Choice or None
@@ -438,7 +438,7 @@ def _score_orders(
 
 
 def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
-    information = directions(jacobians[: len(noises)])
+    information = make_directions(jacobians[: len(noises)])
     return noise_gain_ratio(
         information, [*map(information.compute_record_gain, range(len(noises)), noises)]
     )

@@ -22,7 +22,7 @@ from dashpot.numerics.inference.correlated_noise import (
     JacobianColumns,
     Noise,
     ResidualSeries,
-    directions,
+    make_directions,
     nearly_white,
     noise_gain_differs,
     noise_gain_ratio,
@@ -301,15 +301,15 @@ def estimate_covariance(
     peak : float
         The largest force, N; it sets the residual by rounding.
     encoders : sequence of Encoder, optional
-        Of each record, where the recorded motion is fitted.
+        Encoders of each record, where the recorded motion is fitted.
     priors : sequence of DataBlock
         Priors of nuisance parameters.
     error_rows : sequence of callable, optional
-        Of each record that has no encoder, as
+        Error rows of each record that has no encoder, as
         :func:`~dashpot.numerics.inference.correlated_noise.sandwich` takes errors that are not
         constant in time.
     jacobian : Jacobian, optional
-        Of every sample and then of the priors, if computed already.
+        Jacobian of every sample and then of the priors, if computed already.
     series : sequence of ResidualSeries, optional
         The residual of each record, if computed already.
     """
@@ -317,7 +317,7 @@ def estimate_covariance(
     every_residual, every_jacobian = split_by_record(jacobian, [*every_sample, *priors])
     count = len(every_sample)
     series = series or [*map(ResidualSeries, every_residual[:count])]
-    information = directions(every_jacobian)
+    information = make_directions(every_jacobian)
     noises = estimate_noises(series, information.columns[:count], peak=peak)
     error_rows = error_rows or [
         partial(encoder_rows, encoder=encoder, kernel=_build_relaxation_kernel(solution, block))
@@ -409,7 +409,7 @@ def score_solution(
     )
     if not solution.order:
         return Score(solution, criterion, True)
-    information = directions([full_jacobian([*blocks, *priors], solution).matrix])
+    information = make_directions([full_jacobian([*blocks, *priors], solution).matrix])
 
     def is_significant(independent: float) -> bool:
         variance = (solution.sse + rounding_sse) / max(independent - parameters, 1.0)
@@ -630,7 +630,7 @@ def compute_rig_sensitivity(
         J[:rows, own_columns], J[rows:, own_columns] = item.private, item.prior
         jacobians.append(J)
         next_column = own_columns.stop
-    information = directions(jacobians)
+    information = make_directions(jacobians)
     shifts = [
         information.turn @ (columns.matrix[: len(column.unmeasured)].T @ column.unmeasured)
         for column, columns in zip(all_columns, information.columns, strict=True)

@@ -172,7 +172,7 @@ def unresolved_arm_band(
     Parameters
     ----------
     fit : Fit
-        Of these tests: gives their noise.
+        Fit of these tests: gives their noise.
     tests : RampHold, RelaxationTest or sequence of them
     frequency : array_like, shape (n,)
         Hz, > 0.
@@ -221,7 +221,7 @@ def frf_band(
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     tests : RampHold, RelaxationTest or sequence of them
         What it was fitted to.
     mass : float
@@ -232,7 +232,7 @@ def frf_band(
     kind : Kind or str
         An accelerance, 1/kg, or the transmissibility from a base that moves, relative or not.
     coupled : float
-        Of mounts that weigh something, the mass that couples both ends, kg
+        For mounts that weigh something, the mass that couples both ends, kg
         (:mod:`dashpot.vibration.mass_on_seals`); of a transmissibility alone.
     """
     mass, kind = convert_to_si(mass, "mass"), Kind(kind)

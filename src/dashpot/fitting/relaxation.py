@@ -95,7 +95,7 @@ from dashpot.fitting.parameter_errors import (
     compute_clock_sensitivity,
     compute_rig_sensitivity,
 )
-from dashpot.fitting.relaxation_likelihood import build_hold_data, fitted_data
+from dashpot.fitting.relaxation_likelihood import build_fitted_data, build_hold_data
 from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.numerics.exponential_fit import solve
 from dashpot.preprocessing.signal_conditioning import Filter, filter_of, filter_record
@@ -506,7 +506,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
     return build_ramp_fit(
         records,
         ramp_law,
-        requested=arms,
+        requested_arms=arms,
         checks=arm_checks,
         end=end_of_hold,
         unmeasured=sensitivity,
@@ -523,7 +523,7 @@ def _build_limit_data(
         tests = zip(records, residuals, strict=True)
         return [build_hold_data(record, model, residual) for record, residual in tests]
     blocks = zip(records, selection.data.blocks, residuals, strict=True)
-    return [fitted_data(record, block, model, values) for record, block, values in blocks]
+    return [build_fitted_data(record, block, model, values) for record, block, values in blocks]
 
 
 def _collect_hold_arguments(

@@ -49,30 +49,30 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 _CELL = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
-SHORTEST = 1e-6
+LEAST_TAU = 1e-6
 # readings that stand for a while on the way, at most
 MAX_PAUSES = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
 # what lags may be a filter, in the difference of the two
-FILTERED = 1.0
+FILTER_SD = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
-LAID_OUT, MIXED = 100, 16
+DOUBT_SAMPLES, DOUBT_TIMES = 100, 16
 # samples of earlier loadings
 MAX_HISTORY_SAMPLES = 4000
 # cycles per record between which noise limits the detection of an arm
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
-LINE = 20.0
+HUM_RATIO = 20.0
 # slower noise counts where its power is so much larger: by chance it never is
 SLOW_NOISE_RATIO = 2.0
 # standard errors of a shift within which other spectra may move it, and never less than this, ln
-_FREE, _LEAST_SHIFT = 5.0, 0.007
+_FREE_SE, _LEAST_SHIFT = 5.0, 0.007
 # standard errors of a slope from which on arms do shift apart
 _SIGNIFICANT_SE = 3.0
 # another temperature may change every stiffness by so much more than b_T
-_GAIN = 0.02
+_GAIN_SD = 0.02
 
 
 def build_relaxation_data(
@@ -82,7 +82,7 @@ def build_relaxation_data(
     single_fit: Fit | None = None,
     for_limits: bool = True,
     shift: ThermalShift | None = None,
-    warms: tuple[float, float] = (0.0, 0.0),
+    shift_slopes: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
     r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
 
@@ -97,7 +97,7 @@ def build_relaxation_data(
     fit : Fit
         The solid whose response to a small motion stands for the doubt; its method is kept.
     single_fit : Fit, optional
-        Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+        Fit of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     for_limits : bool
         For limits, which allow all that a rig may have done without a trace in the record
         (:func:`compute_unmeasured_effects`). A fit of several tests is a point, and not of the
@@ -105,7 +105,7 @@ def build_relaxation_data(
     shift : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
-    warms : (float, float)
+    shift_slopes : (float, float)
         Slopes of ln a_T and ln b_T there, 1/K.
 
     Raises
@@ -126,25 +126,27 @@ def build_relaxation_data(
     magnitude = np.hypot(magnitude, between_samples(test, time, x, magnitude))
     if law is not None:
         x, magnitude = law.path(x), magnitude * law.factor(x)
-    effects = {
+    effect_columns = {
         name: (model.force(time, 1.0 * changed_motion), sd)
-        for name, (changed_motion, sd) in _doubts(test, time).items()
+        for name, (changed_motion, sd) in _list_motion_errors(test, time).items()
     }
     if for_limits:
-        at = select_motion_samples(test, time)
-        for name, (column, sd) in compute_unmeasured_effects(test, time[at], x[at], model).items():
-            effects[name] = np.interp(time, time[at], column), sd
+        sample_indices = select_motion_samples(test, time)
+        for name, (column, sd) in compute_unmeasured_effects(
+            test, time[sample_indices], x[sample_indices], model
+        ).items():
+            effect_columns[name] = np.interp(time, time[sample_indices], column), sd
     if shift is not None:
-        by_a, by_b = warms
-        effects["warming"] = compute_warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
+        by_a, by_b = shift_slopes
+        effect_columns["warming"] = compute_warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
     delay = _find_fitted_delay(single_fit or fit)
     if delay:
-        effects |= _build_delay_columns(test, model, time, x, delay=delay)
-    columns = {name: column for name, (column, _) in effects.items()}
-    data_block = block_of(test, terms=_CELL, law=law, tau_range=_reach(test, 1.0))
+        effect_columns |= _build_delay_columns(test, model, time, x, delay=delay)
+    columns = {name: column for name, (column, _) in effect_columns.items()}
+    data_block = block_of(test, terms=_CELL, law=law, tau_range=_get_tau_range(test, 1.0))
     residual = _compute_arm_residual(solid, data_block)
-    power = max(noise_power(residual), data_block.rounding_floor)
-    trusted = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
+    power = max(estimate_noise_power(residual), data_block.rounding_floor)
+    sample_weights = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
     relaxation_data = _weight_block(
         test,
         block_of(
@@ -152,15 +154,15 @@ def build_relaxation_data(
             terms=_CELL,
             law=law,
             columns=columns,
-            weights=trusted,
-            tau_range=_reach(test, shift.a_t if shift else 1.0),
+            weights=sample_weights,
+            tau_range=_get_tau_range(test, shift.a_t if shift else 1.0),
         ),
         data_block,
         model,
         residual,
-        size=float(np.hypot(_compute_law_deviation(law), set_of(test, model))),
+        size=float(np.hypot(_compute_law_deviation(law), estimate_set_sd(test, model))),
         rms=fit.estimate.residual.rms,
-        effect_sds={get_column_kind(name): sd for name, (_, sd) in effects.items()},
+        effect_sds={get_column_kind(name): sd for name, (_, sd) in effect_columns.items()},
         for_limits=for_limits,
     )
     relaxation_data = replace(relaxation_data, delay=0.0) if delay else relaxation_data
@@ -170,7 +172,7 @@ def build_relaxation_data(
         relaxation_data,
         terms=relaxation_data.terms.add_terms(warming=build_recorded_warming_prior(test.specimen)),
     )
-    gain = _GAIN if shift.shift_sd > 0 else 0.0
+    gain = _GAIN_SD if shift.shift_sd > 0 else 0.0
     return replace(
         relaxation_data, thermal_shift=shift, size=float(np.hypot(relaxation_data.size, gain))
     )
@@ -183,25 +185,25 @@ def _build_delay_columns(
 
     They are of the size that was found: the chord is exact there, where the tangent is not.
     """
-    slow_model = _slower(model, SLOW_ARM * test.step)
+    slow_model = _keep_slow_arms(model, SLOW_ARM * test.step)
     displacement = slow_model.force(time, np.interp(time - delay, time, x, left=0.0))
     # what has lagged once may lag by that, whatever was thought possible
     sd = max(build_delay_prior(test).sd, delay)
     entries = {"delay": ((displacement - slow_model.force(time, x)) / delay, sd)}
     if delay > 0:
         low_passed = x - arm_response(time, x, delay)
-        entries["filter"] = slow_model.force(time, low_passed) - displacement, FILTERED
+        entries["filter"] = slow_model.force(time, low_passed) - displacement, FILTER_SD
     return entries
 
 
 def _find_fitted_delay(fit: Fit) -> float:
     """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
-    values = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
-    delay = values[0] if fit.method == "full" and values else 0.0
+    delays = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
+    delay = delays[0] if fit.method == "full" and delays else 0.0
     return delay if abs(delay) > LINEAR_DELAY else 0.0
 
 
-def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
+def _keep_slow_arms(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
     """Return the arms of a solid that are no faster than this, s."""
     slow_arms = [j for j, value in enumerate(solid.tau) if value >= tau]
     return GeneralizedMaxwell(
@@ -245,8 +247,8 @@ def _shift_to_reference(
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
         shifts.slope if abs(shifts.slope) > _SIGNIFICANT_SE * slope_sd else 0.0,
-        0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
-        0.0 if at_reference else _FREE * slope_sd,
+        0.0 if at_reference else max(_FREE_SE * shift.se * LN_10, _LEAST_SHIFT),
+        0.0 if at_reference else _FREE_SE * slope_sd,
     )
     return build_relaxation_data(
         test,
@@ -254,7 +256,7 @@ def _shift_to_reference(
         single_fit=single_fit,
         for_limits=for_limits,
         shift=thermal_shift,
-        warms=rates,
+        shift_slopes=rates,
     )
 
 
@@ -280,7 +282,7 @@ def build_hold_data(
         residual,
         reference_time=reference_time,
         for_limits=for_limits,
-        size=float(np.hypot(test.depth_error, set_of(test, model))),
+        size=float(np.hypot(test.depth_error, estimate_set_sd(test, model))),
     )
     if law is None:
         # eq. 5 is fitted with a drift as free as it may be
@@ -295,7 +297,7 @@ def build_hold_data(
     )
 
 
-def fitted_data(
+def build_fitted_data(
     test: RampHold, block: DataBlock, model: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
     """Return the data of :func:`build_relaxation_data` from a block of recorded motion.
@@ -304,7 +306,7 @@ def fitted_data(
     ramp's corners is not in it, so it serves no question about fast arms.
     """
     size = float(np.hypot(test.depth_error, test.contact_error / test.depth))
-    size = float(np.hypot(size, set_of(test, model)))
+    size = float(np.hypot(size, estimate_set_sd(test, model)))
     time, x, _ = motion(test)
     relaxation_data = _weight_block(test, block, block, model, residual, size=size)
     relaxation_data = _add_rig_columns(
@@ -317,38 +319,40 @@ def fitted_data(
 def _add_rig_columns(
     data: RelaxationData,
     test: RampHold,
-    changes: tuple[FloatArray, FloatArray],
+    time_and_motion: tuple[FloatArray, FloatArray],
     *,
     start: float,
     reference_time: float = 0.0,
 ) -> RelaxationData:
     """The data with what its rig may add, as sums of its own columns: right to some per cent.
 
-    The motion that is answered is `changes`, s and m; the rows begin at `start`, s, and their drift
-    counts from `reference_time`, s, all from the first sample on.
+    The motion that is answered is `time_and_motion`, s and m; the rows begin at `start`, s, and
+    their drift counts from `reference_time`, s, all from the first sample on.
     """
-    time, x = (part[select_motion_samples(test, changes[0])] for part in changes)
-    adds = compute_unmeasured_effects(test, time, x, data.model)
-    tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
+    time, x = (part[select_motion_samples(test, time_and_motion[0])] for part in time_and_motion)
+    rig_effects = compute_unmeasured_effects(test, time, x, data.model)
+    tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, DOUBT_TIMES)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - reference_time}
     kinds = [get_column_kind(name) for name in data.block.fixed_names]
     has_column = [kind in shapes for kind in kinds]
     columns = [shapes[kind] for kind in kinds if kind in shapes]
     basis = np.column_stack((*columns, arm_response(time, x, tau)))[time >= start]
     scale = np.linalg.norm(basis, axis=0)
-    rig_columns = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
+    rig_columns = np.column_stack(
+        [sd * column[time >= start] for column, sd in rig_effects.values()]
+    )
     weights = np.linalg.lstsq(basis / scale, rig_columns, rcond=1e-9)[0] / scale[:, None]
     fixed = np.zeros((len(kinds), rig_columns.shape[1]))
     fixed[has_column] = weights[: len(columns)]
     return replace(
         data,
         unmeasured_effects=UnmeasuredEffects(
-            tuple(adds), np.log(tau), fixed, weights[len(columns) :]
+            tuple(rig_effects), np.log(tau), fixed, weights[len(columns) :]
         ),
     )
 
 
-def noise_power(residual: FloatArray) -> float:
+def estimate_noise_power(residual: FloatArray) -> float:
     r"""Return the power S of noise in the band of the arms: its variance, if it is white.
 
     The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
@@ -356,7 +360,7 @@ def noise_power(residual: FloatArray) -> float:
     autocovariances; an arm does not see it.
     """
     cycles, power = slow_periodogram(residual, FASTEST_NOISE)
-    medium = _without_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
+    medium = _drop_hum_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
     if not len(medium):
         return float(np.mean(residual**2))
     powers = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
@@ -364,8 +368,8 @@ def noise_power(residual: FloatArray) -> float:
     return max(level, float(powers.mean())) if powers.mean() > SLOW_NOISE_RATIO * level else level
 
 
-def _without_lines(power: FloatArray) -> FloatArray:
-    return power[power <= LINE * median(power)] if len(power) else power
+def _drop_hum_lines(power: FloatArray) -> FloatArray:
+    return power[power <= HUM_RATIO * median(power)] if len(power) else power
 
 
 def _weight_block(
@@ -382,7 +386,7 @@ def _weight_block(
     for_limits: bool = True,
 ) -> RelaxationData:
     terms = build_nuisance_terms(test, for_limits=for_limits)
-    power = max(noise_power(residual), data_block.rounding_floor)
+    power = max(estimate_noise_power(residual), data_block.rounding_floor)
     remainder = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
         block=block,
@@ -391,7 +395,7 @@ def _weight_block(
         terms=replace(terms, drift_start=reference_time + terms.drift_start).add_terms(
             **{name: Prior(0.0, sd) for name, sd in effect_sds.items()}
         ),
-        model=_slower(model, SLOW_ARM * test.step),
+        model=_keep_slow_arms(model, SLOW_ARM * test.step),
         delay=terms.priors["delay"].sd,
         size=size,
         certain=data_block,
@@ -407,21 +411,21 @@ def _compute_arm_residual(model: GeneralizedMaxwell, block: DataBlock) -> FloatA
     return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
 
 
-def _reach(test: RampHold, a_t: float) -> tuple[float, float]:
+def _get_tau_range(test: RampHold, a_t: float) -> tuple[float, float]:
     """Relaxation times that are asked about where the solid is `a_t` times slower, s."""
     time = motion(test)[0]
     low, high = window_of(time, uniform_step(time))
-    return min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), MAX_SLOWNESS * high * max(a_t, 1.0)
+    return min(DASHPOT * low, LEAST_TAU) * min(a_t, 1.0), MAX_SLOWNESS * high * max(a_t, 1.0)
 
 
-def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
+def _list_motion_errors(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
     """Motions that may have been, and the standard deviation of their size, m."""
     entries: dict[str, tuple[BoolArray, float]] = {}
     clock, count = time + test.time[0], test.encoder_step / np.sqrt(12)
     if test.contact_error > 0:
         entries["contact"] = clock >= test.onset, test.contact_error
     if count > 0:
-        (_, leaves), *middle_rests, (return_time, _) = _few_rests(test, clock)
+        (_, leaves), *middle_rests, (return_time, _) = _select_rests(test, clock)
         # motion counts from the first reading: an error of it begins where it is left
         entries["rest@first"] = clock >= leaves, float(count)
         entries["rest@last"] = clock >= return_time, float(count)
@@ -462,16 +466,17 @@ def compute_unmeasured_effects(
         tared = float(np.interp(build_load_cell_priors(test).offset_time, time, relaxing))
         terms["preload"] = relaxing - tared, test.preload * test.depth / peak
     if test.loading_start is None and not test.gap > 0 and model.arms:
-        memory, sd = build_earlier_press(test.machine, model, time, depth=test.depth)
+        remembered_force, sd = build_earlier_press(test.machine, model, time, depth=test.depth)
         # what it carries in the middle of the rest is offset
         terms["memory"] = (
-            memory - float(np.interp(build_load_cell_priors(test).offset_time, time, memory)),
+            remembered_force
+            - float(np.interp(build_load_cell_priors(test).offset_time, time, remembered_force)),
             sd,
         )
     # its temperature is that of its contact, however long the machine stood before
-    value = max(test.onset - test.ramp_time - test.time[0], 0.0)
-    warms = compute_warming(time, x, model, since=value)
-    terms["warming"] = warms, build_warming_prior(test.specimen).sd
+    rest_time = max(test.onset - test.ramp_time - test.time[0], 0.0)
+    warming_force = compute_warming(time, x, model, since=rest_time)
+    terms["warming"] = warming_force, build_warming_prior(test.specimen).sd
     if test.machine.force_filter is None:
         lines = build_folded_mains(time, step=test.step)
         # four parts of one line of that size
@@ -480,7 +485,7 @@ def compute_unmeasured_effects(
     return terms
 
 
-def set_of(test: RampHold, model: GeneralizedMaxwell) -> float:
+def estimate_set_sd(test: RampHold, model: GeneralizedMaxwell) -> float:
     """Return the standard deviation of the depth that a set of earlier presses leaves, relative.
 
     A gap that was found may be the set of a seal that was pressed before its record began.
@@ -494,8 +499,12 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     """Return some hundred samples of a motion, and some of what relaxes after it."""
     corner = test.ramp_end - test.time[0]
     ramp_stop = int(np.searchsorted(time, corner + test.ramp_time))
-    late_samples = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
-    early = np.arange(test.start, ramp_stop, max((ramp_stop - test.start) // (3 * LAID_OUT), 1))
+    late_samples = np.searchsorted(
+        time, corner + np.geomspace(test.ramp_time, time[-1], DOUBT_SAMPLES)
+    )
+    early = np.arange(
+        test.start, ramp_stop, max((ramp_stop - test.start) // (3 * DOUBT_SAMPLES), 1)
+    )
     # of earlier loadings the solid remembers the way, whose corners count
     history_samples = np.arange(0, test.start, max(test.start // MAX_HISTORY_SAMPLES, 1))
     indices = np.concatenate(
@@ -505,11 +514,11 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     return np.asarray(indices[np.append(True, np.diff(indices) > 0)])
 
 
-def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
+def _select_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     """Return the first and the last reading that stand, and the longest of those between them."""
-    results = rests(clock, test.displacement[: len(clock)], test.encoder_step)
-    first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
-    if len(results) > 1:
-        first, last = results[0], results[-1]
-    longest = sorted(results[1:-1], key=lambda rest: rest[0] - rest[1])[:MAX_PAUSES]
-    return [first, *longest, last]
+    all_rests = rests(clock, test.displacement[: len(clock)], test.encoder_step)
+    first_rest, last_rest = (-np.inf, test.onset), (test.ramp_end, np.inf)
+    if len(all_rests) > 1:
+        first_rest, last_rest = all_rests[0], all_rests[-1]
+    longest_rests = sorted(all_rests[1:-1], key=lambda rest: rest[0] - rest[1])[:MAX_PAUSES]
+    return [first_rest, *longest_rests, last_rest]

@@ -40,7 +40,7 @@ def find_loss_factor_band(
     Parameters
     ----------
     errors : callable
-        Of stiffness and loss factor, relative, at a frequency in Hz.
+        Errors of stiffness and loss factor, relative, at a frequency in Hz.
     band : (float, float)
         Hz.
     lines : mapping of float to (float, float)

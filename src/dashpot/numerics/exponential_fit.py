@@ -458,7 +458,8 @@ def solve(
         Where an optimum may be: next to it no other start is tried, if no positive spectrum with
         any number of arms would gain `negligible` noise variances on what is there.
     negligible : float
-        Of arms beyond those that could gain so many noise variances one start is enough.
+        Negligible gain: arms beyond those that could gain so many noise variances one start is
+        enough.
     thorough : bool
         Add quasi-random starts for every number of arms.
     signed : bool

@@ -263,10 +263,10 @@ def _trial(
 
 
 def _is_within_bounds(
-    at: FloatArray, bounds: tuple[list[float], list[float]], *, allow_ends: bool
+    theta: FloatArray, bounds: tuple[list[float], list[float]], *, allow_ends: bool
 ) -> bool:
     """Return whether no parameter sits at an end of its range or, at `allow_ends`, beyond one."""
-    pairs = zip(bounds[0], at.tolist(), bounds[1], strict=True)
+    pairs = zip(bounds[0], theta.tolist(), bounds[1], strict=True)
     if allow_ends:
         return all(low <= value <= high for low, value, high in pairs)
     return all(low < value < high for low, value, high in pairs)
@@ -360,7 +360,8 @@ class Problem:
     priors : int
         How many rows, the last, are no data.
     gauge : callable, optional
-        Of the thetas that are the same model, the one that is meant: ``gauge(theta) -> theta``.
+        Choice of gauge: of the thetas that are the same model, the one that is meant:
+        ``gauge(theta) -> theta``.
     """
 
     model: Model

@@ -8,10 +8,12 @@ from dashpot.planning.expected_errors import Pulse, RecordNeed
 
 
 @criterion("standard deviation / loss factor", "<=", source="the target, 0.1 by default")
-def loss_factor_determined(sd: float, at: float, target_sd: float, *, remedy: str = "") -> Finding:
+def loss_factor_determined(
+    sd: float, frequency: float, target_sd: float, *, remedy: str = ""
+) -> Finding:
     """The planned test determines the loss factor well enough."""
     return Finding(
-        f"The loss factor at {at:g} Hz would be known to {format_relative_sd(sd)} (1 SD); "
+        f"The loss factor at {frequency:g} Hz would be known to {format_relative_sd(sd)} (1 SD); "
         f"{format_relative_sd(target_sd)} is "
         "wanted",
         sd,
@@ -21,15 +23,15 @@ def loss_factor_determined(sd: float, at: float, target_sd: float, *, remedy: st
 
 
 @criterion("frequency, Hz", source="within 1/(2 pi hold) to 1/(pi ramp)")
-def inside_valid_band(at: float, band: tuple[float, float]) -> Finding:
+def inside_valid_band(frequency: float, band: tuple[float, float]) -> Finding:
     """The frequency of interest lies in the valid band of the ramp and hold."""
-    is_inside = band[0] <= at <= band[1]
+    is_inside = band[0] <= frequency <= band[1]
     return Finding(
         f"The valid band of this ramp and hold is {band[0]:.2g} to {band[1]:.2g} Hz; "
-        f"{at:g} Hz lies {'inside' if is_inside else 'outside'}",
-        at,
+        f"{frequency:g} Hz lies {'inside' if is_inside else 'outside'}",
+        frequency,
         remedy="Ramp faster, or add a hammer test.",
-        limit=band[1] if at > band[1] else band[0],
+        limit=band[1] if frequency > band[1] else band[0],
         always_fails=not is_inside,
     )
 
@@ -53,10 +55,11 @@ def record_long_enough(record_need: RecordNeed) -> Finding:
 
 
 @criterion("level, dB", ">=", -10.0, "our choice: the end of the useful band of a tip")
-def tip_excites(tip: Pulse, at: float) -> Finding:
+def tip_excites(tip: Pulse, frequency: float) -> Finding:
     """The hammer tip excites the frequency of interest."""
     return Finding(
-        f"A pulse of {format_quantity(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at {at:g} "
+        f"A pulse of {format_quantity(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at "
+        f"{frequency:g} "
         f"Hz. It excites up to {tip.band_10db:.3g} Hz (-10 dB)",
         tip.level_db,
         remedy="Use a harder tip.",

@@ -78,7 +78,7 @@ class ExpectedError:
 def expected_error(
     model: GeneralizedMaxwell,
     bench: Bench,
-    at: float,
+    frequency: float,
     arm: int | None,
     hammer: FloatArray | None = None,
     *,
@@ -89,10 +89,10 @@ def expected_error(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        Of the seal.
+        Model of the seal.
     bench : Bench
         The relaxation test.
-    at : float
+    frequency : float
         Frequency, Hz.
     arm : int or None
         Index of the unresolved arm.
@@ -113,7 +113,7 @@ def expected_error(
         rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
         unmeasured = np.pad(unmeasured, ((0, len(hammer)), (0, 0)))
     errors = _compute_errors(rows, unmeasured)
-    storage, loss_factor, gradients = _compute_gradients(model, at)
+    storage, loss_factor, gradients = _compute_gradients(model, frequency)
     sd = np.linalg.norm(gradients @ errors[: gradients.shape[1]], axis=1)
     return ExpectedError(
         method=bench.method if hammer is None else "joint",
@@ -146,9 +146,11 @@ def _compute_errors(rows: FloatArray, unmeasured: FloatArray) -> FloatArray:
     return np.hstack((root, shifts))
 
 
-def _compute_gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
+def _compute_gradients(
+    model: GeneralizedMaxwell, frequency: float
+) -> tuple[float, float, FloatArray]:
     r"""Return storage, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
-    s = np.array([2j * np.pi * at])
+    s = np.array([2j * np.pi * frequency])
     stiffness, complex_gradient = complex(model.stiffness_at(s)[0]), model.arm_slopes(s)[0][0]
     loss_factor = stiffness.imag / stiffness.real
     storage = complex_gradient.real
@@ -166,7 +168,7 @@ class ExpectedArm:
     Attributes
     ----------
     k, tau : float
-        Of the arm that was supposed, N/m and s.
+        Stiffness and relaxation time of the arm that was supposed, N/m and s.
     half_k, half_tau, half_b : float
         As the test is planned; b = k tau.
     named_k, named_tau, named_b : float
@@ -238,8 +240,8 @@ class ExpectedEnd(Serialisable):
     stiffness : float
         k(T) of the solid that was supposed, N/m.
     half_width : float
-        Of its 95 % limits, over the value: all that machine and climate may do without a trace is
-        in them.
+        Half width of its 95 % limits, over the value: all that machine and climate may do without a
+        trace is in them.
     if_machine_named : float
         The same with a baseline of 10 s, and compliance and creep of the machine known.
     """
@@ -308,11 +310,11 @@ class RecordNeed:
     Attributes
     ----------
     frequency, damping_ratio : float
-        Of the ringing pole, Hz and dimensionless.
+        Frequency and damping ratio of the ringing pole, Hz and dimensionless.
     time_constant : float
         1/sigma of the free response, s.
     half_power_width : float
-        Of the peak, Hz.
+        Half-power width of the peak, Hz.
     for_decay, for_lines : float
         Six time constants, and five lines in the half-power band, s.
     record : float or None
@@ -408,7 +410,7 @@ def _compute_peak_error(
     return float(errors[np.argmax(np.abs(errors))])
 
 
-def half_sine(duration: float, at: float) -> Pulse:
+def half_sine(duration: float, frequency: float) -> Pulse:
     r"""Return the spectrum of a half-sine pulse of `duration` s.
 
     .. math:: \frac{|F(f)|}{|F(0)|} = \left|\frac{\cos \pi f T}{1 - (2 f T)^2}\right|
@@ -431,7 +433,7 @@ def half_sine(duration: float, at: float) -> Pulse:
     tiny = float(np.finfo(float).tiny)
     return Pulse(
         duration=duration,
-        level_db=float(20 * np.log10(max(level(at), tiny))),
+        level_db=float(20 * np.log10(max(level(frequency), tiny))),
         band_10db=find_fall(10.0),
         band_20db=find_fall(20.0),
         first_zero=zero,

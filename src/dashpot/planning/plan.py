@@ -54,7 +54,7 @@ def list_advice(
     length_need: RecordNeed,
     tip: Pulse | None,
     *,
-    at: float,
+    frequency: float,
     target_sd: float,
     without_arm: str,
     test_temperature: float,
@@ -63,9 +63,13 @@ def list_advice(
 
     Temperatures are in K, frequencies in Hz, times in s.
     """
-    advice = _format_cold_advice(expected, alternatives, at=at, test_temperature=test_temperature)
+    advice = _format_cold_advice(
+        expected, alternatives, frequency=frequency, test_temperature=test_temperature
+    )
     if expected.loss_factor_sd > target_sd:
-        advice.append(_format_ramp_advice(expected, alternatives, at=at, target_sd=target_sd))
+        advice.append(
+            _format_ramp_advice(expected, alternatives, frequency=frequency, target_sd=target_sd)
+        )
     if length_need.record is None:
         advice.append(
             f"Record each hit for {compute_record_length(length_need):.3g} s{without_arm}. Six "
@@ -82,11 +86,12 @@ def list_advice(
     if tip is not None and "tip_excites" in failed:
         advice.append(
             "Use a harder tip. A pulse shorter than "
-            f"{format_quantity(_compute_longest_pulse(at), 'ms', '.3g')} loses less than 10 dB at "
-            f"{at:g} Hz."
+            f"{format_quantity(_compute_longest_pulse(frequency), 'ms', '.3g')} loses less than 10 "
+            "dB at "
+            f"{frequency:g} Hz."
         )
     if not advice:
-        advice.append(f"This test determines the loss factor at {at:g} Hz well enough.")
+        advice.append(f"This test determines the loss factor at {frequency:g} Hz well enough.")
     return tuple(advice)
 
 
@@ -99,7 +104,7 @@ def _format_cold_advice(
     expected: ExpectedError,
     alternatives: Sequence[ExpectedError],
     *,
-    at: float,
+    frequency: float,
     test_temperature: float,
 ) -> list[str]:
     """Return advice on repeats at other temperatures: their gain, and a missing one."""
@@ -115,12 +120,13 @@ def _format_cold_advice(
         sd_after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
             (
-                f"A repeat at {temperatures} hardly improves the loss factor at {at:g} Hz: "
+                f"A repeat at {temperatures} hardly improves the loss factor at {frequency:g} Hz: "
                 f"{sd_after}.{hint}"
             )
         ]
     message = (
-        f"Repeat it at {temperatures} and fit all together. The loss factor at {at:g} Hz is then "
+        f"Repeat it at {temperatures} and fit all together. The loss factor at {frequency:g} Hz is "
+        "then "
         f"known to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all arms "
         "shift alike."
     )
@@ -140,7 +146,11 @@ def _format_cold_advice(
 
 
 def _format_ramp_advice(
-    expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, target_sd: float
+    expected: ExpectedError,
+    alternatives: Sequence[ExpectedError],
+    *,
+    frequency: float,
+    target_sd: float,
 ) -> str:
     changes = [
         f"{change} ({format_relative_sd(best.loss_factor_sd)})"
@@ -152,7 +162,7 @@ def _format_ramp_advice(
         else f" No faster ramp that was tried gives {format_relative_sd(target_sd)}."
     )
     return (
-        f"The loss factor at {at:g} Hz would be known to "
+        f"The loss factor at {frequency:g} Hz would be known to "
         f"{format_relative_sd(expected.loss_factor_sd)} "
         f"(1 SD) only.{no_faster_ramp} {sentence(', or '.join(changes))}"
     )
@@ -223,9 +233,9 @@ def format_temperatures(temperatures: Sequence[float]) -> str:
     return f"{', '.join(other_texts)}{' and ' * bool(other_texts)}{last} degC"
 
 
-def _compute_longest_pulse(at: float) -> float:
+def _compute_longest_pulse(frequency: float) -> float:
     # the spectrum depends on f T alone
-    return half_sine(1.0, at).band_10db / at
+    return half_sine(1.0, frequency).band_10db / frequency
 
 
 TARGET_SD = 0.1
@@ -251,10 +261,10 @@ class Plan(HasChecks, Serialisable):
     arm : (float, float) or None
         Stiffness, N/m, and relaxation time, s, of the arm that the test may not show.
     expected : ExpectedError
-        Of the test as asked, with its repeats.
+        Errors of the test as asked, with its repeats.
     alternatives : tuple of ExpectedError
-        Of the test alone and at each other temperature, of the other method, of faster ramps,
-        of the test repeated at 0 degC if no other was asked for, and with a hammer test.
+        Errors of the test alone and at each other temperature, of the other method, of faster
+        ramps, of the test repeated at 0 degC if no other was asked for, and with a hammer test.
     band : (float, float)
         Frequency range of the relaxation test, Hz.
     record : RecordNeed
@@ -263,7 +273,7 @@ class Plan(HasChecks, Serialisable):
     advice : tuple of str
         What to change, most useful first.
     temperature : float
-        Of the test, K.
+        Temperature of the test, K.
     repeats : tuple of Repeat
         Where it is repeated, as asked.
     arms : tuple of ExpectedArm
@@ -411,7 +421,7 @@ def plan(
     band = _compute_frequency_range(bench, repeats)
     remedy = format_remedy(expected, alternatives, target_sd=target_sd)
     answered_checks = _run_checks(
-        expected, band, length_need, tip, at=at, target_sd=target_sd, remedy=remedy
+        expected, band, length_need, tip, frequency=at, target_sd=target_sd, remedy=remedy
     )
     without_arm = (
         ""
@@ -419,8 +429,8 @@ def plan(
         else _format_record_without_arm(hammer.seals * seal.model, hammer.mass, at)
     )
     advice = list_advice(
-        expected, alternatives, answered_checks, length_need, tip, at=at, target_sd=target_sd,
-        test_temperature=test_temperature, without_arm=without_arm,
+        expected, alternatives, answered_checks, length_need, tip, frequency=at,
+        target_sd=target_sd, test_temperature=test_temperature, without_arm=without_arm,
     )  # fmt: skip
     advise = find_handler("plan advice", "machine")
     if advise is not None and expected.loss_factor_sd > target_sd:
@@ -471,16 +481,18 @@ def _compute_frequency_range(bench: Bench, repeats: Sequence[Repeat]) -> tuple[f
     return min(slower) * low, max(slower) * high
 
 
-def _format_record_without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
+def _format_record_without_arm(
+    seal: GeneralizedMaxwell, mass: float | None, frequency: float
+) -> str:
     """Return the length of record for a seal without the assumed arm, as text."""
-    length_need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
+    length_need = record_need(seal, mass_for_peak(seal, frequency) if mass is None else mass, None)
     return f" ({compute_record_length(length_need):.3g} s if no arm of the seal adds damping there)"
 
 
-def _compute_hammer_lines(at: float, record: float | None) -> FloatArray:
+def _compute_hammer_lines(frequency: float, record: float | None) -> FloatArray:
     """Return the lines that a hammer test would give about the peak, Hz."""
     step = LINE_STEP if record is None else 1 / record
-    first, last = at / HAMMER_SPAN, at * HAMMER_SPAN
+    first, last = frequency / HAMMER_SPAN, frequency * HAMMER_SPAN
     count = max(sample_count(last - first, 1 / step), 8)
     return np.asarray(first + step * np.arange(count, dtype=float))
 
@@ -494,16 +506,16 @@ def _run_checks(
     length_need: RecordNeed,
     tip: Pulse | None,
     *,
-    at: float,
+    frequency: float,
     target_sd: float,
     remedy: str,
 ) -> tuple[Check, ...]:
     new_checks = [
-        checks.loss_factor_determined(expected.loss_factor_sd, at, target_sd, remedy=remedy),
-        checks.inside_valid_band(at, band),
+        checks.loss_factor_determined(expected.loss_factor_sd, frequency, target_sd, remedy=remedy),
+        checks.inside_valid_band(frequency, band),
     ]
     if length_need.record is not None and length_need.peak_error is not None:
         new_checks.append(checks.record_long_enough(length_need))
     if tip is not None:
-        new_checks.append(checks.tip_excites(tip, at))
+        new_checks.append(checks.tip_excites(tip, frequency))
     return tuple(new_checks)

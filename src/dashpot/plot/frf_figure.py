@@ -319,7 +319,7 @@ def resonance(
     rival : FRF, optional
         By another family of solids, which explains the relaxation test as well.
     height : float
-        Of the plotted part, px.
+        Height of the plotted part, px.
     """
     curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
     view = about_peaks(curves)

@@ -180,7 +180,7 @@ class Panel:
     marks : tuple of Mark
     title : str
     height : float
-        Of the plotted part, px.
+        Height of the plotted part, px.
     note : str
         A few words in the upper right corner.
     square : bool

@@ -216,9 +216,11 @@ def residual_panel(
     return Panel(horizontal, vertical, tuple(marks), height=90, note=rms)
 
 
-def _ranges(time: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _ranges(
+    time: FloatArray, values: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest value nearest to each of some times."""
-    edges = np.searchsorted(time, np.sqrt(at[1:] * at[:-1]))
+    edges = np.searchsorted(time, np.sqrt(times[1:] * times[:-1]))
     starts = np.concatenate(([int(np.searchsorted(time, 0.0, "right"))], edges))
     return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
@@ -325,7 +327,7 @@ def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = (
     records : sequence
         As fitted; of one kind.
     alternatives : sequence of Fit
-        Of one ramp and hold: fits of other numbers of arms, drawn with it.
+        For one ramp and hold: fits of other numbers of arms, drawn with it.
     """
     first = records[0]
     draw, shown_records = find_handler("fit figure", first), first

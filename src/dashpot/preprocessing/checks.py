@@ -231,24 +231,24 @@ def single_loading(
     index: int,
     cycles: tuple[RampHoldCycle, ...],
     *,
-    requested: bool,
-    before: Sequence[MotionSegment] = (),
+    is_requested: bool,
+    earlier_loadings: Sequence[MotionSegment] = (),
 ) -> Finding:
     """The record has one loading, or the user chose one.
 
-    Those `before` the one that is fitted are followed, with a hold or without.
+    Those `earlier_loadings` the one that is fitted are followed, with a hold or without.
     """
     cycle = cycles[index]
     message, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")
     if len(cycles) > 1:
         message = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
-        if not requested:
+        if not is_requested:
             message += ", because its hold is the longest"
-    if before:
-        loading_count = len(before)
+    if earlier_loadings:
+        loading_count = len(earlier_loadings)
         message += (
             f". {loading_count} move{'s' * (loading_count != 1)} towards the seal before it, from "
-            f"{before[0].start:.5g} to {before[-1].end:.5g} s, "
+            f"{earlier_loadings[0].start:.5g} to {earlier_loadings[-1].end:.5g} s, "
             f"{'are' if loading_count > 1 else 'is'} followed from the first sample on as what the "
             "seal remembers, and not fitted"
         )
@@ -257,7 +257,7 @@ def single_loading(
             f". It has {cycle.ramp_count} ramps. The fit of ramp and hold follows them all; the "
             "fit of the hold alone (eq. 5) does not apply"
         )
-    return Finding(message, float(len(cycles)), remedy=remedy, always_passes=requested)
+    return Finding(message, float(len(cycles)), remedy=remedy, always_passes=is_requested)
 
 
 @criterion(
@@ -480,8 +480,8 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     ----------
     test : RampHold
     force, displacement : array, shape (n,)
-        Of the same samples, as they stand in the file: a tare or a line of hum taken off would
-        leave no two readings equal bit for bit.
+        Signals of the same samples, as they stand in the file: a tare or a line of hum taken off
+        would leave no two readings equal bit for bit.
     """
     hold, time = test.hold, test.time[test.hold]
     f, x = force[hold], displacement[hold]

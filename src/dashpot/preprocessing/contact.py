@@ -34,7 +34,7 @@ class Baseline(NamedTuple):
     level, noise : float
         Mean, and standard deviation about a straight line, N.
     slope, slope_error : float
-        Of that line, N/s; the error is infinite where the baseline is too short.
+        Slope of that line, N/s; the error is infinite where the baseline is too short.
     middle : float
         Its mean time, s.
     """
@@ -251,7 +251,7 @@ def find_first_contact(
     force: FloatArray,
     *,
     noise: float,
-    rest: float,
+    rest_position: float,
     level: float,
     least_gap: float,
     rested: bool,
@@ -264,7 +264,7 @@ def find_first_contact(
         Up to the peak, m and N above the baseline.
     noise : float
         N.
-    rest, level : float
+    rest_position, level : float
         Displacement before the ramp and in the hold, m.
     least_gap : float
         Smallest gap that is detected, m.
@@ -274,10 +274,10 @@ def find_first_contact(
     """
     contact = find_contact(displacement, force, noise=noise)
     if contact is None or (not rested and contact.sample < 20):
-        return Touch(rest, 0.0)
-    gap = contact.displacement - rest
-    if not max(least_gap, 3 * contact.standard_error) < gap < 0.9 * (level - rest):
-        return Touch(rest, 0.0)
+        return Touch(rest_position, 0.0)
+    gap = contact.displacement - rest_position
+    if not max(least_gap, 3 * contact.standard_error) < gap < 0.9 * (level - rest_position):
+        return Touch(rest_position, 0.0)
     return Touch(contact.displacement, gap, contact.standard_error)
 
 

@@ -237,10 +237,10 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     return np.asarray(residual[reading])
 
 
-def _stays(at: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _stays(change_times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Begin and end of every reading, and how long the ones before and after it stay."""
-    stay_times = np.diff(at)
-    start, stop = np.append(-np.inf, at), np.append(at, np.inf)
+    stay_times = np.diff(change_times)
+    start, stop = np.append(-np.inf, change_times), np.append(change_times, np.inf)
     before = np.concatenate((stay_times[:1], stay_times[:1], stay_times))
     stay_after = np.concatenate((stay_times, stay_times[-1:], stay_times[-1:]))
     return start, stop, before, stay_after

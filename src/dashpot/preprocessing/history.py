@@ -47,7 +47,7 @@ class EarlierLoadings(NamedTuple):
         Largest root mean square of the force of one of them less what the solid of the last
         loading gives, over that of its force.
     arms : int
-        Of that solid.
+        Arms of that solid.
     converged : bool
         Whether solid and face were found, each with the other.
     """

@@ -119,7 +119,7 @@ class PlateMotion:
     start, departure, stop : int
         The first sample kept, the last one at rest, and the last one of the last hold.
     segments : tuple of MotionSegment
-        Of the whole record; empty where the times were given.
+        Segments of the whole record; empty where the times were given.
     """
 
     sign: int
@@ -266,7 +266,7 @@ def find_first_press(
     ----------
     test : RelaxationTest
     motion : PlateMotion
-        Of the loading that is used.
+        Motion of the loading that is used.
     force : array, shape (n,)
         N, rising with compression.
     min_rise : float
@@ -340,11 +340,11 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     return "expected a ramp and then a hold. Check the columns and the units"
 
 
-def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:
-    if rest is None:
+def _resting(x: FloatArray, rest_segment: MotionSegment | None, ramp: MotionSegment) -> float:
+    if rest_segment is None:
         return float(x[ramp.first])
-    second_half = rest.first + (rest.last - rest.first) // 2
-    return median(x[second_half : rest.last + 1])
+    second_half = rest_segment.first + (rest_segment.last - rest_segment.first) // 2
+    return median(x[second_half : rest_segment.last + 1])
 
 
 def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:

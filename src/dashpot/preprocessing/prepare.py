@@ -209,8 +209,8 @@ def prepare(
             checks.single_loading(
                 motion.index,
                 motion.cycles,
-                requested=cycle is not None,
-                before=list_earlier_presses(motion),
+                is_requested=cycle is not None,
+                earlier_loadings=list_earlier_presses(motion),
             ),
             checks.baseline_recorded(baseline),
             checks.contact_found(first_contact, record.depth, is_given=contact is not None),
@@ -292,7 +292,7 @@ class _EarlierLoading(NamedTuple):
     last_touch : Touch
         First contact in the fitted loading.
     baseline : Baseline
-        Of the force without contact.
+        Baseline of the force without contact.
     is_bonded : bool
         The seal pulls at a plate that retracts.
     first_sample : int
@@ -458,7 +458,7 @@ def _find_contact(
                 displacement[loading_samples],
                 steady_force[loading_samples] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
-                rest=motion.rest,
+                rest_position=motion.rest,
                 level=motion.cycle.hold.level,
                 least_gap=least_gap,
                 rested=motion.cycle.rest is not None,

@@ -118,16 +118,20 @@ def parse_filter(text: str) -> Filter:
     raise DataError(f"filter '{text}' is not known; {_EXPECTED_FILTER} (a median of odd length)")
 
 
-def filter_record(test: RampHold, by: Filter) -> RampHold:
+def filter_record(test: RampHold, chosen_filter: Filter) -> RampHold:
     """Return the record with both channels behind a filter, and the record before it beside."""
-    step = Step(FILTER_STEP, (("filter", str(by)),), f"both channels are filtered by {by}")
+    step = Step(
+        FILTER_STEP,
+        (("filter", str(chosen_filter)),),
+        f"both channels are filtered by {chosen_filter}",
+    )
     return replace(
         test,
-        force=by(test.time, test.force),
-        displacement=by(test.time, test.displacement),
+        force=chosen_filter(test.time, test.force),
+        displacement=chosen_filter(test.time, test.displacement),
         machine_deflection=None
         if test.machine_deflection is None
-        else by(test.time, test.machine_deflection),
+        else chosen_filter(test.time, test.machine_deflection),
         unfiltered=test,
         steps=(*test.steps, step),
     )
@@ -151,20 +155,21 @@ def _cutoff(text: str, value: str) -> float:
     return cutoff
 
 
-def _even_rate(time: FloatArray, by: Filter) -> float:
+def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
     steps = np.diff(time)
     usual_step = median(steps)
     worst = int(np.argmax(np.abs(steps - usual_step)))
     if abs(steps[worst] - usual_step) > 0.2 * usual_step:
         raise DataError(
-            f"{by} needs even sampling, but the step after t = {time[worst]:.6g} s is "
+            f"{chosen_filter} needs even sampling, but the step after t = {time[worst]:.6g} s is "
             f"{steps[worst]:.4g} s where {usual_step:.4g} s is usual; fit the raw record, or use a "
             "median"
         )
     rate = (len(time) - 1) / (time[-1] - time[0])
-    if by.cutoff >= rate / 2:
+    if chosen_filter.cutoff >= rate / 2:
         raise DataError(
-            f"{by} lies above half the sampling rate, {rate / 2:.4g} Hz; give a lower frequency, "
+            f"{chosen_filter} lies above half the sampling rate, {rate / 2:.4g} Hz; give a lower "
+            "frequency, "
             "or no filter"
         )
     return float(rate)
@@ -393,13 +398,13 @@ def _find_strongest_line(power: FloatArray, first: int) -> int | None:
     return at if power_ratio[at] > _STANDS_OUT else None
 
 
-def _refine_frequency(rest: FloatArray, step: float, frequency: float) -> float:
+def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> float:
     """Return the frequency at which both halves have the same phase."""
-    half_length = len(rest) // 2
+    half_length = len(remainder) // 2
     taper = _hann(half_length)
     for _ in range(3):
-        first = _transform(taper * rest[:half_length], step, frequency)
-        second = _transform(taper * rest[half_length : 2 * half_length], step, frequency)
+        first = _transform(taper * remainder[:half_length], step, frequency)
+        second = _transform(taper * remainder[half_length : 2 * half_length], step, frequency)
         phase_advance = np.angle(
             second * np.conj(first) * np.exp(-2j * np.pi * frequency * half_length * step)
         )

@@ -85,7 +85,7 @@ class ReadOptions:
     hammer : str or None
         The force of a hammer test; by default `force`.
     velocity : str or None
-        Of an indenter.
+        Velocity of an indenter.
     acceleration : tuple of str
         The acceleration columns of a hammer test, in the order wanted.
     base_acceleration : str or None

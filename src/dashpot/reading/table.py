@@ -30,7 +30,7 @@ class Question:
     role, example : str
         What no column was found for, and an answer as it is typed.
     answers : tuple of (str, str)
-        Of several specimens or repeats, the name of each, and its answer as it is typed.
+        For several specimens or repeats, the name of each, and its answer as it is typed.
     """
 
     message: str
@@ -78,7 +78,7 @@ class LoadedColumns:
         What must be answered before the numbers of a segment, counted from 0, can be trusted;
         None is every segment.
     above : tuple of tuple of str
-        Of a text file, the lines over each segment; none over the first, whose are the header.
+        For a text file, the lines over each segment; none over the first, whose are the header.
     """
 
     values: FloatArray

@@ -56,12 +56,12 @@ EXTENSION = Extension(
         },
         "text": {
             "dashpot.planning.plan:Plan": "dashpot.text_output.results:render_summary",
-            "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:fit",
-            "dashpot.workflow.frf_comparison:FRFComparison": "dashpot.text_output.results:agreement",
+            "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:render_fit",
+            "dashpot.workflow.frf_comparison:FRFComparison": "dashpot.text_output.results:render_agreement",
             "dashpot.workflow.identification:Identified": "dashpot.text_output.results:render_identification",
-            "dashpot.workflow.measured_frf:ImpactResult": "dashpot.text_output.results:impact",
-            "dashpot.workflow.frf_prediction:Prediction": "dashpot.text_output.results:prediction",
-            "dashpot.workflow.study:Study": "dashpot.text_output.results:study",
+            "dashpot.workflow.measured_frf:ImpactResult": "dashpot.text_output.results:render_impact",
+            "dashpot.workflow.frf_prediction:Prediction": "dashpot.text_output.results:render_prediction",
+            "dashpot.workflow.study:Study": "dashpot.text_output.results:render_study",
         },
         "document": {
             "dashpot/model@1": "dashpot.solids.maxwell:GeneralizedMaxwell",

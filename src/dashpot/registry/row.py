@@ -32,9 +32,9 @@ class LotSpecimen(NamedTuple):
     ----------
     options : ReadOptions
     temperature, mass : float or None
-        Of the test, and of what moves in it.
+        Values of the test, and of what moves in it.
     length, radius : float or None
-        Of the specimen in contact, and of the tip of an indenter.
+        Values of the specimen in contact, and of the tip of an indenter.
     compression : float or None
         The nominal one.
     machine : Machine or None

@@ -43,7 +43,7 @@ class RenderedFigure:
         A sample as SVG text, and its name.
     columns : int
     full : tuple of int
-        Of each strip how many would fill its row, where rows differ.
+        For each strip how many would fill its row, where rows differ.
     """
 
     name: str

@@ -42,7 +42,7 @@ NOT_GIVEN, NBSP = "not given", "\N{NO-BREAK SPACE}"
 GRADE_MARKS = {"stop": "bad", "limit": "care", "note": "note"}
 """Class of a failed check by its grade."""
 
-ORDER = ("good", "note", "care", "bad")
+MARK_ORDER = ("good", "note", "care", "bad")
 
 
 class Light(NamedTuple):
@@ -65,7 +65,7 @@ class Row(NamedTuple):
     is_limit: bool
 
 
-def header(study: Study) -> tuple[tuple[str, str], ...]:
+def make_header(study: Study) -> tuple[tuple[str, str], ...]:
     """Return the header: specimen, files, operator, date and conditions."""
     specimen = study.prepared.specimen
     length = "" if specimen.length is None else f"{format_with_error(specimen.length, 'mm')} long"
@@ -89,13 +89,13 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
 # -- marks ----------------------------------------------------------------------------------------
 
 
-def mark_of(checks: Iterable[Check]) -> str:
+def get_gravest_mark(checks: Iterable[Check]) -> str:
     """Return the mark of the gravest check that failed: bad, care, note; good if none did."""
     grade_marks = [GRADE_MARKS[check.grade] for check in checks if check.failed]
-    return max(grade_marks, key=ORDER.index, default="good")
+    return max(grade_marks, key=MARK_ORDER.index, default="good")
 
 
-def tally(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[str, str]:
+def count_passed(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[str, str]:
     """Return the mark of some checks, and how many of the judged ones passed.
 
     What the verdict does not weigh, for the joint fit has mended it, is a note.
@@ -108,7 +108,7 @@ def tally(checks: Iterable[Check], verdict_checks: Collection[Check]) -> tuple[s
     text = f"{len(checks_with_result) - len(failed)} of {len(checks_with_result)}"
     if notes and notes == len(failed):
         text += f", {format_count(notes, 'note')}"
-    class_name = mark_of(check for check in checks_with_result if check in verdict_checks)
+    class_name = get_gravest_mark(check for check in checks_with_result if check in verdict_checks)
     return ("note" if failed and class_name == "good" else class_name), text
 
 
@@ -121,7 +121,7 @@ def make_study_indicators(
     fit that failed agrees with the hammer for the wrong reason.
     """
     hammer = () if study.measured is None else study.measured.checks
-    test = test_light((*study.fit.checks, *hammer))
+    test = make_test_light((*study.fit.checks, *hammer))
     comparison = study.joint_comparison if recommendation.joint else study.comparison
     if comparison is None:
         untested = "no hammer test"
@@ -149,14 +149,14 @@ def _make_stiffness_light(
     checks = [check for check in comparison.checks if check.name == "stiffness_agrees"]
     if recommendation.joint and study.joint is not None:
         checks += [check for check in study.joint.checks if check.name in _STIFFNESS_CHECKS]
-    class_name = mark_of(checks)
+    class_name = get_gravest_mark(checks)
     storage_comparison = _compare_storage_at_peak(study, recommendation)
     if storage_comparison is None:
         text = f"{percent(comparison.frequency_error)} in frequency"
     else:
         excess = max(storage_comparison.off, default=0.0)
         worst = "bad" if excess > 2 * STORAGE_LIMIT else "care" if excess > 0 else "good"
-        class_name = max(class_name, worst, key=ORDER.index)
+        class_name = max(class_name, worst, key=MARK_ORDER.index)
         model, hammer, *limit_texts = (
             round_to_error(convert_to_unit(value, "N/mm"), digits=3)
             for value in (
@@ -198,9 +198,9 @@ def _compare_storage_at_peak(study: Study, recommendation: Recommendation) -> _S
     direct, comparison = study.direct, study.comparison
     if direct is None or comparison is None or study.mass_inferred or not len(direct.frequency):
         return None
-    at = int(np.argmin(np.abs(direct.frequency - comparison.measured_hz)))
-    hertz, hammer = float(direct.frequency[at]), float(direct.storage[at])
-    error = 2 * float(direct.storage_sd[at])
+    peak_line = int(np.argmin(np.abs(direct.frequency - comparison.measured_hz)))
+    hertz, hammer = float(direct.frequency[peak_line]), float(direct.storage[peak_line])
+    error = 2 * float(direct.storage_sd[peak_line])
     solid, point = recommendation.solid, recommendation.point
     factor = 1.0 if point is None else point.factor
     model = (
@@ -234,15 +234,15 @@ def _compute_excess(value: float, low: float, high: float) -> float:
     return max(low - value, value - high, 0.0) / max(abs(low if value < low else high), 1e-300)
 
 
-def test_light(checks: Iterable[Check]) -> Light:
+def make_test_light(checks: Iterable[Check]) -> Light:
     """Return the light of a test by its checks."""
-    class_name = mark_of(checks)
+    class_name = get_gravest_mark(checks)
     message = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
     return Light("Test", class_name, message[class_name])
 
 
-def _make_light(name: str, comparison: Comparison, requested: set[str], difference: str) -> Light:
-    class_name = mark_of(check for check in comparison.checks if check.name in requested)
+def _make_light(name: str, comparison: Comparison, check_names: set[str], difference: str) -> Light:
+    class_name = get_gravest_mark(check for check in comparison.checks if check.name in check_names)
     text = "agrees" if class_name in {"good", "note"} else "misses"
     return Light(name, class_name, f"{text}, {difference}")
 
@@ -250,7 +250,7 @@ def _make_light(name: str, comparison: Comparison, requested: set[str], differen
 # -- numbers --------------------------------------------------------------------------------------
 
 
-def heading(recommendation: Recommendation) -> str:
+def make_heading(recommendation: Recommendation) -> str:
     """Return the heading that names the recommended model, or says that there is none."""
     if not recommendation.recommended:
         return "No model is recommended"
@@ -275,7 +275,7 @@ def band_row(recommendation: Recommendation) -> Row:
     return Row("Valid band", "", low, high, "Hz", "", is_limit=False)
 
 
-def under_mass(study: Study, recommendation: Recommendation) -> tuple[str, tuple[Row, ...]]:
+def make_mass_rows(study: Study, recommendation: Recommendation) -> tuple[str, tuple[Row, ...]]:
     """Return the values of the mass on its seals; nothing without a mass."""
     if study.mass is None or not recommendation.under_mass:
         return "", ()
@@ -359,7 +359,7 @@ def decks(recommendation: Recommendation) -> tuple[AttachedDeck, ...]:
     )
 
 
-def about_decks(recommendation: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
+def format_deck_note(recommendation: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
     """Return the sentence on the band of the decks and missing specimen data."""
     return (
         page_frame.format_deck_note(recommendation.solid, made_decks)
@@ -496,25 +496,26 @@ def _describe_joint_model(study: Study) -> str:
     )
 
 
-def _format_agreement(c: Comparison) -> str:
+def _format_agreement(comparison: Comparison) -> str:
     """Return the agreement of a prediction with the hammer, as text."""
     disagrees = any(
-        check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.failed_checks
+        check.name in {"stiffness_agrees", "peak_agrees"}
+        for check in comparison.verdict.failed_checks
     )
-    error = f"{max(100 * abs(c.frequency_error), 0.01):.2f} %"
+    error = f"{max(100 * abs(comparison.frequency_error), 0.01):.2f} %"
     return f"misses the hammer by {error}" if disagrees else f"matches the hammer within {error}"
 
 
-def straight(study: Study) -> str:
+def format_direct_band(study: Study) -> str:
     """Return the band where the FRF alone gives stiffness and damping, and its limits, as text."""
-    d = study.direct
-    if d is None:
+    direct = study.direct
+    if direct is None:
         return ""
-    mass, phase = 100 * d.mass_sd / d.mass, math.degrees(d.phase_sd)
+    mass_percent, phase = 100 * direct.mass_sd / direct.mass, math.degrees(direct.phase_sd)
     return (
-        f"With an uncertainty of {mass:.2g} % of the mass and {phase:.2g}° of the phase, the "
-        f"storage stiffness is known to 10 % {format_band(d.storage_band)}. The loss is known to "
-        f"30 % {format_band(d.loss_band)}. At higher frequencies the inertia of the "
+        f"With an uncertainty of {mass_percent:.2g} % of the mass and {phase:.2g}° of the phase, "
+        f"the storage stiffness is known to 10 % {format_band(direct.storage_band)}. The loss is "
+        f"known to 30 % {format_band(direct.loss_band)}. At higher frequencies the inertia of the "
         "mass dominates; at lower ones the "
         "error of the phase exceeds the damping."
     )
@@ -593,7 +594,7 @@ def select_decisive_checks(
     return tuple(failed[:shown_count]), len(failed) - shown_count
 
 
-def parts(
+def group_by_part(
     stages: Iterable[tuple[str, tuple[Check, ...]]], verdict_checks: Iterable[Check]
 ) -> list[tuple[str, list[Check]]]:
     """Return the checks of each folded part of the page; over the list, those of the verdict."""

@@ -53,7 +53,7 @@ def environment(package: str) -> Environment:
         words=number_format.split_identifier,
         sentence=sentence,
         readable=number_format.format_typographic,
-        shorter=number_format.shorter,
+        shorter=number_format.shorten_number,
         rounded=number_format.round_to_error,
         hertz=number_format.hertz,
     )
@@ -66,17 +66,17 @@ def render_template(name: str, contents: dict[str, Any]) -> str:
 
 
 @cache
-def _part(package: str, *path: str) -> str:
+def _read_page_part(package: str, *path: str) -> str:
     """Return a part of a page that is no HTML, as it stands in its file."""
     return resources.files(package).joinpath(*path).read_text("utf-8").strip()
 
 
 def frame() -> dict[str, Any]:
     """Return the common parts of every page: style, script, policy, software versions."""
-    style = f"{drawing_style.css()}\n{_part('dashpot.report', 'templates', 'report.css')}"
-    name = _part("dashpot.report", "templates", "report.js")
+    style = f"{drawing_style.css()}\n{_read_page_part('dashpot.report', 'templates', 'report.css')}"
+    name = _read_page_part("dashpot.report", "templates", "report.js")
     # the one page holds the modules one after the other, so the second imports nothing
-    script = f"{_part('dashpot.plot', 'charts.js')}\n{name.partition(chr(10))[2]}"
+    script = f"{_read_page_part('dashpot.plot', 'charts.js')}\n{name.partition(chr(10))[2]}"
     return {
         "byline": byline("report"),
         "style": style,
@@ -100,10 +100,10 @@ def digest(text: str) -> str:
 # Attached files: documents, tables, and decks with their command.
 
 
-_SYSTEM = "mm-t-s"
+_UNIT_SYSTEM = "mm-t-s"
 _SOLVERS = {"nastran": "Nastran", "abaqus": "Abaqus"}
 """Decks of a page, and the text of their links."""
-_UNSTATED = {"temperature": "temperature", "length": "contact length"}
+_SPECIMEN_DATA = {"temperature": "temperature", "length": "contact length"}
 """Data of the specimen that a deck should state; it is marked without."""
 
 
@@ -123,7 +123,7 @@ class DeckTerms:
     band : (float, float) or None
         Where they hold, Hz; None of a law without frequencies.
     choices : mapping of str to str
-        Of the target.
+        Options of the target.
     unstated : tuple of str
         What is not known of the specimen, and allowed by name.
     reason : str
@@ -170,7 +170,7 @@ class AttachedDeck(NamedTuple):
     target : str
     text : DeckText
     options : tuple of str
-        Of ``dashpot export FILE``.
+        Options of ``dashpot export FILE``.
     """
 
     target: str
@@ -181,12 +181,12 @@ class AttachedDeck(NamedTuple):
 def find_terms(result: Fit | NonlinearFit) -> DeckTerms:
     """Return the options of a fit's decks: those of a part, or of a material."""
     material = isinstance(result, Fit) and result.unit == "Pa"
-    conditions_wanted = ["temperature"] if material else list(_UNSTATED)
+    conditions_wanted = ["temperature"] if material else list(_SPECIMEN_DATA)
     unstated = tuple(name for name in conditions_wanted if getattr(result.specimen, name) is None)
     return DeckTerms(result.band, {"form": "prony"} if material else {}, unstated)
 
 
-def _terms_of(source: DeckSource) -> DeckTerms:
+def _find_deck_terms(source: DeckSource) -> DeckTerms:
     terms: DeckTerms = require_handler("deck terms", source)(source)
     return terms
 
@@ -205,25 +205,25 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     """
     if source.verdict.use == "do not use":
         return ()
-    given_terms: dict[str, Any] = {}
-    options = ["--unit-system", _SYSTEM]
+    deck_arguments: dict[str, Any] = {}
+    options = ["--unit-system", _UNIT_SYSTEM]
     if compression is not None:
         depth = f"{round(convert_to_unit(compression, 'mm'), 4)}mm"
-        given_terms["compression"] = depth
+        deck_arguments["compression"] = depth
         options += ["--compression", depth]
-    terms = _terms_of(source)
-    given_terms |= terms.choices
+    terms = _find_deck_terms(source)
+    deck_arguments |= terms.choices
     options += [word for name, value in terms.choices.items() for word in (f"--{name}", value)]
-    of_band: dict[str, Any] = {}
+    band_argument: dict[str, Any] = {}
     if terms.band and not terms.choices:
-        of_band["frequency_range"] = round_band_inwards(terms.band)
+        band_argument["frequency_range"] = round_band_inwards(terms.band)
     options += [word for name in terms.unstated for word in ("--allow", name)]
     attached = []
     for target in _SOLVERS:
-        band = of_band if uses_argument(target, "frequency_range") else {}
+        band = band_argument if uses_argument(target, "frequency_range") else {}
         try:
             text = deck_for(
-                target, source, units=_SYSTEM, allow=terms.unstated, **given_terms, **band
+                target, source, units=_UNIT_SYSTEM, allow=terms.unstated, **deck_arguments, **band
             )
         except ExportError:
             continue
@@ -238,15 +238,17 @@ def format_deck_note(source: DeckSource, decks: Sequence[AttachedDeck]) -> str:
     """Return where the decks hold, and what they miss; why there is none."""
     if source.verdict.use == "do not use":
         return ""
-    terms = _terms_of(source)
+    terms = _find_deck_terms(source)
     if not decks:
         return f"No solver input is here, because {terms.reason}."
-    unknown = " and ".join(words for name, words in _UNSTATED.items() if name in decks[0].options)
-    requested = f" Before you use one, state {unknown}." if unknown else ""
+    unstated_words = " and ".join(
+        words for name, words in _SPECIMEN_DATA.items() if name in decks[0].options
+    )
+    remark = f" Before you use one, state {unstated_words}." if unstated_words else ""
     return (
-        f"Solver inputs are valid {format_band(terms.band)}.{requested}"
+        f"Solver inputs are valid {format_band(terms.band)}.{remark}"
         if terms.band
-        else requested.strip()
+        else remark.strip()
     )
 
 
@@ -259,7 +261,7 @@ def attach_decks(decks: Sequence[AttachedDeck], document: str) -> list[Attachmen
             attachment(
                 f"model.{SUFFIXES[target]}",
                 _SOLVERS[target] + " input" * (i == 0),
-                f"deck, {_SYSTEM}; the same as {command}",
+                f"deck, {_UNIT_SYSTEM}; the same as {command}",
                 "text/plain",
                 text,
             )

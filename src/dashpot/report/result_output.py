@@ -54,21 +54,21 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
         If it has none of the kind that the name asks for, or the file cannot be written, or exists
         and is not dashpot's; `overwrite` replaces that.
     """
-    target = Path(path)
+    file_path = Path(path)
     outputs = Outputs(replace=overwrite, makes_records=isinstance(result, tuple(_TABLES)))
-    suffix = target.suffix.lower().lstrip(".")
-    writers = {"json": _document, "html": _page, "csv": _table}
+    suffix = file_path.suffix.lower().lstrip(".")
+    writers = {"json": _write_document, "html": _write_page, "csv": _write_table}
     if suffix in get_choice_values(Drawn):
         from dashpot.plot.figure_files import save as save_picture
 
-        outputs.claim([target])
-        save_picture(_picture(result), target)
+        outputs.claim([file_path])
+        save_picture(_picture(result), file_path)
     elif suffix in writers:
-        outputs.write(target, writers[suffix](result, target.name))
+        outputs.write(file_path, writers[suffix](result, file_path.name))
     else:
-        name = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
-        raise ExportError(f"{target.name}: a result is written as {name}. Name the file so")
-    return target
+        suffixes = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
+        raise ExportError(f"{file_path.name}: a result is written as {suffixes}. Name the file so")
+    return file_path
 
 
 def _picture(result: Any) -> Any:
@@ -77,13 +77,13 @@ def _picture(result: Any) -> Any:
     return result.plot()
 
 
-def _document(document: Any, name: str) -> str:
+def _write_document(document: Any, name: str) -> str:
     if not isinstance(document, Serialisable):
         raise ExportError(f"{name}: a {type(document).__name__} has no document")
     return json.dumps(document.to_dict(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _page(item: Any, name: str) -> str:
+def _write_page(item: Any, name: str) -> str:
     from dashpot.report import has_page, html
 
     if not has_page(item):
@@ -94,7 +94,7 @@ def _page(item: Any, name: str) -> str:
     return html(item)
 
 
-def _table(result: Any, name: str) -> str:
+def _write_table(result: Any, name: str) -> str:
     if hasattr(result, "csv"):
         return str(result.csv())
     frf = getattr(result, "frf", None)
@@ -116,8 +116,8 @@ def picture(result: object) -> Picture:
     draw = figure_of(result)
     if draw is None:
         raise TypeError(f"a {type(result).__name__} has no picture")
-    drawn: Picture = draw(result)
-    return drawn
+    figure: Picture = draw(result)
+    return figure
 
 
 picture.register(Fit, plot.stiffness)

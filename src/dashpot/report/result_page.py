@@ -20,7 +20,7 @@ from dashpot.plot.picture import Panel, Picture
 from dashpot.registry import find_handler, page_of
 from dashpot.report import page_frame, tables
 from dashpot.report.figures import LEAD, RenderedFigure, render_figure
-from dashpot.report.first_screen import NOT_GIVEN, Light, Row, tally
+from dashpot.report.first_screen import NOT_GIVEN, Light, Row, count_passed
 from dashpot.report.page_frame import VERDICT_COLOURS, attachment, frame
 from dashpot.report.tables import TextTable
 
@@ -97,7 +97,7 @@ class KindPage:
     sources : tuple of Source
     folds : tuple of CollapsibleSection
     name : str
-        Of the document, without its ending; by default as its schema is called.
+        Name of the document, without its ending; by default as its schema is called.
     """
 
     subject: str
@@ -122,18 +122,22 @@ def make_indicators(
     it was judged.
     """
     unique_checks = tuple(dict.fromkeys(checks))
-    alternative = {name for other in other_topics for name in other.checks}
-    local_checks = [check for check in unique_checks if check.name not in alternative]
+    other_names = {name for other in other_topics for name in other.checks}
+    first_checks = [check for check in unique_checks if check.name not in other_names]
     checks_by_topic = [
-        local_checks,
+        first_checks,
         *([check for check in unique_checks if check.name in part.checks] for part in other_topics),
     ]
-    lit = tuple(map(_light, (first, *other_topics), checks_by_topic))
-    return lit[1:] if other_topics and all(check.passed is None for check in local_checks) else lit
+    lights = tuple(map(_light, (first, *other_topics), checks_by_topic))
+    return (
+        lights[1:]
+        if other_topics and all(check.passed is None for check in first_checks)
+        else lights
+    )
 
 
 def _light(part: Topic, topic_checks: Sequence[Check]) -> Light:
-    class_name, count = tally(topic_checks, topic_checks)
+    class_name, count = count_passed(topic_checks, topic_checks)
     text = part.message if class_name in {"good", "note"} else part.fails
     return Light(
         part.name, class_name, text or format_check_tally(topic_checks).rstrip(".") or count
@@ -142,9 +146,9 @@ def _light(part: Topic, topic_checks: Sequence[Check]) -> Light:
 
 def row(reported_value: ReportedValue, name: str = "") -> Row:
     """Return a number as the table has it: value, from, to, unit."""
-    has_range = reported_value.has_interval and reported_value.error != 0
+    has_interval = reported_value.has_interval and reported_value.error != 0
     cells = reported_value.cells
-    value, low, high = reported_value.cell_texts if has_range else (cells.value, "", "")
+    value, low, high = reported_value.cell_texts if has_interval else (cells.value, "", "")
     low = UNKNOWN if not reported_value.has_interval and cells.error == UNKNOWN else low
     if math.isnan(reported_value.value):
         value = "" if reported_value.is_upper_bound else value
@@ -171,27 +175,27 @@ def group_by_record(all_values: Iterable[ReportedValue]) -> Iterable[Group]:
 
 def format_specimen_header(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
     """Return the facts of the specimen: the first four of the line."""
-    single_specimen = specimen or Specimen()
+    known_specimen = specimen or Specimen()
     length = (
         ""
-        if single_specimen.length is None
-        else f"{format_quantity(single_specimen.length, 'mm', '.4g')} long"
+        if known_specimen.length is None
+        else f"{format_quantity(known_specimen.length, 'mm', '.4g')} long"
     )
     items = (
-        ("Specimen", ", ".join(filter(None, (single_specimen.name, length)))),
-        ("Lot", single_specimen.lot),
-        ("Operator", single_specimen.operator),
+        ("Specimen", ", ".join(filter(None, (known_specimen.name, length)))),
+        ("Lot", known_specimen.lot),
+        ("Operator", known_specimen.operator),
         (
             "Temperature",
             ""
-            if single_specimen.temperature is None
-            else format_quantity(single_specimen.temperature, "°C", ".1f"),
+            if known_specimen.temperature is None
+            else format_quantity(known_specimen.temperature, "°C", ".1f"),
         ),
     )
     return tuple((name, text or NOT_GIVEN) for name, text in items)
 
 
-def sources_behind(result: Any) -> tuple[Source, ...]:
+def get_sources(result: Any) -> tuple[Source, ...]:
     """Return the source files of a result, whichever attribute holds them."""
     value = getattr(result, "sources", None)
     value = getattr(result, "source", None) if value is None else value
@@ -208,9 +212,9 @@ def kind_page(verdict: Any) -> KindPage:
     TypeError
         If it is no result that was judged, or shows no number.
     """
-    value = page_of(verdict)
-    if value is not None:
-        page: KindPage = value(verdict)
+    make_page = page_of(verdict)
+    if make_page is not None:
+        page: KindPage = make_page(verdict)
         return page if page.name else replace(page, name=_get_schema_name(verdict.schema))
     reported_values = verdict.facts if isinstance(verdict, HasVerdict) else ()
     if not reported_values:
@@ -224,7 +228,7 @@ def kind_page(verdict: Any) -> KindPage:
         picture=picture,
         table_title="What was found",
         groups=tuple(group_by_record(reported_values)),
-        sources=sources_behind(verdict),
+        sources=get_sources(verdict),
         name=picture.name,
     )
 
@@ -241,7 +245,7 @@ _COLUMNS = 2
 """Strips side by side in the figure of a page, at most."""
 
 
-_ALL = "numbers.json"
+_NUMBERS = "numbers.json"
 """Every number of a result of which a file keeps the fit."""
 
 
@@ -267,23 +271,25 @@ def build_page_contents(
     )
     names = dict.fromkeys(source.file for source in page.sources)
     document = f"{page.name}.json"
-    saved = result._saved_result
-    text = text_of(saved)
-    sentence = "every number" if saved is result else "the fit, for other commands"
+    saved_value = result._saved_result
+    text = format_json(saved_value)
+    sentence = "every number" if saved_value is result else "the fit, for other commands"
     files = [attachment(document, f"Download {document}", sentence, "application/json", text)]
-    saved_result = saved if find_handler("deck terms", saved) else None
+    saved_result = saved_value if find_handler("deck terms", saved_value) else None
     decks = () if saved_result is None else page_frame.decks(saved_result)
     files += page_frame.attach_decks(decks, document)
-    if saved is not result:
-        result_text = text_of(result)
-        files.append(attachment(_ALL, _ALL, "every number", "application/json", result_text))
+    if saved_value is not result:
+        result_text = format_json(result)
+        files.append(
+            attachment(_NUMBERS, _NUMBERS, "every number", "application/json", result_text)
+        )
     return {
-        **judgement(page.name, result.verdict, result.checks, page.sources),
+        **make_verdict_contents(page.name, result.verdict, result.checks, page.sources),
         "title": ", ".join(names) or page.subject,
         "page": page,
-        "figures": {"lead": _wide(figure, "lead")}
+        "figures": {"lead": _render_wide_figure(figure, "lead")}
         | {
-            f"fold{i}": _wide(fold.picture, f"fold{i}")
+            f"fold{i}": _render_wide_figure(fold.picture, f"fold{i}")
             for i, fold in enumerate(folds)
             if fold.picture
         },
@@ -295,29 +301,31 @@ def build_page_contents(
     }
 
 
-def judgement(
+def make_verdict_contents(
     name: str, verdict: Verdict, checks: Sequence[Check], sources: Sequence[Source]
 ) -> dict[str, Any]:
     """Return the common contents of a judged result's page: verdict, checks, files behind it."""
     unique_checks = tuple(dict.fromkeys(checks))
-    also = [check for check in unique_checks if check.failed and check not in verdict.failed_checks]
+    other_failures = [
+        check for check in unique_checks if check.failed and check not in verdict.failed_checks
+    ]
     return {
         **frame(),
         "verdict": verdict,
         "colour": VERDICT_COLOURS[verdict.use],
-        "weighty": (*verdict.failed_checks, *also),
-        "tally": tally(unique_checks, unique_checks),
+        "weighty": (*verdict.failed_checks, *other_failures),
+        "tally": count_passed(unique_checks, unique_checks),
         "checks": tables.checks([(name, unique_checks)], unique_checks),
         "sources": sources,
         "simulated": list(dict.fromkeys(source.file for source in sources if source.simulated)),
     }
 
 
-def _wide(picture: Picture, name: str) -> RenderedFigure:
+def _render_wide_figure(picture: Picture, name: str) -> RenderedFigure:
     """Return a figure for the 760 px of a page, or for less."""
     columns = min(picture.columns, len(picture.strips), _COLUMNS)
-    ratio = (LEAD - 24 * (columns - 1)) / columns
-    return render_figure(replace(picture, name=name, columns=columns), width=ratio)
+    figure_width = (LEAD - 24 * (columns - 1)) / columns
+    return render_figure(replace(picture, name=name, columns=columns), width=figure_width)
 
 
 def has_kind_page(result: object) -> bool:
@@ -328,6 +336,6 @@ def has_kind_page(result: object) -> bool:
         return False
 
 
-def text_of(document: Serialisable) -> str:
+def format_json(document: Serialisable) -> str:
     """Return the JSON that ``dashpot fit --json`` prints."""
     return json.dumps(document.to_dict(), indent=2, ensure_ascii=False, allow_nan=False)

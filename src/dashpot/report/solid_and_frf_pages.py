@@ -101,7 +101,7 @@ def modes_page(modes: Modes) -> KindPage:
 def prediction_page(prediction: Prediction) -> KindPage:
     """Return the page of a prediction."""
     hz, height = prediction.peak
-    weight = (
+    load_text = (
         f"{format_with_error(prediction.mass, 'g', digits=4)} on "
         f"{format_count(int(prediction.seals), 'seal')}"
         if prediction.seals == int(prediction.seals)
@@ -122,15 +122,15 @@ def prediction_page(prediction: Prediction) -> KindPage:
             )
         )
     return KindPage(
-        subject=f"prediction of {weight}",
-        summary_line=(*format_specimen_header(prediction.fit.specimen), ("Mass", weight),
+        subject=f"prediction of {load_text}",
+        summary_line=(*format_specimen_header(prediction.fit.specimen), ("Mass", load_text),
                ("Valid band", hertz(prediction.fit.band)), ("Fit", prediction.fit._identity[:8])),
         indicators=make_indicators(prediction.checks, Topic("Test"),
                       Topic("Peak", _PEAK, f"{round_to_error(hz, digits=4)}{NBSP}Hz"),
                       Topic("Rest", {"compression_tested"}, "within the depth tested")),
         figure_title="Predicted response",
         picture=prediction.plot(),
-        table_title=f"{weight[:1].upper()}{weight[1:]}",
+        table_title=f"{load_text[:1].upper()}{load_text[1:]}",
         groups=(Group("Peak", tuple(peak)),
                 *(Group(f"Mode {i}", tuple(mode_rows(mode)))
                   for i, mode in enumerate(prediction.modes[:3], start=1))),
@@ -144,16 +144,17 @@ def prediction_page(prediction: Prediction) -> KindPage:
 
 def agreement_page(agreement: FRFComparison) -> KindPage:
     """Return the page of a prediction compared with a hammer test."""
-    c = agreement.comparison
+    comparison = agreement.comparison
     rows = tuple(Row(name, predicted, "", "", "", measured, is_limit=False)
-                 for name, predicted, measured, _ in c.rows)  # fmt: skip
-    differ = tuple(
-        (name, predicted, measured, difference) for name, predicted, measured, difference in c.rows
+                 for name, predicted, measured, _ in comparison.rows)  # fmt: skip
+    difference_rows = tuple(
+        (name, predicted, measured, difference)
+        for name, predicted, measured, difference in comparison.rows
     )
-    weight = f"{format_with_error(agreement.mass, 'g', digits=4)} on {seals(agreement.seals)}"
+    load_text = f"{format_with_error(agreement.mass, 'g', digits=4)} on {seals(agreement.seals)}"
     return KindPage(
-        subject=f"prediction against the hammer, {weight}",
-        summary_line=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
+        subject=f"prediction against the hammer, {load_text}",
+        summary_line=(("Mass", load_text), ("Lines", str(len(comparison.measured.frequency))),
                ("Mass was", "found from the FRF" if agreement.mass_inferred else "given")),
         indicators=make_indicators(agreement.checks, Topic("FRF"),
                       Topic("Stiffness", {"stiffness_agrees"}, "agrees"),
@@ -163,9 +164,9 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
         table_title="Predicted",
         groups=(Group("", tuple(row._replace(unit=row.measured, measured="") for row in rows)),),
         note="The last column is what the hammer measured.",
-        sources=tuple(dict.fromkeys(c.measured.source)),
-        folds=(CollapsibleSection("How far apart", c.lines,
-                    TextTable(("", "predicted", "measured", "difference"), differ)),),
+        sources=tuple(dict.fromkeys(comparison.measured.source)),
+        folds=(CollapsibleSection("How far apart", comparison.lines,
+                    TextTable(("", "predicted", "measured", "difference"), difference_rows)),),
         name="comparison",
     )  # fmt: skip
 
@@ -173,22 +174,22 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
 # Page of a solid.
 
 
-_WITHOUT_BAND = (0.1, 10.0)
+_DEFAULT_BAND = (0.1, 10.0)
 """Hz, of a model that has no valid band."""
-_LINES, _BAND_FACTOR, _BOUNDED = 41, 4.0, 3
+_LINES, _BAND_FACTOR, _MOST_BOUNDED_TESTS = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
 _FEW_ARMS = 6
 """Largest number of arms that are listed; more stand in a fold."""
 
-OF_REST = frozenset({
+STIFFNESS_CHECKS = frozenset({
     "k_end_determined", "k_inf_positive", "k_inf_plausible", "plateau_determined",
     "curve_level_at_end",
     "strain_small", "hold_long_enough", "tangent_determined", "stiffness_of_one_seal",
     "flow_distinguished",
     "creep_finished", "machine_deflection_small",
 })  # fmt: skip
-OF_LOSS = frozenset({
+LOSS_CHECKS = frozenset({
     "fast_arm_visible", "valid_band_exists", "loss_positive", "kramers_kronig", "arms_distinct",
     "arms_supported", "tau_inside_window", "arms_where_force_relaxes", "arms_identified",
     "dashpot_not_missed", "few_arms_sufficient",
@@ -244,20 +245,20 @@ def identified_page(result: Identified) -> KindPage:
 
 def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
     """Return a page of a solid: stiffness and loss over frequency, its arms one by one."""
-    material, part = fit.unit == "Pa", _make_part(fit)
-    name = "The material" if material else "One seal"
+    is_material, part = fit.unit == "Pa", _make_part(fit)
+    name = "The material" if is_material else "One seal"
     high = round_to_error(fit.band[1], digits=2)
     at_end = fit.evidence.end_of_hold
-    value = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
-    stiffness_text = "" if value is None else f"{value.cells.value} {value.word}"
-    topics = [Topic("Stiffness", OF_REST, stiffness_text),
-             Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
+    stiffness = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
+    stiffness_text = "" if stiffness is None else f"{stiffness.cells.value} {stiffness.word}"
+    topics = [Topic("Stiffness", STIFFNESS_CHECKS, stiffness_text),
+             Topic("Damping", LOSS_CHECKS, f"known to {high}{NBSP}Hz")]  # fmt: skip
     if part is not None:
         topics = [
             *part.topics,
-            Topic("Arms", OF_LOSS | OF_REST, format_count(fit.model.arms, "arm")),
+            Topic("Arms", LOSS_CHECKS | STIFFNESS_CHECKS, format_count(fit.model.arms, "arm")),
         ]
-    strip = [
+    summary_line = [
         *format_specimen_header(fit.specimen),
         *_make_condition_cells(fit),
         *(part.summary_line if part is not None else ()),
@@ -265,8 +266,8 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
         ("Fit", fit._identity[:8]),
     ]
     return KindPage(
-        subject=part.about if part is not None and material else _format_test_name(fit),
-        summary_line=tuple(strip),
+        subject=part.about if part is not None and is_material else _format_test_name(fit),
+        summary_line=tuple(summary_line),
         indicators=make_indicators(result.checks, Topic("Test"), *topics),
         figure_title=f"What {name.lower()} does at each frequency",
         picture=over_frequency(fit),
@@ -291,23 +292,23 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     records : sequence
         Records behind it: the bounds over all spectra of ramps and holds are drawn, too.
     """
-    low, high = fit.band if fit.band[1] > 0 else _WITHOUT_BAND
+    low, high = fit.band if fit.band[1] > 0 else _DEFAULT_BAND
     lines = np.geomspace(max(low, 1e-9) / _BAND_FACTOR, high * (_BAND_FACTOR * 10), _LINES)
     ramp_holds = [record for record in records if isinstance(record, RampHold)]
     bounds = None
-    if ramp_holds and len(ramp_holds) == len(records) <= _BOUNDED:
+    if ramp_holds and len(ramp_holds) == len(records) <= _MOST_BOUNDED_TESTS:
         bounds = unresolved_arm_band(fit, ramp_holds, lines)
     stiffness_bounds = parameter_band(fit, lines) if fit.estimate.parameters else None
-    drawn = plot.stiffness(fit, parameters=stiffness_bounds, unresolved_bounds=bounds)
-    (storage,), _, (loss,) = drawn.strips
-    low_end = (float(lines[0]), float(lines[-1]))
+    picture = plot.stiffness(fit, parameters=stiffness_bounds, unresolved_bounds=bounds)
+    (storage,), _, (loss,) = picture.strips
+    axis_limits = (float(lines[0]), float(lines[-1]))
     valid = (Span(low, high, "fit", "valid band", tint=0.06),) if fit.band[1] > 0 else ()
     stacked = tuple(
-        replace(panel, x=replace(panel.x, limits=low_end), height=height,
+        replace(panel, x=replace(panel.x, limits=axis_limits), height=height,
                 marks=(*valid, *panel.marks))
         for panel, height in ((storage, 150.0), (loss, 170.0))
     )  # fmt: skip
-    return replace(drawn, strips=(stacked,), columns=1, width=LEAD)
+    return replace(picture, strips=(stacked,), columns=1, width=LEAD)
 
 
 def _format_test_name(fit: Fit) -> str:
@@ -333,20 +334,22 @@ def make_solid_groups(fit: Fit) -> Iterator[Group]:
     reported_values = {
         reported_value.name: reported_value for reported_value in list_known_values(fit)
     }
-    first: list[Row] = []
+    stiffness_rows: list[Row] = []
     if fit.evidence.end_of_hold is not None:
         reported_value = fit.evidence.end_of_hold.fact(fit.model, fit.unit)
         seconds = duration(fit.evidence.end_of_hold.end_time).replace(".0 ", NBSP)
-        first.append(
+        stiffness_rows.append(
             row(reported_value, f"After {seconds}")
             if fit.estimate.residual.unit == "N"
             else row(reported_value)
         )
         reported_values.pop(reported_value.name, None)
     if "k_inf" in reported_values:
-        rest = reported_values.pop("k_inf")
-        first.append(row(rest, "Below the band" if rest.words else "At rest, k∞"))
-    yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(first))
+        equilibrium = reported_values.pop("k_inf")
+        stiffness_rows.append(
+            row(equilibrium, "Below the band" if equilibrium.words else "At rest, k∞")
+        )
+    yield Group("Stiffness" if fit.unit != "Pa" else "Modulus", tuple(stiffness_rows))
     yield Group("Inside the valid band", tuple(_make_band_rows(fit)))
     other_values = [
         reported_value
@@ -367,16 +370,16 @@ def _make_band_rows(fit: Fit) -> Iterator[Row]:
     low, high = fit.band
     if not (0 < low < high):
         return
-    at = float(f"{math.sqrt(low * high):.1g}")
-    band = parameter_band(fit, [at]) if fit.estimate.parameters else None
-    letter = "E" if fit.unit == "Pa" else "K"
-    for words, name, unit in (
-        (f"{letter}′", "storage", fit.unit),
+    frequency = float(f"{math.sqrt(low * high):.1g}")
+    band = parameter_band(fit, [frequency]) if fit.estimate.parameters else None
+    symbol = "E" if fit.unit == "Pa" else "K"
+    for label, name, unit in (
+        (f"{symbol}′", "storage", fit.unit),
         ("Loss factor", "loss_factor", ""),
     ):
-        value = float(getattr(fit.solid, name)(frequency=at))
+        value = float(getattr(fit.solid, name)(frequency=frequency))
         lower, upper = (math.nan,) * 2 if band is None else getattr(band, name)[:, 0].tolist()
-        yield row(ReportedValue(f"{words} at {at:g}{NBSP}Hz", value, lower, upper, unit))
+        yield row(ReportedValue(f"{label} at {frequency:g}{NBSP}Hz", value, lower, upper, unit))
 
 
 def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:

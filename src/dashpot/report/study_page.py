@@ -27,27 +27,27 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "study": study,
         **frame(),
         "title": first_screen.title(study),
-        "header": first_screen.header(study),
+        "header": first_screen.make_header(study),
         "verdict": study.verdict,
         "colour": VERDICT_COLOURS[study.verdict.use],
         "lights": first_screen.make_study_indicators(study, recommendation),
         "found": recommendation,
-        "heading": first_screen.heading(recommendation),
-        "under_mass": first_screen.under_mass(study, recommendation),
+        "heading": first_screen.make_heading(recommendation),
+        "under_mass": first_screen.make_mass_rows(study, recommendation),
         "one_seal": (
             *first_screen.rows(recommendation.one_seal),
             first_screen.band_row(recommendation),
         ),
-        "about_decks": first_screen.about_decks(recommendation, decks),
+        "about_decks": first_screen.format_deck_note(recommendation, decks),
         "files": first_screen.files(study, recommendation, decks),
         "sentences": first_screen.sentences(study, recommendation),
         "weighty": first_screen.select_decisive_checks(study, recommendation),
         "simulated": first_screen.find_simulated_files(study),
-        "straight": first_screen.straight(study),
+        "straight": first_screen.format_direct_band(study),
         "inferred": first_screen.inferred_mass(study),
         "tallies": {
-            stage: first_screen.tally(checks, study.verdict_checks)
-            for stage, checks in first_screen.parts(stages, study.verdict_checks)
+            stage: first_screen.count_passed(checks, study.verdict_checks)
+            for stage, checks in first_screen.group_by_part(stages, study.verdict_checks)
         },
         "checks": tables.checks(stages, study.verdict_checks),
         "figures": figures_of(study),

@@ -41,7 +41,11 @@ from dashpot.workflow.stiffness_under_mass import rival_of
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not applicable"}
-MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
+FAILURES = {
+    "stop": "failed: do not use",
+    "limit": "failed: use with care",
+    "note": "failed: a note",
+}
 CORRECTED = "failed: corrected by the joint model"
 VALUE = ("", "value ± standard error", "unit")
 
@@ -115,7 +119,7 @@ def checks(
     for stage, checks in groups:
         for check in checks:
             distinct.setdefault((check.name, check.message), (stage, check))
-    ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], verdict_checks))
+    ordered = sorted(distinct.values(), key=lambda pair: _get_check_order(pair[1], verdict_checks))
     rows = tuple(
         (
             _state(check, verdict_checks),
@@ -129,7 +133,7 @@ def checks(
     return TextTable(("", "stage", "question", "answer"), rows, row_classes)
 
 
-def _gravity(check: Check, verdict_checks: Collection[Check]) -> int:
+def _get_check_order(check: Check, verdict_checks: Collection[Check]) -> int:
     """Order of a check: failed by grade, corrected, then not checked, then passed."""
     if check.failed:
         return -GRADES.index(check.grade) if check in verdict_checks else 1
@@ -138,7 +142,7 @@ def _gravity(check: Check, verdict_checks: Collection[Check]) -> int:
 
 def _state(check: Check, verdict_checks: Collection[Check]) -> str:
     if check.failed:
-        return MEANS[check.grade] if check in verdict_checks else CORRECTED
+        return FAILURES[check.grade] if check in verdict_checks else CORRECTED
     return STATES[check.passed]
 
 
@@ -188,15 +192,17 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     if fit is None:
         return None
     rows = []
-    for item in list_known_values(fit):
-        cells = item.cells
-        row = (item.symbol, cells.with_error, cells.interval, cells.unit)
-        name = ""
-        if length is not None and item.unit not in ("s", ""):
+    for quantity in list_known_values(fit):
+        cells = quantity.cells
+        row = (quantity.symbol, cells.with_error, cells.interval, cells.unit)
+        scaled = ""
+        if length is not None and quantity.unit not in ("s", ""):
             scale = 0.1 / length
-            value = round_to_error(item.to_display_unit(item.value) * scale, item.size * scale)
-            name = f"{value} {cells.unit}"
-        rows.append(row if length is None else (*row, name))
+            value = round_to_error(
+                quantity.to_display_unit(quantity.value) * scale, quantity.size * scale
+            )
+            scaled = f"{value} {cells.unit}"
+        rows.append(row if length is None else (*row, scaled))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
     return TextTable(head if length is not None else head[:-1], tuple(rows))
 
@@ -216,15 +222,15 @@ def orders(study: Study) -> TextTable:
         order.arms: (order.model, math.sqrt(order.sse / fit.estimate.residual.n))
         for order in fit.evidence.orders
     }
-    value = (fit,) if fit.family == "maxwell" else ()
+    chosen_fits = (fit,) if fit.family == "maxwell" else ()
     models_by_arms |= {
         alternative.model.arms: (alternative.model, alternative.estimate.residual.rms)
-        for alternative in (*study.alternatives, *value)
+        for alternative in (*study.alternatives, *chosen_fits)
     }
     rows, row_classes = [], []
     for arms in sorted(models_by_arms):
         model, rms = models_by_arms[arms]
-        is_chosen = arms == fit.model.arms and bool(value)
+        is_chosen = arms == fit.model.arms and bool(chosen_fits)
         arms_text = ", ".join(
             f"{format_cell(k, 'N/mm')} at {round_to_error(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)
@@ -288,7 +294,7 @@ def make_frequency_table(study: Study) -> TextTable:
     for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked_frequencies}):
         stiffness = complex(study.fit.solid.complex_stiffness(omega=2 * np.pi * f))
         factor = max(f / high, low / f)
-        value = factor < 1.0001
+        is_identified = factor < 1.0001
         cells = [
             round_to_error(f),
             format_cell(stiffness.real, "N/mm"),
@@ -296,21 +302,23 @@ def make_frequency_table(study: Study) -> TextTable:
             round_to_error(stiffness.imag / stiffness.real),
         ]
         if bounds is not None:
-            cells.append(_range_at(bounds, convert_to_unit(bounds.storage, "N/mm"), f))
-            cells.append(_range_at(bounds, bounds.loss_factor, f))
-        cells.append("identified" if value else f"extrapolated ×{round_to_error(factor, digits=2)}")
+            cells.append(_format_limits_at(bounds, convert_to_unit(bounds.storage, "N/mm"), f))
+            cells.append(_format_limits_at(bounds, bounds.loss_factor, f))
+        cells.append(
+            "identified" if is_identified else f"extrapolated ×{round_to_error(factor, digits=2)}"
+        )
         rows.append(tuple(cells))
-        row_classes.append("" if value else "doubt")
+        row_classes.append("" if is_identified else "doubt")
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if bounds is not None:
         head += ["limits of K′, N/mm", "limits of loss factor"]
     return TextTable((*head, "this test"), tuple(rows), tuple(row_classes))
 
 
-def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
-    if not band.frequency[0] <= f <= band.frequency[-1]:
+def _format_limits_at(bounds: StiffnessBounds, limits: FloatArray, f: float) -> str:
+    if not bounds.frequency[0] <= f <= bounds.frequency[-1]:
         return "not computed"
-    low, high = (float(np.interp(np.log(f), np.log(band.frequency), edge)) for edge in limits)
+    low, high = (float(np.interp(np.log(f), np.log(bounds.frequency), edge)) for edge in limits)
     return f"{round_to_error(low, digits=3)} to {round_to_error(high, digits=3)}"
 
 

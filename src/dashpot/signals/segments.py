@@ -370,14 +370,14 @@ def classify_loading(segments: tuple[MotionSegment, ...]) -> Loading:
 
 
 def _close_loading(
-    rest: MotionSegment | None, segments: list[MotionSegment]
+    rest_segment: MotionSegment | None, segments: list[MotionSegment]
 ) -> list[RampHoldCycle]:
     """Return a loading up to its last hold, if it has one."""
     for stop in range(len(segments), 1, -1):
         hold, before = segments[stop - 1], segments[stop - 2]
         is_long = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
         if hold.kind == "hold" and is_long:
-            return [RampHoldCycle(rest, tuple(segments[:stop]))]
+            return [RampHoldCycle(rest_segment, tuple(segments[:stop]))]
     return []
 
 

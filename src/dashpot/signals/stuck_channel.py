@@ -71,7 +71,7 @@ def find_stuck_runs(
     leaps : bool
         Whether a leap is a fault; not of a signal that sets in by itself, as of a blow.
     time_since_ramp : array, shape (m,), optional
-        Of a channel that falls as it relaxes: time since it was loaded, s.
+        For a channel that falls as it relaxes: time since it was loaded, s.
     other_stretches : sequence of array
         Other stretches of the channel: noise that each of them shows, this one has, too.
     """

@@ -85,7 +85,10 @@ class Oscillator:
         return cls(inertia, poles, (matrix[1] @ vectors) * np.linalg.solve(vectors, push))
 
     def acceleration(
-        self, time: FloatArray, pulses: tuple[HalfSine, ...], rest: ComplexArray | None = None
+        self,
+        time: FloatArray,
+        pulses: tuple[HalfSine, ...],
+        start: ComplexArray | None = None,
     ) -> tuple[FloatArray, ComplexArray]:
         r"""Acceleration at `time`, and the modal state at its end.
 
@@ -100,7 +103,7 @@ class Oscillator:
         time : array, shape (n,)
             Evenly spaced, s.
         pulses : tuple of HalfSine
-        rest : array, shape (modes,), optional
+        start : array, shape (modes,), optional
             Modal state at ``time[0]``; at rest if not given.
         """
         total = sum((pulse.force(time) for pulse in pulses), np.zeros(len(time))) / self.inertia
@@ -112,7 +115,7 @@ class Oscillator:
             turns = pole.imag > 0
             p, r = (pole, 2 * residue) if turns else (pole.real, residue.real)
             free = np.exp(p * (time - time[0]))
-            start_value = 0.0 if rest is None else rest[i] if turns else rest[i].real
+            start_value = 0.0 if start is None else start[i] if turns else start[i].real
             z = start_value * free
             for pulse in pulses:
                 z += _mode_under(pulse, p, time, free)
@@ -124,7 +127,7 @@ class Oscillator:
 def _mode_under(
     pulse: HalfSine, pole: complex, time: FloatArray, free: FloatArray | ComplexArray
 ) -> FloatArray | ComplexArray:
-    """Return the motion of one mode under one pulse; `free` is its decay since ``time[0]``."""
+    """Return the motion of one mode under a pulse; `free` is its decay since ``time[0]``."""
     omega = np.pi / pulse.duration
     stop = pulse.start + pulse.duration
     during = slice(*np.searchsorted(time, [pulse.start, stop]))
@@ -177,7 +180,7 @@ class Hammer:
     force_range, acceleration_range : float
         Full scale, N and m/s^2.
     bits : int
-        Of the converter; 0 for a perfect one.
+        Bits of the converter; 0 for a perfect one.
     highpass : float
         Corner of the first-order high pass in the accelerometers' supply, Hz; 0 for none.
     """
@@ -249,9 +252,9 @@ class ImpactTruth:
     eccentricities : tuple of float
         Where each hit landed, m from the middle.
     gains : (float, float)
-        Of the two accelerometers, relative to their stated sensitivity.
+        Gains of the two accelerometers, relative to their stated sensitivity.
     bounce_poles, rocking_poles : tuple of complex
-        Of the two motions, 1/s.
+        Poles of the two motions, 1/s.
     climate : Climate or None
         What made `model` of the seal at the reference; None if no temperature was stated.
     """

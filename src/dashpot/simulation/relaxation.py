@@ -95,7 +95,7 @@ def simulate_motion(
     rig : Rig, optional
         ``Rig()`` if not given; its own rest before the motion is left out.
     seed : int
-        Of the noise.
+        Seed of the noise.
     climate : Climate, optional
         Makes the seal that of its temperature, which the record's specimen then states.
     """
@@ -257,7 +257,7 @@ def simulate_relaxation(
     rig : Rig, optional
         ``Rig()`` if not given.
     seed : int
-        Of the noise.
+        Seed of the noise.
     climate : Climate, optional
         Makes the seal that of its temperature, which the record's specimen then states.
 

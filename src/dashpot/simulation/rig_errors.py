@@ -178,7 +178,7 @@ class RigTruth(EqualByValue):
     Attributes
     ----------
     kind : str
-        Of which kind of test it is.
+        Kind: of which kind of test it is.
     model : GeneralizedMaxwell
         The seal at the temperature of the test, before any softening.
     rig : Rig

@@ -207,9 +207,9 @@ def require_plausible_compression(
     compression : float
         m; where it is infinite nothing carries the weight, which is no matter here.
     law : ElasticLaw, optional
-        Of the seal, with the depth that was tested.
+        Elastic law of the seal, with the depth that was tested.
     height : float, optional
-        Of the seal, m.
+        Height of the seal, m.
     carried : float, optional
         The mass, kg, that presses each seal; None where the compression was given.
 

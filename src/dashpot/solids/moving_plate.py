@@ -140,11 +140,11 @@ class EvenStep(NamedTuple):
     Attributes
     ----------
     mean_factors : array
-        Of what it carried, on the average of the step; of what is given, at its end.
+        Factors of what it carried, on the average of the step; of what is given, at its end.
     end_factors : array
-        Of what it carried, at the end of the step.
+        Factors of what it carried, at the end of the step.
     onward : array
-        Of what is given, on the average of the step.
+        Factors of what is given, on the average of the step.
     """
 
     mean_factors: FloatArray

@@ -20,7 +20,7 @@ def render_text(result: object) -> Text:
     TypeError
         If it is none.
     """
-    function = _teller(result)
+    function = _find_renderer(result)
     if function is None:
         raise TypeError(f"a {type(result).__name__} is no result that is shown")
     return function(result)
@@ -28,7 +28,7 @@ def render_text(result: object) -> Text:
 
 def format_result(result: Any) -> str:
     """Return what a command prints of a result; of what is none, what a shell shows."""
-    function = _teller(result)
+    function = _find_renderer(result)
     if function is None:
         return repr(result)
     from dashpot.text_output.layout import format_for_screen
@@ -37,7 +37,7 @@ def format_result(result: Any) -> str:
     return "\n".join(format_for_screen(function(result), getattr(result, "verdict", None), checks))
 
 
-def _teller(result: object) -> Callable[[Any], Text] | None:
+def _find_renderer(result: object) -> Callable[[Any], Text] | None:
     handler: Callable[[Any], Text] | None = find_handler("text", result)
     if handler is None and isinstance(result, HasVerdict) and result.facts:
         from dashpot.text_output.results import render_facts

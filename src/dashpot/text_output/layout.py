@@ -39,19 +39,19 @@ class Text(NamedTuple):
 def table(rows: Sequence[Sequence[str]], *, align_left: bool = False) -> list[str]:
     """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    sides = ["-" if align_left or i == 0 else "" for i in range(len(widths))]
+    alignments = ["-" if align_left or i == 0 else "" for i in range(len(widths))]
     row_format = "".join(
-        f"  %{alignment}{width}s" for alignment, width in zip(sides, widths, strict=True)
+        f"  %{alignment}{width}s" for alignment, width in zip(alignments, widths, strict=True)
     )
     return [(row_format % tuple(row)).rstrip() for row in rows]
 
 
-def facts(reported_values: Sequence[ReportedValue]) -> list[str]:
+def format_values(reported_values: Sequence[ReportedValue]) -> list[str]:
     """Return named numbers as a table: value, error, interval and unit, where any has one."""
-    head = ("", "value", "± SE", "95 % interval", "unit")
+    heading = ("", "value", "± SE", "95 % interval", "unit")
     rows = [value.cells.ascii for value in reported_values]
-    filled_columns = [i for i in range(len(head)) if any(row[i] for row in rows)]
-    return table([[row[i] for i in filled_columns] for row in (head, *rows)])
+    filled_columns = [i for i in range(len(heading)) if any(row[i] for row in rows)]
+    return table([[row[i] for i in filled_columns] for row in (heading, *rows)])
 
 
 # Result: its verdict, its values, and the failed checks.
@@ -80,7 +80,7 @@ class ScreenSize(NamedTuple):
     lines: int
 
 
-SIZE = ScreenSize(COLUMNS, LINES)
+DEFAULT_SIZE = ScreenSize(COLUMNS, LINES)
 """Size without a terminal, and the largest size of one."""
 
 
@@ -106,7 +106,7 @@ def format_for_screen(
     *,
     verbose: bool = False,
     style: Style = apply_no_style,
-    size: ScreenSize = SIZE,
+    size: ScreenSize = DEFAULT_SIZE,
 ) -> list[str]:
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
 
@@ -115,47 +115,50 @@ def format_for_screen(
     were asked for. `style` colours; `size` is that of the screen.
     """
     columns, lines = size
-    head = [] if verdict is None else lead(verdict, style, columns)
+    verdict_lines = [] if verdict is None else format_verdict(verdict, style, columns)
     # of a table of thousands no more is put into lines than can be shown, and one to be cut
-    part = text.lines if verbose else text.lines[: lines + 1]
-    body, requested = _lines(part, columns), _lines(text.requested_lines, columns)
+    shown_lines = text.lines if verbose else text.lines[: lines + 1]
+    value_lines = _wrap_paragraphs(shown_lines, columns)
+    requested_lines = _wrap_paragraphs(text.requested_lines, columns)
     count_lines = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
-        _check(check, verdict, style, columns)
+        _format_check(check, verdict, style, columns)
         for check in _select_failed_checks(verdict, checks, everything=verbose)
     ]
     if verbose:
         return [
-            *head,
-            *body,
-            *requested,
-            *_lines(text.details, columns),
+            *verdict_lines,
+            *value_lines,
+            *requested_lines,
+            *_wrap_paragraphs(text.details, columns),
             *count_lines,
-            *(part for names in failed for part in names),
+            *(shown_lines for names in failed for shown_lines in names),
         ]
     last_lines = count_lines + [
-        part for names in failed for part in _shorten_check_lines(names, columns)
+        shown_lines for names in failed for shown_lines in _shorten_check_lines(names, columns)
     ]
-    remaining = max(lines - 1 - len(head) - len(last_lines), 0)
-    if len(body) > remaining:
-        body, line_count = [*body[: max(remaining - 1, 0)], "  ..."], len(body)
+    remaining = max(lines - 1 - len(verdict_lines) - len(last_lines), 0)
+    if len(value_lines) > remaining:
+        value_lines, line_count = [*value_lines[: max(remaining - 1, 0)], "  ..."], len(value_lines)
     else:
-        line_count = len(body)
-    head += body
-    kept_lines = [*head, *last_lines][: lines - 1]
-    is_cut = len(kept_lines) < len(head) - len(body) + line_count + sum(map(len, failed)) + len(
-        count_lines
-    )
-    kept_lines[len(head) : len(head)] = requested
+        line_count = len(value_lines)
+    verdict_lines += value_lines
+    kept_lines = [*verdict_lines, *last_lines][: lines - 1]
+    is_cut = len(kept_lines) < len(verdict_lines) - len(value_lines) + line_count + sum(
+        map(len, failed)
+    ) + len(count_lines)
+    kept_lines[len(verdict_lines) : len(verdict_lines)] = requested_lines
     return [*kept_lines, "  more with -v"] if is_cut or text.details else kept_lines
 
 
-def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
+def _wrap_paragraphs(paragraphs: Sequence[str], columns: int) -> list[str]:
     texts = (line for text in paragraphs for line in text.split("\n"))
     return [part for line in texts for part in wrap_line(line, columns=columns)]
 
 
-def lead(verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS) -> list[str]:
+def format_verdict(
+    verdict: Verdict, style: Style = apply_no_style, columns: int = COLUMNS
+) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
     mark_text, _, message = str(verdict).partition(": ")
     return _format_marked_sentence(
@@ -214,7 +217,7 @@ def _select_failed_checks(
     return [check for grade in grades for check in checks if check.failed and check.grade == grade]
 
 
-def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
+def _format_check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
     mark_text, colour = MARKS[check.grade]
     message = check.message_with_option
     verdict_sentences = (

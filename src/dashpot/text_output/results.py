@@ -20,7 +20,7 @@ from dashpot.datamodel.fit import (
     list_undetermined_times,
 )
 from dashpot.registry import find_handler
-from dashpot.text_output.layout import Text, facts, table
+from dashpot.text_output.layout import Text, format_values, table
 
 if TYPE_CHECKING:
     from dashpot import Comparison
@@ -64,11 +64,11 @@ _METHODS = {
     "frf": "fitted to the FRF",
 }
 """Name of each method in the heading of a fit."""
-_RESIDUAL = {"N": "mN", "m": "um", "1": "%"}
+_UNITS = {"N": "mN", "m": "um", "1": "%"}
 """Display unit of the rms residual, by its SI unit."""
 
 
-def fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
+def render_fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
     """Return a fit as the paper's Table 1 with intervals, and its limits of use.
 
     `requested_arms` is the number of arms that was asked for.
@@ -90,7 +90,7 @@ def fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
         " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
     )
     parameter_lines = (
-        [f"every parameter{source_text}", *facts(list_known_values(fit))]
+        [f"every parameter{source_text}", *format_values(list_known_values(fit))]
         if fit.estimate.parameters
         else []
     )
@@ -129,9 +129,7 @@ def _format_rms(residual: Residual) -> str:
     """Return the rms residual, in its unit or as a multiple of the noise."""
     if residual.unit == "sd":
         return f"{residual.rms:.3g} times the noise"
-    return (
-        f"{format_quantity(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
-    )
+    return f"{format_quantity(residual.rms, _UNITS.get(residual.unit, residual.unit), '.3g')} rms"
 
 
 def _format_model(fit: Fit) -> list[str]:
@@ -147,7 +145,7 @@ def _format_model(fit: Fit) -> list[str]:
         if reported_values.keys() >= set(names := [f"{name}_{j}" for name in parameter_names])
     ]
     if not arms:
-        return facts(list_known_values(fit))
+        return format_values(list_known_values(fit))
     rows = [["arm"]]
     for text, reported_value in zip(parameter_names, arms[0], strict=True):
         rows[0] += [f"{text}, {reported_value.cells.ascii.unit}", "±"]
@@ -168,7 +166,7 @@ def _format_model(fit: Fit) -> list[str]:
                 ),
             ]
         )
-    return [*(facts([*reported_values.values()]) if reported_values else ()), *table(rows)]
+    return [*(format_values([*reported_values.values()]) if reported_values else ()), *table(rows)]
 
 
 def _format_value_and_error(reported_value: ReportedValue) -> tuple[str, str]:
@@ -198,8 +196,8 @@ def _format_elastic_law(fit: Fit) -> list[str]:
         f"{format_quantity(law.depth, 'mm', '.3g')}; "
     )
     noise = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
-    before = "" if fit.evidence.stiffness_by_depth else secant
-    return [f"  elastic     {before}tangent{noise} {_format_tangents(law)}"]
+    secant_text = "" if fit.evidence.stiffness_by_depth else secant
+    return [f"  elastic     {secant_text}tangent{noise} {_format_tangents(law)}"]
 
 
 _SMALL_CABLE_ERROR = 0.05
@@ -221,16 +219,16 @@ def _format_undetermined(fit: Fit) -> list[str]:
 
 def _format_alternative(fit: Fit) -> list[str]:
     """Return the other family of solids, unless the verdict has named it."""
-    other = fit.evidence.alternative
+    alternative = fit.evidence.alternative
     return (
-        [f"  alternative {other.message}"]
-        if other and other.message.partition(".")[0] not in fit.verdict.message
+        [f"  alternative {alternative.message}"]
+        if alternative and alternative.message.partition(".")[0] not in fit.verdict.message
         else []
     )
 
 
 def _format_nuisances(fit: Fit) -> list[str]:
-    reported_values = (item.fact for item in list_reported_nuisances(fit))
+    reported_values = (nuisance.fact for nuisance in list_reported_nuisances(fit))
     values_text = ascii_only(
         ", ".join(f"{value.label} {value.cells.with_unit}" for value in reported_values)
     )
@@ -253,14 +251,14 @@ def _format_parameter_changes(fit: Fit) -> list[str]:
     rows = [
         ["  parameter", "before, ± SE of noise", "after, ± SE of noise", "change, in SE before"]
     ]
-    for item in fit.evidence.parameter_changes:
-        before = "-" if item.was is None else _with_limit(item.was)
+    for change in fit.evidence.parameter_changes:
+        before = "-" if change.was is None else _with_limit(change.was)
         change_text = (
             "new"
-            if item.was is None
-            else ascii_only(number_format.format_signed_difference(item.shift))
+            if change.was is None
+            else ascii_only(number_format.format_signed_difference(change.shift))
         )
-        rows.append([f"  {item.name}", before, _with_limit(item.now), change_text])
+        rows.append([f"  {change.name}", before, _with_limit(change.now), change_text])
     return table(rows)
 
 
@@ -270,7 +268,7 @@ def _with_limit(reported_value: ReportedValue) -> str:
     return f"{cells.with_limit} {cells.unit}".rstrip()
 
 
-def _match(explanation: Explanation) -> str:
+def _format_match(explanation: Explanation) -> str:
     if explanation.is_sufficient:
         return "a match"
     return "closer, but no match" if explanation.deviance_fall > 0 else "no match"
@@ -280,7 +278,7 @@ def _format_explanations(fit: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  tried       {explanation.message} ({_match(explanation)}; chi-square "
+            f"  tried       {explanation.message} ({_format_match(explanation)}; chi-square "
             f"{'falls' if explanation.deviance_fall > 0 else 'rises'} by "
             f"{abs(explanation.deviance_fall):.4g})"
         )
@@ -306,7 +304,7 @@ def _format_orders(fit: Fit) -> list[str]:
     return table(rows)
 
 
-def impact(result: ImpactResult) -> Text:
+def render_impact(result: ImpactResult) -> Text:
     """Return the modes, the hits with their verdicts, and why a hit was rejected."""
     frf = result.frf
     lines = []
@@ -321,10 +319,10 @@ def impact(result: ImpactResult) -> Text:
     if frf.quantity.over_base:
         used_text = f"base shaken, equal to {frf.averages} averages"
     lines.append(f"{used_text}; {result.estimator}; frequency resolution {spacing:.3g} Hz")
-    return Text([*lines, *(_hits(frf.hits) if frf.hits else ())])
+    return Text([*lines, *(_format_hits(frf.hits) if frf.hits else ())])
 
 
-def _hits(hits: Sequence[Hit]) -> list[str]:
+def _format_hits(hits: Sequence[Hit]) -> list[str]:
     """Return the table of hits with their verdicts, and why one was rejected."""
     rows = [["hit", "time, s", "peak, N", "pulse width, ms", "verdict"]]
     rows += [
@@ -337,13 +335,13 @@ def _hits(hits: Sequence[Hit]) -> list[str]:
         ]
         for hit in hits
     ]
-    left_out = (f"    {hit.name}: {reason}" for hit in hits for reason in hit.reasons)
-    return [*table(rows), *left_out]
+    rejection_lines = (f"    {hit.name}: {reason}" for hit in hits for reason in hit.reasons)
+    return [*table(rows), *rejection_lines]
 
 
-def agreement(result: FRFComparison) -> Text:
+def render_agreement(result: FRFComparison) -> Text:
     """Return predicted against measured, the static equilibrium, and whether it was inferred."""
-    lines = comparison(result.comparison)
+    lines = format_comparison(result.comparison)
     if str(result.at_rest):
         lines.append(str(result.at_rest))
     if result.mass_inferred:
@@ -354,7 +352,7 @@ def agreement(result: FRFComparison) -> Text:
     return Text(lines, [f"  {arm}" for arm in result.comparison.arms])
 
 
-def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[str]:
+def format_comparison(comparison: Comparison, joint: Comparison | None = None) -> list[str]:
     """Return the table of predicted and measured values, and those of the joint model."""
     rows = [["", "predicted", "measured", "difference"], *(list(row) for row in comparison.rows)]
     if joint is not None:
@@ -364,7 +362,7 @@ def comparison(comparison: Comparison, joint: Comparison | None = None) -> list[
     return [*table(rows), f"  {(joint or comparison).lines}"]
 
 
-def study(study: Study) -> Text:
+def render_study(study: Study) -> Text:
     """Return the mass on its seals and its model; the fits behind it as details."""
     from dashpot.workflow.recommended_solid import recommend_solid  # a fit does without
 
@@ -375,22 +373,22 @@ def study(study: Study) -> Text:
             f"{format_quantity(study.mass, 'g', '.4g' if inferred else '.6g')}{inferred} on "
             f"{number_format.seals(study.seals)}"
         )
-        lines += comparison(study.comparison, study.joint_comparison)
+        lines += format_comparison(study.comparison, study.joint_comparison)
         details += ["", "prediction from the relaxation test alone", str(study.comparison)]
     if study.static_equilibrium is not None and str(study.static_equilibrium):
         lines.append(str(study.static_equilibrium))
-    solid = fit(study.fit if study.joint is None else study.joint)
+    solid = render_fit(study.fit if study.joint is None else study.joint)
     rows = [["main results", "value", "from", "to", "unit"]]
-    for value in recommend_solid(study, requested=True).values:
+    for value in recommend_solid(study, allow_rejected=True).values:
         rows.append([value.quantity, *value.fact.cell_texts, value.fact.word])
     details += ["", *table(rows)]
     if study.joint is not None:
-        text = fit(study.fit)
+        text = render_fit(study.fit)
         details += ["", "relaxation test alone", *text.lines, *text.details]
     return Text([*lines, *solid.lines], [*solid.details, *details])
 
 
-def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
+def render_prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = prediction.peak, prediction.seals
     load_text = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
@@ -407,7 +405,9 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     if prediction.random is not None:
         lines += _format_part(prediction, prediction.random)
     if prediction.at_edge:
-        lines.append(f"  This is the end of the band, not a peak.{_wider(prediction.modes)}")
+        lines.append(
+            f"  This is the end of the band, not a peak.{_format_wider_band(prediction.modes)}"
+        )
     lines += levels
     for mode in prediction.modes:
         ratio = f"{100 * mode.damping_ratio:.4g} %"
@@ -419,13 +419,15 @@ def prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Text:
     return Text(lines)
 
 
-def _wider(modes: Iterable[Mode]) -> str:
+def _format_wider_band(modes: Iterable[Mode]) -> str:
     """Return the band in which the lowest mode shows its peak."""
-    lowest = min((mode.frequency for mode in modes), default=0.0)
-    if not lowest > 0:
+    lowest_frequency = min((mode.frequency for mode in modes), default=0.0)
+    if not lowest_frequency > 0:
         return ""
-    low, high = (format_rounded(end, digits=2) for end in (lowest / 4, 4 * lowest))
-    return f" Add --band {low}:{high}Hz for the mode at {lowest:.4g} Hz."
+    low, high = (
+        format_rounded(end, digits=2) for end in (lowest_frequency / 4, 4 * lowest_frequency)
+    )
+    return f" Add --band {low}:{high}Hz for the mode at {lowest_frequency:.4g} Hz."
 
 
 def _format_tangents(law: ElasticLaw) -> str:
@@ -492,7 +494,7 @@ def render_facts(verdict: HasVerdict) -> Text:
     """Return the values of a result with their intervals, and the notes of the readers."""
     sources = getattr(verdict, "sources", ())
     notes = [f"  read        {source.file}: {note}" for source in sources for note in source.notes]
-    return Text(facts(verdict.facts), ascii_only("\n".join(notes)).splitlines())
+    return Text(format_values(verdict.facts), ascii_only("\n".join(notes)).splitlines())
 
 
 def render_summary(result: object) -> Text:
@@ -511,7 +513,7 @@ def format_error_sensitivity(
     errors : tuple of str
         Names in :data:`ERRORS`; none for the lines alone.
     unit : str
-        Of SI, of the storage.
+        Unit of SI, of the storage.
     line_count : int
         Number of lines.
     """
@@ -519,7 +521,7 @@ def format_error_sensitivity(
     rows = [["Hz", f"storage, {get_display_unit(unit)}", "loss factor"]]
     for (heading, _, _), _ in pairs:
         rows[0] += [f"{heading}: %", "loss factor"]
-    for i in _spread(measured, line_count):
+    for i in _select_lines(measured, line_count):
         row = [
             format_rounded(float(measured.frequency[i])),
             with_error(float(measured.storage[i]), float(measured.storage_sd[i]), unit),
@@ -534,7 +536,7 @@ def format_error_sensitivity(
     return [*table(rows), f"  {words}: change of the storage, %, and of the loss factor"]
 
 
-def _spread(measured: Measured, line_count: int) -> IndexArray:
+def _select_lines(measured: Measured, line_count: int) -> IndexArray:
     """Return lines at even ratios over the usable band."""
     lines = np.flatnonzero(
         measured.usable if measured.usable.any() else np.isfinite(measured.frequency)
@@ -543,29 +545,31 @@ def _spread(measured: Measured, line_count: int) -> IndexArray:
         return lines
     f = measured.frequency[lines]
     low, high = float(f[0]), float(f[-1])
-    grid = np.geomspace(low, high, line_count)
-    return np.unique(lines[np.abs(f[:, None] - grid).argmin(axis=0)])
+    even_ratios = np.geomspace(low, high, line_count)
+    return np.unique(lines[np.abs(f[:, None] - even_ratios).argmin(axis=0)])
 
 
 # Identified solid, and direct measurements.
 
 
-_ASSUMED = "seals_counted"
+_SEAL_COUNT_CHECK = "seals_counted"
 """Check whose failure changes every stiffness shown."""
-_ROWS = 3
+_SHOWN_LINES = 3
 """Lines shown of a transmissibility: both ends of its band, and one between."""
 
 
 def render_identification(result: Identified) -> Text:
     """Return the model, and the measured modes where nothing else was fitted."""
-    model, stiffness = fit(result.fit), result.direct.stiffness
-    first, lines = list(model.lines[:1]), model.lines[1:]
+    model, stiffness = render_fit(result.fit), result.direct.stiffness
+    first_lines, lines = list(model.lines[:1]), model.lines[1:]
     if stiffness.over_base:
-        first += format_error_sensitivity(
-            stiffness, errors=("phase", "mass"), unit="N/m", line_count=_ROWS
+        first_lines += format_error_sensitivity(
+            stiffness, errors=("phase", "mass"), unit="N/m", line_count=_SHOWN_LINES
         )
-    assumed = [check.message for check in result.noted if check.failed and check.name == _ASSUMED]
+    assumption_lines = [
+        check.message for check in result.noted if check.failed and check.name == _SEAL_COUNT_CHECK
+    ]
     rest_lines = [str(result.at_rest)] if str(result.at_rest) else []
-    modes = impact(result.vibration) if result.vibration else Text()
-    all_lines = [*first, *lines, *assumed, *rest_lines, *modes.lines]
+    modes = render_impact(result.vibration) if result.vibration else Text()
+    all_lines = [*first_lines, *lines, *assumption_lines, *rest_lines, *modes.lines]
     return Text(all_lines, [*model.details, *modes.details], model.requested_lines)

@@ -45,7 +45,7 @@ class MassOnSeals:
     seals : float
         Number of seals under it.
     compression : float or None
-        Of the seals, m; by default where :math:`n F_e(x) = m g`.
+        Compression of the seals, m; by default where :math:`n F_e(x) = m g`.
     coupled : float
         Part of the mass of the seals that couples their ends, kg
         (:mod:`dashpot.vibration.mass_on_seals`).
@@ -107,7 +107,7 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     load : MassOnSeals
 
     Raises
@@ -198,9 +198,9 @@ def predict_frf(
     seals : float, optional
         How many seals of a fit carry the mass; 1 by default.
     compression : float, optional
-        Of the seals of a fit, m; by default that of the mass's weight.
+        Compression of the seals of a fit, m; by default that of the mass's weight.
     temperature : float, optional
-        Of the seals of a fit of tests at several, K; by default that of its solid.
+        Temperature of the seals of a fit of tests at several, K; by default that of its solid.
 
     Raises
     ------
@@ -446,9 +446,10 @@ class TruncationLoss(NamedTuple):
     Attributes
     ----------
     p, residue : complex array, shape (m,)
-        Of the receptance.
+        Pole and residue of the receptance.
     amplitude, curvature : complex array, shape (m,)
-        Of the truncated term, and the second derivative of m s^2 + K at the pole.
+        Amplitude and curvature of the truncated term, and the second derivative of m s^2 + K at the
+        pole.
     """
 
     p: ComplexArray
@@ -598,13 +599,13 @@ def geometry_factor(
     Parameters
     ----------
     modulus : Solid
-        Of the material, Pa.
+        Modulus of the material, Pa.
     mass : str or float
         On all the parts together, kg.
     peak : str or float
         Frequency at which the FRF is largest, Hz.
     kind : str
-        Of that FRF: a transmissibility, or ``"accelerance"``.
+        Kind of that FRF: a transmissibility, or ``"accelerance"``.
 
     Raises
     ------

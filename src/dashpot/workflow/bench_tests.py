@@ -48,9 +48,9 @@ def prepared_tests(
     filter, machine, cycle, checked
         As :func:`~dashpot.preprocessing.prepare.prepare` takes them.
     time_limits : TimeLimits, optional
-        Of one test, by hand.
+        For one test, by hand.
     each_depth : bool
-        Of one record every depth that it holds, as a test of its own.
+        For one record every depth that it holds, as a test of its own.
 
     Raises
     ------
@@ -166,11 +166,11 @@ class BenchFitOptions(SolidOptions):
     machine : Machine or None
         None is a machine of which nothing is known.
     time_limits : TimeLimits
-        Of one relaxation test, by hand.
+        For one relaxation test, by hand.
     cycle : int or None
         The loading to use, where a relaxation test has several.
     shifting : ShiftChoices
-        Of sweeps or moduli at several temperatures: which one, or how all are shifted.
+        For sweeps or moduli at several temperatures: which one, or how all are shifted.
     specimen : Specimen or None
         What was said of the first test: a temperature of its own refuses sweeps at several.
     """
@@ -228,7 +228,7 @@ def fit_files(
         As in :func:`~dashpot.reading.readers.relaxation.read_relaxation`; `cycle` is for
         preparation.
     temperatures : sequence of float
-        Of the tests, K: one for all files, or one for each, in their order.
+        Temperatures of the tests, K: one for all files, or one for each, in their order.
     choices
         Fields of :class:`BenchFitOptions`.
 

@@ -68,13 +68,13 @@ def seals_counted(seals: float) -> Finding:
     "distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit", grade="note"
 )
 def base_band_in_valid_band(
-    requested: tuple[float, float], peak: float, band: tuple[float, float]
+    requested_band: tuple[float, float], peak: float, band: tuple[float, float]
 ) -> Finding:
     """All requested frequencies of a moving base lie in the valid band.
 
     Below a quarter of the `peak`, Hz, the mass follows its base whatever carries it.
     """
-    low, high = max(requested[0], min(peak / 4, requested[1])), requested[1]
+    low, high = max(requested_band[0], min(peak / 4, requested_band[1])), requested_band[1]
     factor = max(high / band[1], band[0] / low) if band[1] > 0 else math.inf
     message = f"From {low:.3g} to {high:.3g} Hz the transmissibility"
     return Finding(
@@ -87,17 +87,18 @@ def base_band_in_valid_band(
 
 
 @criterion("ratio of damping ratios", "x/", 1.1, "10 % of damping; and 1 % of frequency")
-def families_predict_alike(mode: Mode | None, other: Mode | None) -> Finding:
+def families_predict_alike(mode: Mode | None, other_mode: Mode | None) -> Finding:
     """Another family of models that fits the test predicts the same resonance.
 
-    `mode` and `other` are the first modes of the mass on either solid.
+    `mode` and `other_mode` are the first modes of the mass on either solid.
     """
-    if mode is None or other is None or not mode.damping_ratio > 0:
+    if mode is None or other_mode is None or not mode.damping_ratio > 0:
         return Finding("No other family of models that explains the test predicts a resonance")
-    ratio, shift = other.damping_ratio / mode.damping_ratio, other.frequency / mode.frequency - 1
+    ratio = other_mode.damping_ratio / mode.damping_ratio
+    shift = other_mode.frequency / mode.frequency - 1
     return Finding(
-        f"Another model that explains the test resonates at {other.frequency:.4g} Hz with a "
-        f"damping ratio of {100 * other.damping_ratio:.3g} %. This one does at "
+        f"Another model that explains the test resonates at {other_mode.frequency:.4g} Hz with a "
+        f"damping ratio of {100 * other_mode.damping_ratio:.3g} %. This one does at "
         f"{mode.frequency:.4g} Hz with {100 * mode.damping_ratio:.3g} %",
         ratio,
         "The test cannot separate the two",

@@ -72,13 +72,13 @@ def library(name: str) -> Any:
 def frame(result: object) -> UnitFrame:
     """Return the numbers of a result as columns: its own series, or its facts."""
     if isinstance(result, HasSummary) and result._table_columns:
-        return _frame(**result._table_columns)
+        return _make_frame(**result._table_columns)
     if isinstance(result, HasVerdict | HasReportedValues) and result.facts:
         return _build_facts_frame(result.facts)
     raise DataError(f"a {type(result).__name__} is no table")
 
 
-def _frame(**columns: tuple[Any, str]) -> UnitFrame:
+def _make_frame(**columns: tuple[Any, str]) -> UnitFrame:
     """Return a frame of columns that are there, each given with its unit."""
     entries = {name: pair for name, pair in columns.items() if pair[0] is not None}
     return UnitFrame(
@@ -101,10 +101,10 @@ def _(result: Fit) -> UnitFrame:
 
 def _build_facts_frame(rows: Sequence[ReportedValue]) -> UnitFrame:
     """One row for each, with its standard error and 95 % interval."""
-    return _frame(
-        parameter=([row.name for row in rows], ""), value=(_column(rows, "value"), ""),
-        standard_error=(_column(rows, "error"), ""), low=(_column(rows, "low"), ""),
-        high=(_column(rows, "high"), ""), unit=([row.unit for row in rows], ""),
+    return _make_frame(
+        parameter=([row.name for row in rows], ""), value=(_get_column(rows, "value"), ""),
+        standard_error=(_get_column(rows, "error"), ""), low=(_get_column(rows, "low"), ""),
+        high=(_get_column(rows, "high"), ""), unit=([row.unit for row in rows], ""),
     )  # fmt: skip
 
 
@@ -114,5 +114,5 @@ def _(result: Study) -> UnitFrame:
     return frame(result.fit if result.joint is None else result.joint)
 
 
-def _column(rows: Sequence[ReportedValue], name: str) -> FloatArray:
+def _get_column(rows: Sequence[ReportedValue], name: str) -> FloatArray:
     return np.array([getattr(row, name) for row in rows], dtype=float)

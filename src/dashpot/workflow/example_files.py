@@ -33,7 +33,7 @@ _FINE = replace(Rig(), rate=500.0, encoder=2e-6)
 _HAMMER = replace(Hammer(), rate=512.0, record=6.0)
 
 
-def _seal(
+def _write_seal(
     seed: int,
     *,
     depth: float = 8e-3,
@@ -62,44 +62,46 @@ def _simulate_clipped_test() -> str:
     )
 
 
-def _hammer() -> str:
+def _write_hammer() -> str:
     impact = simulate_impact(BROAD, mass=MASS, seals=2, hits=5, rig=_HAMMER, seed=1)
     return write_impact(impact.test, comments=stamp(impact.truth)[:1])
 
 
 _BENCH = {
-    "seal_8mm.csv": Example("relaxation", "a seal pressed 8 mm in 1 s and held 40 s", _seal(1)),
+    "seal_8mm.csv": Example(
+        "relaxation", "a seal pressed 8 mm in 1 s and held 40 s", _write_seal(1)
+    ),
     "hammer.csv": Example(
         "impact",
         f"a mass of {format_quantity(MASS, 'g', 'g')} on two such seals, struck five times",
-        _hammer,
+        _write_hammer,
     ),
     "depth_4mm.csv": Example(
         "relaxation",
         "a seal that stiffens as it is pressed, to 4 mm",
-        _seal(3, depth=4e-3, rig=_STIFFENING),
+        _write_seal(3, depth=4e-3, rig=_STIFFENING),
     ),
     "depth_6mm.csv": Example(
-        "relaxation", "the same to 6 mm", _seal(2, depth=6e-3, rig=_STIFFENING)
+        "relaxation", "the same to 6 mm", _write_seal(2, depth=6e-3, rig=_STIFFENING)
     ),
     "depth_8mm.csv": Example(
         "relaxation",
         "the same to 8 mm: dashpot fit --elastic by-depth takes the three",
-        _seal(1, depth=8e-3, rig=_STIFFENING),
+        _write_seal(1, depth=8e-3, rig=_STIFFENING),
     ),
     "at_23degC.csv": Example(
-        "relaxation", "another seal at 23 degC", _seal(5, rig=_FINE, celsius=23.0)
+        "relaxation", "another seal at 23 degC", _write_seal(5, rig=_FINE, celsius=23.0)
     ),
     "at_10degC.csv": Example(
-        "relaxation", "the same at 10 degC", _seal(6, rig=_FINE, celsius=10.0)
+        "relaxation", "the same at 10 degC", _write_seal(6, rig=_FINE, celsius=10.0)
     ),
     "at_0degC.csv": Example(
         "relaxation",
         "the same at 0 degC: dashpot fit takes the three together",
-        _seal(7, rig=_FINE, celsius=0.0),
+        _write_seal(7, rig=_FINE, celsius=0.0),
     ),
     "short_hold.csv": Example(
-        "relaxation", "a hold of 3 s, too short for the slow arms", _seal(4, hold=3.0)
+        "relaxation", "a hold of 3 s, too short for the slow arms", _write_seal(4, hold=3.0)
     ),
     "clipped.csv": Example(
         "relaxation", "a load cell that clips: a test not to be used", _simulate_clipped_test

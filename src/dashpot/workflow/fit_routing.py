@@ -116,10 +116,10 @@ def _format_file_kinds(kinds: Mapping[str, str]) -> str:
     grouped: dict[str, list[str]] = {}
     for path, kind in kinds.items():
         grouped.setdefault(get_kind_label(kind), []).append(Path(path).name)
-    return "; ".join(f"{_some(names)} {kind}" for kind, names in grouped.items())
+    return "; ".join(f"{_join_names(names)} {kind}" for kind, names in grouped.items())
 
 
-def _some(names: Sequence[str]) -> str:
+def _join_names(names: Sequence[str]) -> str:
     if len(names) == 1:
         return f"{names[0]} is"
     names_listed = names if len(names) <= _MAX_NAMED else names[: _MAX_NAMED - 1]

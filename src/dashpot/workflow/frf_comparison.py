@@ -128,7 +128,7 @@ class FRFComparison(HasVerdict, Serialisable):
     in_sample : bool
         The fit was made from this very record: its agreement tests nothing.
     unmeasured : LeaveOneOut or None
-        Of such a fit: how well hits that were left out in turn are predicted, if the relaxation
+        For such a fit: how well hits that were left out in turn are predicted, if the relaxation
         record is at hand.
 
     Examples
@@ -224,7 +224,7 @@ def compare_files(
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     measured : sequence of path
     block, band
         As of :func:`agreement`.
@@ -273,7 +273,7 @@ def agreement(
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     frf : FRF
     block : BlockOnSeals
         Its mass is inferred from the FRF if missing.

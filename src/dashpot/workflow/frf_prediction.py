@@ -170,7 +170,7 @@ class ResponseLimits(Serialisable):
     Attributes
     ----------
     kind : Kind
-        Of a force on the mass the accelerance, from which the others follow.
+        For a force on the mass the accelerance, from which the others follow.
     frequency : array, shape (n,)
     parameter : array, shape (2, n)
         By standard errors alone.
@@ -214,7 +214,7 @@ class ShakenMass(Serialisable):
     of : str
         The file that says how it shakes, or white noise.
     band : (float, float) or None
-        Of that file, Hz.
+        Band of that file, Hz.
     limits : RandomLimits or None
         If the relaxation record is at hand.
     """
@@ -239,9 +239,9 @@ class Prediction(HasVerdict, Serialisable):
     Attributes
     ----------
     fit : Fit
-        Of one seal, at its temperature and of its shape.
+        Fit of one seal, at its temperature and of its shape.
     mass, moving_mass : float
-        Of the block, and with the seals' share, kg.
+        Mass of the block, and with the seals' share, kg.
     seals : float
     frf : FRF
     modes : tuple of Mode
@@ -259,7 +259,7 @@ class Prediction(HasVerdict, Serialisable):
         Where the mass rests, and what secant and tangent make of it.
     alternative : RivalModes or None
     of_part : bool
-        Of a part of a material, not of the fit itself.
+        Whether it is of a part of a material, not of the fit itself.
     random : ShakenMass or None
         Over a base that shakes at random.
     isolation : float or None
@@ -415,7 +415,7 @@ def predict_files(
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     records : sequence of path
         The relaxation tests behind it: they bound the unresolved arms.
     machine : Machine, optional
@@ -464,7 +464,7 @@ def prediction(
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     tests : sequence of RampHold
         The relaxation tests behind it: they bound the unresolved arms.
     block : BlockOnSeals
@@ -518,7 +518,7 @@ def prediction(
     rest_state = find_static_equilibrium(shifted_fit, load)
     mounted_mass = MountedMass(shifted_fit, rest_state, load, frf_kind)
     frf = mounted_mass.frf(np.linspace(*band, lines))
-    bounded = _bounds(mounted_mass, fit, tests, temperature=temperature)
+    bounded = _compute_bounds(mounted_mass, fit, tests, temperature=temperature)
     limited = mounted_mass.compute_limits(frf, bounded)
     peak, at_edge = mounted_mass.peak(frf)
     around_hz = mounted_mass.modes[0].frequency if mounted_mass.modes else peak[0]
@@ -530,7 +530,9 @@ def prediction(
         )  # fmt: skip
     checks = (
         # what the test must inform is the resonance, inside the band or not
-        *_led_by(mounted_mass, mass=mass, band=band, response=around_hz if at_edge else peak[0]),
+        *_put_cause_first(
+            mounted_mass, mass=mass, band=band, response=around_hz if at_edge else peak[0]
+        ),
         *(() if levels is None else levels.checks),
         *fit.checks,
         *_check_temperature_tested(fit, temperature),
@@ -672,7 +674,7 @@ class MountedMass:
         return shaken_mass
 
 
-def _bounds(
+def _compute_bounds(
     load: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
 ) -> Callable[..., FRFBounds] | None:
     """Return what bounds the FRF by the relaxation tests; None without them."""
@@ -691,7 +693,7 @@ def _bounds(
     )
 
 
-def _led_by(
+def _put_cause_first(
     load: MountedMass, *, mass: float, band: tuple[float, float], response: float
 ) -> tuple[Check, ...]:
     """Return a mass in a wrong unit first; then a solid that is not known at the peak."""

@@ -165,10 +165,11 @@ def identify_files(
     bench : BenchFitOptions, optional
         How the tests are prepared and fitted.
     temperatures : sequence of float
-        Of the tests, K: one for all of them, or one for each, in their order; without tests, of
-        the seals.
+        Temperatures of the tests, K: one for all of them, or one for each, in their order; without
+        tests, of the seals.
     impact_temperature : float, optional
-        Of the seals under the hammer, K, where tests at several temperatures are fitted too.
+        Temperature of the seals under the hammer, K, where tests at several temperatures are fitted
+        too.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
     block, hammer, band, choices
@@ -238,7 +239,8 @@ def identify_solid(
     band : (float, float), optional
         Lines fitted, Hz.
     temperature : float, optional
-        Of the seals under the hammer, K, where tests at several temperatures are fitted too.
+        Temperature of the seals under the hammer, K, where tests at several temperatures are fitted
+        too.
     specimen : Specimen, optional
         What is known of the seals; it wins over what the tests say.
     hammer : HammerChoices, optional

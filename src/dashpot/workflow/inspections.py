@@ -100,16 +100,16 @@ def inspect_files(
     *,
     options: ReadOptions | None = None,
     read: Reader | None = None,
-    prepared: Preparer | None = None,
+    prepare_test: Preparer | None = None,
 ) -> Inspections:
     """Inspect files, and prepare those that are relaxation tests and leave no question open.
 
-    `read` and `prepared` stand in for the reader and for preparation where they remember. What
+    `read` and `prepare_test` stand in for the reader and for preparation where they remember. What
     the inspection and the reader both need of a file is read once.
     """
     options = options or ReadOptions()
-    functions = read or _read, prepared or _prepare_record
-    return Inspections(tuple(_inspect_path(path, options, *functions) for path in files))
+    reader_and_preparer = read or _read, prepare_test or _prepare_record
+    return Inspections(tuple(_inspect_path(path, options, *reader_and_preparer) for path in files))
 
 
 def _read(file: OpenedFile) -> RelaxationTest:
@@ -121,7 +121,7 @@ def _prepare_record(record: RelaxationTest, options: ReadOptions) -> RampHold:
 
 
 def _inspect_path(
-    path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
+    path: str | Path, options: ReadOptions, read: Reader, prepare_test: Preparer
 ) -> InspectedFile:
     opened_file = open_or_identify(path, options)
     if isinstance(opened_file, Recognised):
@@ -133,13 +133,13 @@ def _inspect_path(
         return _build_inspected_file(inspection)
     if inspection.kind != "relaxation":
         return _build_inspected_file(
-            _with_cautions(inspection, _read_by_kind(path, file, inspection.kind))
+            _add_cautions(inspection, _read_by_kind(path, file, inspection.kind))
         )
     try:
         with add_name_to_errors(file.raw.name):
             record = read(file)
-        inspection = _with_cautions(inspection, record)
-        test = prepared(record, options)
+        inspection = _add_cautions(inspection, record)
+        test = prepare_test(record, options)
     except DashpotError as error:
         return _build_inspected_file(inspection, refusal=str(error))
     preparation = Preparation(
@@ -169,7 +169,7 @@ def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
         pop_cached_file(path, file.options)
 
 
-def _with_cautions(inspection: Inspection, record: object) -> Inspection:
+def _add_cautions(inspection: Inspection, record: object) -> Inspection:
     """Return the inspection, with what the reader of its kind noticed that can change a number."""
     source = getattr(record, "source", None)
     sources = source if isinstance(source, tuple) else () if source is None else (source,)
@@ -190,6 +190,10 @@ def _build_inspected_file(inspection: Inspection, **changes: Any) -> InspectedFi
         **{field.name: getattr(inspection, field.name) for field in fields(inspection)}, **changes
     )
     vars(inspected_file).update(
-        {name: var for name, var in vars(inspection).items() if name not in vars(inspected_file)}
+        {
+            name: value
+            for name, value in vars(inspection).items()
+            if name not in vars(inspected_file)
+        }
     )
     return inspected_file  # with the course of its columns, which is drawn and no field

@@ -146,11 +146,11 @@ class BlockOnSeals:
     Attributes
     ----------
     mass, seal_mass : float or None
-        Of the block, to be inferred from an FRF if missing, and of one seal, kg.
+        Mass of the block, to be inferred from an FRF if missing, and of one seal, kg.
     seals : float
         How many carry the block.
     compression : float or None
-        Of the seals under it, m; None for that of its weight.
+        Compression of the seals under it, m; None for that of its weight.
     """
 
     mass: float | None = option(None, "Test mass, e.g. 104g.", unit="mass")
@@ -187,26 +187,28 @@ class Job(Serialisable):
     other_tests : tuple of str
         Files of further relaxation tests of the same seal, at other temperatures.
     temperatures : tuple of float
-        Of the relaxation tests, K: one for all of them, or one for each, in their order.
+        Temperatures of the relaxation tests, K: one for all of them, or one for each, in their
+        order.
     impact_temperature : float or None
-        Of the seals under the hammer, K; None for that of the solid of the relaxation tests.
+        Temperature of the seals under the hammer, K; None for that of the solid of the relaxation
+        tests.
     impact : tuple of str
         Files of hits, or one file with an FRF.
     mass, seal_mass : float or None
-        Of the block and of one seal, kg.
+        Masses of the block and of one seal, kg.
     seals : float
     arms : int or "auto"
     method : "full" or "hold"
     law : "auto", "linear" or "nonlinear"
     family : "maxwell", "fractional" or "auto"
     time_limits : TimeLimits
-        Of the relaxation test, by hand.
+        Time limits of the relaxation test, by hand.
     band : (float, float) or None
         Lines compared, Hz.
     filter : str or None
     joint : bool
     compression : float or None
-        Of the seals under the mass, m; None for that of its weight.
+        Compression of the seals under the mass, m; None for that of its weight.
     specimen : Specimen
     machine : Machine
         What is known of the machine of the relaxation test.
@@ -214,7 +216,7 @@ class Job(Serialisable):
         What the user said of the relaxation file and of the impact files.
     hammer : HammerChoices
     title : str
-        Of the report; by default the specimen, or the file.
+        Title of the report; by default the specimen, or the file.
     logo : str or None
         File of an image for its head.
     """

@@ -178,7 +178,9 @@ def from_json(text: str | bytes) -> Any:
             unknown = find_unknown_keys(entries, to_document(result))
             changed = has_edited_fit(written)
     except (*_VALUE_ERRORS, msgspec.ValidationError) as error:
-        raise ReadError(f"the {name} document is not valid: {_because(error, entries)}") from None
+        raise ReadError(
+            f"the {name} document is not valid: {_format_reason(error, entries)}"
+        ) from None
     if unknown:
         raise ReadError(f"the {name} document is not valid: {unknown}")
     if changed:
@@ -193,7 +195,7 @@ _VALUE_ERRORS = (KeyError, TypeError, ValueError, ArithmeticError, AttributeErro
 """Exceptions of classes constructed from a wrong value, besides msgspec's own."""
 
 
-def _because(error: Exception, entries: dict[str, Any]) -> str:
+def _format_reason(error: Exception, entries: dict[str, Any]) -> str:
     """Return why a document makes no valid value, as text."""
     import msgspec
 
@@ -310,21 +312,21 @@ _evaluate_types = cache(get_type_hints)
 _LAWS: dict[str, type] = {"wlf": WLF, "arrhenius": Arrhenius, "free": FreeShifts}
 
 
-def _law_of(entries: dict[str, Any]) -> type:
+def _make_law(entries: dict[str, Any]) -> type:
     if entries["kind"] not in _LAWS:
         raise ValueError(f"law {entries['kind']!r} is none of {', '.join(_LAWS)}")
     return _LAWS[entries["kind"]]
 
 
-def _solid_of(entries: dict[str, Any]) -> type:
+def _make_solid(entries: dict[str, Any]) -> type:
     if entries.get("schema") == Parallel.schema:
         return Parallel
     return FractionalZener if "alpha" in entries else GeneralizedMaxwell
 
 
 _CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
-    Solid: _solid_of,
-    TemperatureLaw: _law_of,
+    Solid: _make_solid,
+    TemperatureLaw: _make_law,
     RateIndependent: lambda entries: Cubic if "k3" in entries else Jenkins,
 }
 """Classes with several subclasses, and the function that chooses among them by an object."""
@@ -333,7 +335,7 @@ _CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
 # -- what the bare contract leaves out, and what no key says -------------------------------------
 
 
-def _model(entries: dict[str, Any]) -> dict[str, Any]:
+def _convert_model(entries: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a model from its list of arms."""
     if "arms" not in entries:
         raise ValueError('a model has no "arms"; that of a spring alone is []')
@@ -368,15 +370,15 @@ def _diagonal_covariance(entries: dict[str, Any]) -> dict[str, Any]:
     errors = entries.get("standard_error")
     if not errors:
         return {"parameters": [], "covariance": [], "dof": 0.0}
-    taus, arms = _model(entries["model"])["tau"], errors["arms"]
+    taus, arms = _convert_model(entries["model"])["tau"], errors["arms"]
     k, tau = (
         [*(arm[name] for arm in arms), *(None for _ in taus)][: len(taus)] for name in ("k", "tau")
     )
     numbers = range(1, len(taus) + 1)
     variances = [
-        _square(errors["k_inf"]),
-        *(_square(error) for error in k),
-        *(_square(error) / time**2 for error, time in zip(tau, taus, strict=True)),
+        _square_error(errors["k_inf"]),
+        *(_square_error(error) for error in k),
+        *(_square_error(error) / time**2 for error, time in zip(tau, taus, strict=True)),
     ]
     return {
         "parameters": ["k_inf", *(f"k_{j}" for j in numbers), *(f"ln_tau_{j}" for j in numbers)],
@@ -385,11 +387,11 @@ def _diagonal_covariance(entries: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _square(error: float | None) -> float:
+def _square_error(error: float | None) -> float:
     return np.inf if error is None else float(error) ** 2
 
 
-def _elastic(entries: dict[str, Any]) -> dict[str, Any]:
+def _convert_elastic_law(entries: dict[str, Any]) -> dict[str, Any]:
     """Return an elastic law, with the shape that a bare one leaves to its tangents."""
     if "ratio" in entries:
         return entries
@@ -399,9 +401,9 @@ def _elastic(entries: dict[str, Any]) -> dict[str, Any]:
 
 
 _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
-    GeneralizedMaxwell: _model,
+    GeneralizedMaxwell: _convert_model,
     Fit: _fit,
-    ElasticLaw: _elastic,
+    ElasticLaw: _convert_elastic_law,
     # the bare contract does not say how long the seal was held
     EndOfHold: lambda entries: {"end_time": np.nan} | entries,
 }
@@ -441,7 +443,7 @@ def read_fit(path: str | Path) -> Fit:
     ReadError
         If it holds something else.
     """
-    return _a_fit(path, read_json_document(path, hint=f"; expected {A_FIT}"))
+    return _require_fit(path, read_json_document(path, hint=f"; expected {A_FIT}"))
 
 
 def read_exported(path: str | Path) -> object:
@@ -455,10 +457,10 @@ def read_exported(path: str | Path) -> object:
     document = read_json_document(
         path, hint=f"; expected {A_FIT}, or of FRFs at several amplitudes"
     )
-    return document if find_handler("export", document) else _a_fit(path, document)
+    return document if find_handler("export", document) else _require_fit(path, document)
 
 
-def _a_fit(path: str | Path, result: object) -> Fit:
+def _require_fit(path: str | Path, result: object) -> Fit:
     if not isinstance(result, Fit):
         raise ReadError(f"{format_unexpected_kind(path, result)}; expected {A_FIT}")
     return result

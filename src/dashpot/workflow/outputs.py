@@ -63,7 +63,7 @@ class Outputs:
 
     def _refuse_input(self, path: Path) -> None:
         for other in self.inputs:
-            if _same(path, Path(other)):
+            if _is_same_file(path, Path(other)):
                 name = "" if str(path) == other else f" (it is {other})"
                 raise ExportError(
                     f"{path} is a file that is read here{name} and is never written over; give "
@@ -80,7 +80,7 @@ class Outputs:
             )
         if self.replace:
             return
-        head = _head(path)
+        head = _read_head(path)
         if is_record(head) and not self.makes_records:
             raise ExportError(
                 f"{path} is a simulated record, an input like any measured one; give another "
@@ -93,13 +93,13 @@ class Outputs:
             )
 
 
-def _same(path: Path, other: Path) -> bool:
+def _is_same_file(path: Path, other: Path) -> bool:
     if os.path.realpath(path) == os.path.realpath(other):
         return True
     return path.exists() and other.exists() and path.samefile(other)
 
 
-def _head(path: Path) -> bytes:
+def _read_head(path: Path) -> bytes:
     """Return the part of a file that holds its byline."""
     with path.open("rb") as file:
         head = file.read(_HEAD)

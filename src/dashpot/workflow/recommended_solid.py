@@ -110,16 +110,16 @@ class Recommendation:
         return (*self.under_mass, *self.one_seal)
 
 
-def recommend_solid(study: Study, *, requested: bool = False) -> Recommendation:
+def recommend_solid(study: Study, *, allow_rejected: bool = False) -> Recommendation:
     """Return the recommended model, and its values with intervals or bounds.
 
     The joint model is recommended where there is one and the verdict allows it, else the model of
-    the relaxation test. A joint model that was `requested` is returned whatever its verdict.
+    the relaxation test. A joint model that was `allow_rejected` is returned whatever its verdict.
     Intervals of the joint model are 95 % intervals of its parameters; those of the relaxation test
     are bounds over unresolved arms where these were computed.
     """
     usable = study.verdict.use != "do not use"
-    joint_fit = study.joint if usable or requested else None
+    joint_fit = study.joint if usable or allow_rejected else None
     solid = study.fit if joint_fit is None else joint_fit
     joint = joint_fit is not None
     point, resonance = _find_resonance(study, solid)
@@ -186,32 +186,32 @@ def _find_peak(solid: Solid, mass: float, around_hz: float) -> tuple[float, floa
 
 
 def _select_bounds(
-    study: Study, solid: Fit, at: float, *, joint: bool
+    study: Study, solid: Fit, frequency: float, *, joint: bool
 ) -> tuple[StiffnessBounds | None, bool]:
     """Return the limits at a frequency, and whether they are bounds over unresolved arms."""
     unmeasured = study.unmeasured
     if (
         not joint
         and unmeasured is not None
-        and unmeasured.frequency[0] <= at <= unmeasured.frequency[-1]
+        and unmeasured.frequency[0] <= frequency <= unmeasured.frequency[-1]
     ):
         return unmeasured, True
     if not solid.estimate.parameters:
         return None, False
-    return parameter_band(solid, [at]), False
+    return parameter_band(solid, [frequency]), False
 
 
 def _evaluate_value(
-    solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, is_limit: bool
+    solid: Fit, bounds: StiffnessBounds | None, name: str, frequency: float, *, is_limit: bool
 ) -> RecommendedValue:
     """Return stiffness or loss factor at a frequency, Hz; the interval contains the value."""
-    value = float(getattr(solid.solid, name)(frequency=at))
+    value = float(getattr(solid.solid, name)(frequency=frequency))
     quantity: Quantity = "dynamic stiffness" if name == "storage" else "loss factor"
     if bounds is None:
-        return RecommendedValue(quantity, value, at=at)
+        return RecommendedValue(quantity, value, at=frequency)
     edges: FloatArray = getattr(bounds, name)
-    low, high = (float(np.interp(np.log(at), np.log(bounds.frequency), e)) for e in edges)
-    return RecommendedValue(quantity, value, min(low, value), max(high, value), at, is_limit)
+    low, high = (float(np.interp(np.log(frequency), np.log(bounds.frequency), e)) for e in edges)
+    return RecommendedValue(quantity, value, min(low, value), max(high, value), frequency, is_limit)
 
 
 def _list_values_under_mass(

@@ -49,7 +49,7 @@ class StiffnessAt:
     stiffness, stiffness_se : float
         Relaxed, of one seal, N/m. The error is that of the elastic law's shape.
     frequency, damping_ratio : float or None
-        Of the first mode, Hz; None if nothing oscillates.
+        Frequency and damping ratio of the first mode, Hz; None if nothing oscillates.
     """
 
     stiffness: float
@@ -164,12 +164,12 @@ def frf_limits(
     A solid that is s times as stiff and a times as slow answers at :math:`\omega` as the fit at
     :math:`a\omega` under a mass :math:`m/(a^2 s)`, an accelerance times :math:`1/(a^2 s)`. The
     uncertainty of the tangent, and of b_T, slides the limits along the frequency axis
-    (:func:`_slid`); that of a_T is met by the limits at both of its ends.
+    (:func:`_slide_limits`); that of a_T is met by the limits at both of its ends.
 
     Parameters
     ----------
     fit : Fit
-        Of one seal.
+        Fit of one seal.
     tests : RampHold or sequence of RampHold
         What it was fitted to.
     point : OperatingPoint
@@ -215,8 +215,8 @@ def frf_limits(
     )
     return replace(
         merged_bounds,
-        parameter=_slid(f, merged_bounds.parameter, widened_point),
-        unmeasured=_slid(f, merged_bounds.unmeasured, widened_point),
+        parameter=_slide_limits(f, merged_bounds.parameter, widened_point),
+        unmeasured=_slide_limits(f, merged_bounds.unmeasured, widened_point),
         message=merged_bounds.message + note * (point.factor_se > 0),
     )
 
@@ -292,10 +292,10 @@ def formal_limits(
     s = point.factor
     limits = formal_frf_band(fit, load.divide_masses(s), frequency=frequency, kind=kind)
     limits = limits / s if kind is Kind.ACCELERANCE else limits
-    return _slid(frequency, limits, point)
+    return _slide_limits(frequency, limits, point)
 
 
-def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> FloatArray:
+def _slide_limits(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> FloatArray:
     r"""Return lowest and highest limit over the interval of a doubtful tangent, shape (2, n).
 
     A stiffness that hardly changes over a few per cent of frequency, times s, answers at f as the

@@ -268,7 +268,7 @@ class FittedTests:
     ----------
     tests : tuple of RampHold
     fit : Fit
-        Of all of them, at the temperature of the seals under the hammer.
+        Fit of all of them, at the temperature of the seals under the hammer.
     """
 
     tests: tuple[RampHold, ...]
@@ -339,25 +339,25 @@ def characterise(
     test : RelaxationTest
         One seal, ramp and hold.
     measured : FRF, optional
-        Of a mass on the seals.
+        FRF of a mass on the seals.
     block : BlockOnSeals
         Its mass is inferred from `measured`, and labelled so, if missing.
     tests : sequence of RelaxationTest
-        Of the same seal, to be fitted with `test`, such as a cold one.
+        Tests of the same seal, to be fitted with `test`, such as a cold one.
     impact : ImpactTest, optional
         The hits behind `measured`, kept for the report.
     options : FitOptions
-        Of the fit of the tests; a number of arms is that of the joint fit, too.
+        Options of the fit of the tests; a number of arms is that of the joint fit, too.
     filter, cycle, machine
         As in :func:`~dashpot.preprocessing.prepare.prepare`.
     time_limits : TimeLimits, optional
-        Of the relaxation test, by hand.
+        Time limits of the relaxation test, by hand.
     band : (float, float), optional
         Lines to compare, Hz.
     joint : bool
         Whether to fit relaxation and FRF together, too.
     impact_temperature : float, optional
-        Of the seals under the hammer, K; by default that of the solid of the tests.
+        Temperature of the seals under the hammer, K; by default that of the solid of the tests.
     fit_once : callable
         What stands in for :func:`fit_tests` where it remembers.
 
@@ -371,7 +371,7 @@ def characterise(
     send_progress("fitting the relaxation test")
     fitted = fit_once(
         (test, *tests), options, impact_temperature, filter=filter, time_limits=time_limits,
-        cycle=cycle, machine=_on_bench(machine, measured),
+        cycle=cycle, machine=_select_bench_machine(machine, measured),
     )  # fmt: skip
     fitted_records, chosen_fit = fitted.tests, fitted.fit
     # what is shown is of the temperature of the solid
@@ -387,7 +387,7 @@ def characterise(
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual_options = replace(options, arms="auto", family="maxwell")
-            before, number = _before_hammer(
+            before, number = _select_earlier_fit(
                 chosen_fit, fitted_records, options.arms, usual_options, impact_temperature
             )
             joint_fit = identify(
@@ -429,12 +429,12 @@ def characterise(
     )
 
 
-def _on_bench(machine: Machine | None, measured: FRF | None) -> Machine | None:
+def _select_bench_machine(machine: Machine | None, measured: FRF | None) -> Machine | None:
     """Return the machine of the tests; the hammer's rig only where there is a hammer."""
     return machine if machine is None or measured is None else machine.on_bench
 
 
-def _before_hammer(
+def _select_earlier_fit(
     chosen_fit: Fit,
     tests: Sequence[RampHold],
     arms: int | Literal["auto"],

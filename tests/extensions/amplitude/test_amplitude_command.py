@@ -11,7 +11,7 @@ from kit.kinds import save_table
 
 import dashpot as dp
 from dashpot.extensions.amplitude.fit_files import level_files
-from dashpot.extensions.amplitude.page import format_residual_note, numbers
+from dashpot.extensions.amplitude.page import format_residual_note, list_level_values
 from dashpot.extensions.systems.multibody import Mount, System, point_mass
 from dashpot.reading.readers.impact import read_impact
 from dashpot.reading.readers.inspect import inspect_file
@@ -388,7 +388,7 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     belongs = ran(path, "--seals", "2", "--resonance-amplitude", "1N", code=2)
     assert "--seals belongs to FRFs" in belongs
     read = level_files([path], at=[0.05])
-    assert [number.name for number in numbers(read)][:2] == [
+    assert [number.name for number in list_level_values(read)][:2] == [
         "stiffness per doubling",
         "damping per doubling",
     ]

@@ -8,7 +8,7 @@ from kit import levels
 from kit.pictures import first, lines, marks
 
 from dashpot import plot
-from dashpot.extensions.amplitude.preprocess import steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import compute_sweep, find_steady_cycles
 from dashpot.plot.picture import Dots, Tag
 
 pytestmark = pytest.mark.once
@@ -42,9 +42,9 @@ def test_every_amplitude_has_its_loop_and_its_fit():
 
 def test_steady_cycles_of_noisy_loops_have_one_frequency():
     shaken = levels.loops(jitter=2e-6)
-    (hz,) = {loop.frequency for loop in steady_cycles(shaken)}
+    (hz,) = {loop.frequency for loop in find_steady_cycles(shaken)}
     assert hz == pytest.approx(5.0, rel=1e-3)
-    assert len(np.unique(sweep_of_loops(shaken).frequency)) == 1
+    assert len(np.unique(compute_sweep(shaken).frequency)) == 1
 
 
 def test_a_law_is_dashed_where_it_was_not_measured():

@@ -16,7 +16,7 @@ from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
-from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import compute_sweep
 from dashpot.extensions.amplitude.response import resonance_at_level
 from dashpot.vibration.impact.amplitude_trend import trend_of_hits
 
@@ -225,7 +225,7 @@ class TestSweep:
 def test_a_third_harmonic_stays_out_of_the_first():
     """A spring that stiffens loses nothing, and 3/4 k3 X^2 is its stiffness."""
     recorded = levels.loops(force=lambda x: 1e3 * x + 2e8 * x**3, noise=0.0)
-    amplitude_sweep = sweep_of_loops(recorded)
+    amplitude_sweep = compute_sweep(recorded)
     true = 1e3 + 0.75 * 2e8 * amplitude_sweep.amplitude**2
     assert amplitude_sweep.storage == pytest.approx(true, rel=2e-3)
     assert np.abs(amplitude_sweep.loss).max() < 2e-3 * true.min()

@@ -148,7 +148,7 @@ def test_the_energy_of_a_cycle_is_the_area_of_its_loop():
 
 def test_jenkins_elements_stand_for_kraus_s_storage():
     law = Kraus(235.0, 3e-4, exponent=0.5)
-    spectrum = jenkins_like(law, to=3e-3)
+    spectrum = jenkins_like(law, largest_amplitude=3e-3)
     X = np.geomspace(1e-5, 3e-3, 40)
     N = spectrum.equivalent(1.0, X)
     assert np.abs(N.real - law.stiffness(X).real).max() < 0.005 * law.k

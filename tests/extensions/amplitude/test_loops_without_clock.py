@@ -12,7 +12,7 @@ from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.extensions.amplitude.fit_files import level_files
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.table_row import make_row
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.reading.read_options import ReadOptions
@@ -128,7 +128,7 @@ def test_batch_row_of_loops_has_storage_and_loss_at_the_largest_amplitude(
 ) -> None:
     path = write_loops(tmp_path / "a.csv", amplitudes=amplitudes, clock=True, samples=200)
     entry = Entry(str(path))
-    found = row(entry, entry.hashes(), BatchOptions())
+    found = make_row(entry, entry.hashes(), BatchOptions())
     assert (found["kind"], found["outcome"]) == ("cyclic", "fitted")
     assert {name: found[name] for name in ROW} == pytest.approx(ROW, rel=2e-3)
     turn = 2 * np.pi * HERTZ * 5e-3  # a delay of 5 ms, the usual one, turns storage into loss
@@ -154,7 +154,7 @@ def test_batch_row_of_loops_of_a_material_is_in_pascals(tmp_path: Path) -> None:
     lines = [f"{a:.3f};{b:.6f};{c:.7f}" for a, b, c in zip(t, strain, stress, strict=True)]
     (tmp_path / "m.csv").write_text("\n".join(["Time [s];Strain [%];Stress [MPa]", *lines, ""]))
     entry = Entry(str(tmp_path / "m.csv"))
-    found = row(entry, entry.hashes(), BatchOptions())
+    found = make_row(entry, entry.hashes(), BatchOptions())
     assert found["loop_storage_Pa"] == pytest.approx(3e6 * np.cos(0.1), rel=1e-3)
     assert found["loop_loss_factor"] == pytest.approx(np.tan(0.1), rel=5e-3)
     assert found["loop_amplitude"] == pytest.approx(0.02, rel=1e-3)

@@ -12,7 +12,7 @@ from dashpot.base.errors import FitError, ReadError
 from dashpot.cli import main
 from dashpot.extensions.amplitude.datamodel import StressStrainLoops
 from dashpot.extensions.amplitude.fit_files import level_files
-from dashpot.extensions.amplitude.preprocess import steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import compute_sweep, find_steady_cycles
 from dashpot.extensions.amplitude.read import read_loops
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
@@ -189,9 +189,9 @@ def test_steady_cycles_of_strain_are_those_of_a_unit_specimen() -> None:
     t, e, s = loops()
     record = StressStrainLoops(t, e, 1e6 * s, units="SI")
     part = dp.RelaxationTest(t, 1e-3 * e, 1e-6 * 1e6 * s, units="SI")
-    material, other = sweep_of_loops(record), sweep_of_loops(part)
+    material, other = compute_sweep(record), compute_sweep(part)
     np.testing.assert_allclose(material.value, 1e3 * other.value, rtol=1e-9)
-    assert len(steady_cycles(record)) == len(material.amplitude)
+    assert len(find_steady_cycles(record)) == len(material.amplitude)
 
 
 def test_read_loops_takes_a_stated_unit_of_strain(tmp_path) -> None:

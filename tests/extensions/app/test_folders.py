@@ -12,8 +12,8 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.app import recent, wire_format
 from dashpot.extensions.app.handler_registry import VERBS
-from dashpot.extensions.app.request_parsing import job_of, page_of
-from dashpot.extensions.app.upload_store import Store, path_in
+from dashpot.extensions.app.request_parsing import build_job, describe_job
+from dashpot.extensions.app.upload_store import Store, find_file
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.projects.history import append
 from dashpot.extensions.projects.project import create, record
@@ -72,7 +72,7 @@ def test_opened_project_restores_its_job(store, project):
         "relaxation": test["id"], "reading": head["reading"], "joint": head["joint"],
         "specimen": head["job"]["specimen"] | {"temperature": head["temperatures"][0]},
     }  # fmt: skip
-    again = job_of(said, store.folder)
+    again = build_job(said, store.folder)
     assert replace(again, relaxation=job.relaxation) == job
     assert Path(again.relaxation).read_bytes() == Path(job.relaxation).read_bytes()
     assert ask("recent", store)["recent"][0]["folder"] == str(folder)
@@ -81,7 +81,8 @@ def test_opened_project_restores_its_job(store, project):
 def test_a_page_says_a_job_as_the_job_is(store, text):
     test = store.put("a.csv", text.encode())
     whole = Job(
-        str(path_in(store.folder, test)), mass=1 / 3, seal_mass=1e-3, compression=2.6e-3, seals=1.5,
+        str(find_file(store.folder, test)), mass=1 / 3, seal_mass=1e-3, compression=2.6e-3,
+        seals=1.5,
         arms=3, method="hold", law="linear", family="auto", band=(5.0, 40.1), filter="median:5",
         title="A title", joint=False, time_limits=TimeLimits(1.0, 2.0, 3.0),
         machine=Machine(sync=5e-4, compliance=3e-5),
@@ -89,12 +90,12 @@ def test_a_page_says_a_job_as_the_job_is(store, text):
         reading=ReadOptions(units={"force": "gf"}, skip_rows=2),
         reading_impact=ReadOptions(acceleration=("3", "4")),
     )  # fmt: skip
-    page = page_of(whole)
+    page = describe_job(whole)
     told = json.loads(json.dumps(page))
     asked = told["job"] | {"relaxation": test} | {
         name: told[name] for name in ("joint", "reading", "reading_impact")
     }  # fmt: skip
-    assert job_of(asked, store.folder) == whole
+    assert build_job(asked, store.folder) == whole
     known = {"relaxation", "other_tests", "impact", "temperatures", "impact_temperature", "logo"}
     assert {one.name for one in fields(Job)} - known <= set(asked)
 
@@ -136,7 +137,7 @@ def test_what_is_no_such_folder_says_so(store, tmp_path, monkeypatch, folder, me
     (tmp_path / "state").mkdir()
     with pytest.raises(dp.DashpotError, match=message):
         ask("folder", store, folder=folder)
-    assert not recent.recent()
+    assert not recent.list_recent_folders()
 
 
 def test_a_lot_shows_its_table_and_opens_the_tests_that_it_knows(store, tmp_path, text):
@@ -201,25 +202,25 @@ def test_a_page_names_no_file_of_the_machine(store, text):
     with pytest.raises(dp.DataError, match="no calibration"):
         ask("inspect", store, file=test, options={"calibration": "/etc/passwd"})
     with pytest.raises(dp.DataError, match="no calibration"):
-        job_of({"relaxation": test, "reading": {"calibration": "x.cal"}}, store.folder)
+        build_job({"relaxation": test, "reading": {"calibration": "x.cal"}}, store.folder)
     with pytest.raises(dp.ReadError, match="no longer here"):
-        job_of({"relaxation": test, "logo": "/etc/passwd"}, store.folder)
+        build_job({"relaxation": test, "logo": "/etc/passwd"}, store.folder)
 
 
 def test_the_list_of_folders_bears_what_happens_to_it(state, tmp_path):
-    assert recent.recent() == []
+    assert recent.list_recent_folders() == []
     for i in range(recent.MAX_FOLDERS + 2):
         (tmp_path / f"p{i}").mkdir()
-        recent.remember(tmp_path / f"p{i}")
-    recent.remember(tmp_path / "p5")
-    names = [one["name"] for one in recent.recent()]
+        recent.add_recent_folder(tmp_path / f"p{i}")
+    recent.add_recent_folder(tmp_path / "p5")
+    names = [one["name"] for one in recent.list_recent_folders()]
     assert names[:2] == ["p5", f"p{recent.MAX_FOLDERS + 1}"]
     assert len(names) == recent.MAX_FOLDERS
     (tmp_path / "p5").rmdir()
-    assert recent.recent()[0]["name"] == f"p{recent.MAX_FOLDERS + 1}"
+    assert recent.list_recent_folders()[0]["name"] == f"p{recent.MAX_FOLDERS + 1}"
     for text in ("", "[1]", "{", '[{"folder": 3}]'):
         (state / "recent.json").write_text(text)
-        assert recent.recent() == []
+        assert recent.list_recent_folders() == []
     os.environ["DASHPOT_STATE"] = str(state / "recent.json")  # a file where a folder should be
-    recent.remember(tmp_path)
-    assert recent.recent() == []
+    recent.add_recent_folder(tmp_path)
+    assert recent.list_recent_folders() == []

@@ -3,7 +3,7 @@
 import pytest
 from kit.asgi import Client
 
-from dashpot.extensions.app.access_control import POLICY, Guard
+from dashpot.extensions.app.access_control import SECURITY_POLICY, Guard
 from dashpot.extensions.app.server import AppContext, application
 
 PORT = 8123
@@ -69,9 +69,9 @@ def test_every_answer_carries_the_policy(guard):
     page = make_admitted_client(guard)
     for path in ("/", "/static/app.js", "/api/state", "/nowhere"):
         headers = page.get(path).headers
-        assert headers["content-security-policy"] == POLICY
+        assert headers["content-security-policy"] == SECURITY_POLICY
         assert headers["cache-control"] == "no-store"
-    assert "unsafe" not in POLICY
+    assert "unsafe" not in SECURITY_POLICY
 
 
 @pytest.mark.parametrize(
@@ -155,6 +155,6 @@ def test_upload_over_the_limit_is_refused_during_transfer(desk, monkeypatch):
     ],
 )
 def test_a_name_leads_nowhere(name, kept):
-    from dashpot.extensions.app.upload_store import plain_name
+    from dashpot.extensions.app.upload_store import make_safe_name
 
-    assert plain_name(name) == kept
+    assert make_safe_name(name) == kept

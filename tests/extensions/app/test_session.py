@@ -6,9 +6,9 @@ import json
 import pytest
 
 from dashpot.extensions.app import session
-from dashpot.extensions.app.recent import place_of
+from dashpot.extensions.app.recent import get_state_path
 from dashpot.extensions.app.server import AppContext
-from dashpot.extensions.app.upload_store import Store, path_in
+from dashpot.extensions.app.upload_store import Store, find_file
 
 
 @pytest.fixture(autouse=True)
@@ -29,47 +29,47 @@ def state(*files):
 
 def test_a_session_is_taken_up_by_another_server(store):
     identity = store.put("seal.csv", b"1,2,3\n")
-    session.keep(state(identity), store)
+    session.save_session(state(identity), store)
     store.remove()
     assert session.get_saved_session()["files"] == ["seal.csv"]
     after = Store()
-    found = session.resume(after)
+    found = session.restore_session(after)
     assert found == state(identity)
-    assert path_in(after.folder, identity).read_bytes() == b"1,2,3\n"
+    assert find_file(after.folder, identity).read_bytes() == b"1,2,3\n"
     after.remove()
 
 
 def test_session_is_removed_with_its_files_and_on_request(store):
     one, other = store.put("a.csv", b"1\n"), store.put("b.csv", b"2\n")
-    session.keep(state(one, other), store)
-    session.keep(state(other), store)
-    assert [each.name for each in place_of("session").iterdir()] == [other]
-    session.keep(state(), store)
+    session.save_session(state(one, other), store)
+    session.save_session(state(other), store)
+    assert [each.name for each in get_state_path("session").iterdir()] == [other]
+    session.save_session(state(), store)
     assert session.get_saved_session() is None
-    assert not place_of("session").exists()
-    session.keep(state(one), store)
-    session.forget()
+    assert not get_state_path("session").exists()
+    session.save_session(state(one), store)
+    session.delete_session()
     assert session.get_saved_session() is None
 
 
 def test_what_is_not_whole_is_not_offered(store):
     identity = store.put("a.csv", b"1\n")
-    session.keep(state(identity), store)
-    next((place_of("session") / identity).iterdir()).unlink()
+    session.save_session(state(identity), store)
+    next((get_state_path("session") / identity).iterdir()).unlink()
     assert session.get_saved_session() is None
-    assert session.resume(store) == {}
-    place_of("session.json").write_text("no JSON")
+    assert session.restore_session(store) == {}
+    get_state_path("session.json").write_text("no JSON")
     assert session.get_saved_session() is None
 
 
 @pytest.mark.parametrize("name", ["../../secret", "", "0" * 16])
 def test_session_ignores_a_file_that_is_not_on_the_page(store, name):
-    session.keep(state(name), store)
+    session.save_session(state(name), store)
     assert session.get_saved_session() is None
 
 
 def test_only_an_empty_server_offers_it(store, tmp_path):
-    session.keep(state(store.put("a.csv", b"1\n")), store)
+    session.save_session(state(store.put("a.csv", b"1\n")), store)
     (tmp_path / "own.csv").write_text("1\n")
 
     async def open_session(*files):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dashpot.extensions.app.figure_cards import _rows, make_figure_cards
+from dashpot.extensions.app.figure_cards import _arrange_rows, make_figure_cards
 from dashpot.plot.picture import Dots, Panel, Picture, Scale, Tag
 
 X = np.array([0.0, 1.0])
@@ -21,7 +21,7 @@ def panel(quantity: str, *labels: str, tags: tuple[Tag, ...] = ()) -> Panel:
 )
 def test_rows_places_two_unlike_strips_side_by_side(count: int, beside: list[int]) -> None:
     strips = tuple((panel(f"quantity {i}", f"mark {i}"),) for i in range(count))
-    rows = _rows(Picture("p", "words", strips))
+    rows = _arrange_rows(Picture("p", "words", strips))
     assert [len(row) for row in rows] == beside
     assert sum(rows, ()) == strips
 
@@ -29,12 +29,12 @@ def test_rows_places_two_unlike_strips_side_by_side(count: int, beside: list[int
 @pytest.mark.parametrize(("count", "beside"), [(2, [2]), (3, [3]), (5, [3, 2])])
 def test_of_alike_strips_three_do(count: int, beside: list[int]) -> None:
     strips = tuple((panel("force, N", "measured"),) for _ in range(count))
-    assert [len(row) for row in _rows(Picture("p", "words", strips))] == beside
+    assert [len(row) for row in _arrange_rows(Picture("p", "words", strips))] == beside
 
 
 def test_of_strips_of_two_panels_no_three_do() -> None:
     strips = tuple((panel("force, N", "measured"),) * 2 for _ in range(3))
-    assert [len(row) for row in _rows(Picture("p", "words", strips))] == [1, 2]
+    assert [len(row) for row in _arrange_rows(Picture("p", "words", strips))] == [1, 2]
 
 
 def test_what_is_named_at_its_line_is_in_no_key() -> None:

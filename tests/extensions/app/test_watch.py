@@ -19,7 +19,7 @@ from kit.asgi import Client
 from dashpot.extensions.app.access_control import Guard
 from dashpot.extensions.app.file_watch import FileWatch
 from dashpot.extensions.app.server import MOST_BYTES, AppContext, application
-from dashpot.extensions.app.upload_store import Store, TooLargeError, path_in
+from dashpot.extensions.app.upload_store import Store, TooLargeError, find_file
 
 PORT = 8124
 ROWS = "time [s],force [N]\n0,1\n1,2\n"
@@ -59,8 +59,8 @@ def test_a_file_of_the_same_size_and_time_is_seen_to_have_changed(store, file):
     assert (file.stat().st_size, file.stat().st_mtime_ns) == (about.st_size, about.st_mtime_ns)
     row = look_twice(FileWatch(store), name)
     assert row["state"] == "changed"
-    assert path_in(store.folder, row["new"]["id"]).read_text() == file.read_text()
-    assert path_in(store.folder, name).read_text() == ROWS  # what was shown stays what it was
+    assert find_file(store.folder, row["new"]["id"]).read_text() == file.read_text()
+    assert find_file(store.folder, name).read_text() == ROWS  # what was shown stays what it was
 
 
 def test_a_file_that_another_one_replaced_is_read_again(store, file, tmp_path):
@@ -79,7 +79,7 @@ def test_a_file_is_read_again_once_it_rests(store, file):
         assert watch.look([name])[name]["state"] == "writing"
     row = watch.look([name])[name]
     assert row["state"] == "changed"
-    assert path_in(store.folder, row["new"]["id"]).read_text() == file.read_text()
+    assert find_file(store.folder, row["new"]["id"]).read_text() == file.read_text()
 
 
 def test_a_file_that_was_touched_is_the_same(store, file):
@@ -117,7 +117,7 @@ def test_all_files_together_have_a_limit(store):
 def test_unreferenced_files_are_deleted_for_space(store):
     old, wanted = store.put("a.csv", b"x" * 60), store.put("b.csv", b"y" * 60)
     store.make_room(lambda name: name == wanted, total=200)
-    assert path_in(store.folder, wanted).exists()
+    assert find_file(store.folder, wanted).exists()
     assert not (store.folder / old).exists()
 
 

@@ -33,5 +33,5 @@ def test_numbers_begin_where_a_browser_can_read_them():
 
 def test_a_frame_says_its_kind_and_length():
     frame = wire_format.encode_frame("d", b"12345")
-    assert wire_format.frame_head(frame[: wire_format.FRAME_HEAD]) == ("d", 5)
+    assert wire_format.parse_frame_head(frame[: wire_format.FRAME_HEAD]) == ("d", 5)
     assert frame[wire_format.FRAME_HEAD :] == b"12345"

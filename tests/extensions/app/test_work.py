@@ -29,9 +29,9 @@ from dashpot.extensions.app import (
     view_models,
     wire_format,
 )
-from dashpot.extensions.app.command_lines import line
+from dashpot.extensions.app.command_lines import format_job_command
 from dashpot.extensions.app.handler_registry import VERBS
-from dashpot.extensions.app.request_parsing import job_of
+from dashpot.extensions.app.request_parsing import build_job
 from dashpot.extensions.app.upload_store import Store
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
@@ -106,7 +106,7 @@ def test_the_fit_is_that_of_the_command_digit_for_digit(store, page_job, working
 def test_the_command_line_gives_the_pages_numbers(store, page_job, working_folder, joint):
     head = ask("study", store, job=page_job | {"joint": joint})
     study = run_command(head["command"], "-o", "r.html", "--json")
-    page = result_cache.study(job_of(page_job | {"joint": joint}, store.folder))
+    page = result_cache.get_study(build_job(page_job | {"joint": joint}, store.folder))
     mine = json.loads(to_json(page))
     for part in ("fit", "joint", "comparison"):
         assert mine[part] == study[part]
@@ -129,13 +129,13 @@ def test_another_mass_leaves_the_fit_of_the_tests(store, page_job, monkeypatch):
         "fit_tests",
         lambda *args, **how: (fitted.append(1), fit_once(*args, **how))[1],
     )
-    monkeypatch.setattr(result_cache, "_fitted", {})
-    jobs = [job_of(page_job | {"mass": mass}, store.folder) for mass in ("114.5g", "115g")]
-    first = result_cache.study(jobs[0])
+    monkeypatch.setattr(result_cache, "_fitted_tests", {})
+    jobs = [build_job(page_job | {"mass": mass}, store.folder) for mass in ("114.5g", "115g")]
+    first = result_cache.get_study(jobs[0])
     for place, name in ((record_cache, "read_relaxation"), (result_cache, "read_record"),
                         (measured_frf, "estimate_frf")):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, what=name, **__: pytest.fail(what))
-    second = result_cache.study(jobs[1])
+    second = result_cache.get_study(jobs[1])
     assert len(fitted) == 1
     assert first.unmeasured is second.unmeasured
     monkeypatch.undo()
@@ -152,9 +152,9 @@ def test_another_number_of_arms_fits_the_tests_again(store, page_job, monkeypatc
         "fit_tests",
         lambda *args, **how: (fitted.append(1), fit_once(*args, **how))[1],
     )
-    monkeypatch.setattr(result_cache, "_fitted", {})
+    monkeypatch.setattr(result_cache, "_fitted_tests", {})
     for arms in (2, 3):
-        result_cache.study(job_of(page_job | {"mass": "115.5g", "arms": arms}, store.folder))
+        result_cache.get_study(build_job(page_job | {"mass": "115.5g", "arms": arms}, store.folder))
     assert len(fitted) == 2
 
 
@@ -163,7 +163,7 @@ def test_record_is_parsed_once_for_all_workers(store):
     identity = store.put("once.csv", text.encode())
     assert not ask("inspect", store, file=identity)["long"]
     (store.folder / identity / "once.csv").write_text("no table any more")
-    result_cache.test.cache_clear()  # as another lane would begin
+    result_cache.read_test.cache_clear()  # as another lane would begin
     result_cache.prepare_job_tests.cache_clear()
     job = {"relaxation": identity, "specimen": {"name": "A"}}
     again = json.loads(ask("take", store, job=job, what="fit")["text"])
@@ -221,7 +221,7 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
     name, size = later["end"]
     after = 20.0 - later["time_limits"]["ramp_end"]
     assert name == f"k after {after:.1f} s"
-    cut = job_of(page_job | {"time_limits": {"hold_end": 20.0}}, store.folder)
+    cut = build_job(page_job | {"time_limits": {"hold_end": 20.0}}, store.folder)
     own = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut)).solid.relaxation(
         after
     )
@@ -239,7 +239,7 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
 def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, page_job):
     """The same optimum, without what a cut does not change: number of arms and law."""
     ask("live", store, job=page_job)
-    cut = job_of(page_job | {"time_limits": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
+    cut = build_job(page_job | {"time_limits": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
     after = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut))
     anew = result_cache.fit_job(
         result_cache.select_fit_choices(cut), False, result_cache.MAX_PREVIEW_SAMPLES
@@ -248,10 +248,10 @@ def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(sto
     assert after.model.k == pytest.approx(anew.model.k, rel=1e-6)
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 1.0, 1.5), 100.0)
     one = result_cache.select_fit_choices(cut)
-    assert result_cache._is_followed(anew, one)
-    assert not result_cache._is_followed(replace(anew, elastic_law=law), one)
-    assert not result_cache._is_followed(anew, replace(one, arms=3))
-    assert not result_cache._is_followed(anew, replace(one, method="hold"))
+    assert result_cache._can_refit(anew, one)
+    assert not result_cache._can_refit(replace(anew, elastic_law=law), one)
+    assert not result_cache._can_refit(anew, replace(one, arms=3))
+    assert not result_cache._can_refit(anew, replace(one, method="hold"))
 
 
 def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, page_job):
@@ -272,11 +272,11 @@ def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, page_job):
     assert ends[1] == pytest.approx(ends[0], rel=1e-3)
     hatches = [one.count("<pattern") for one in drawn]
     assert hatches[1] > hatches[0]
-    job = job_of(cut, store.folder)
+    job = build_job(cut, store.folder)
     (short,) = result_cache.prepare_job_tests(result_cache.select_test_choices(job), None)
     assert short.hold_end == 12.0
     assert result_cache.prepare_uncut_test(job, short).time[-1] > 40.0
-    uncut = job_of(request, store.folder)
+    uncut = build_job(request, store.folder)
     assert result_cache.prepare_uncut_test(uncut, short) is None
 
 
@@ -383,12 +383,12 @@ def test_a_hammer_without_a_mass_is_no_verdict_yet(store, page_job):
 def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
     best = Explanation(name, 0.1153, 2e-4, "kg", 0.04, 900.0, explains, "so")
     study = replace(handmade.study(), joint=replace_fields(handmade.joint(), explanations=(best,)))
-    assert view_models.mass_that_explains(study) == told
+    assert view_models.find_explaining_mass(study) == told
 
 
 @pytest.mark.slow
 def test_advice_is_shown_once(store, page_job):
-    study = result_cache.study(job_of(page_job, store.folder))
+    study = result_cache.get_study(build_job(page_job, store.folder))
     more = view_models.format_next_test(study, ())
     assert study.fit.evidence.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
     said = Check("told", False, "Not known.", remedy=Remedy(study.fit.evidence.end_of_hold.remedy))
@@ -444,7 +444,7 @@ def test_hit_can_be_rejected_on_the_page(store, page_job):
 )
 def test_job_reports_unknown_fields(store, page_job, change, message):
     with pytest.raises(dp.DashpotError, match=message):
-        job_of(page_job | change, store.folder)
+        build_job(page_job | change, store.folder)
 
 
 @pytest.mark.parametrize("mass", ["0g", "-5g"])
@@ -461,7 +461,7 @@ def test_a_job_and_its_command_say_the_same(store, page_job):
         "compression": "2.6mm", "band": "5:40Hz", "machine": {"sync": "0.5ms"}, "law": "linear",
         "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
     }  # fmt: skip
-    words = shlex.split(line("report", job_of(page_job | more, store.folder)))
+    words = shlex.split(format_job_command("report", build_job(page_job | more, store.folder)))
     for one in (
         "--compression",
         "2.6mm",
@@ -608,7 +608,7 @@ def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, page_job):
     for panels, ink in ((both, "joint-ink"), (alone, "fit")):
         assert all(f"var(--{ink})" in one for one in (panels["hold"], panels["spectrum"]))
         assert ink == "fit" or "var(--fit)" not in panels["hold"] + panels["spectrum"]
-    arms = result_cache.study(job_of(job, store.folder)).joint.model.arms
+    arms = result_cache.get_study(build_job(job, store.folder)).joint.model.arms
     assert both["spectrum"].count(">τ") >= arms
     assert (
         ask("study", store, job=page_job | {"joint": False})["panels"]["spectrum"]

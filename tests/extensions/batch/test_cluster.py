@@ -17,9 +17,9 @@ from dashpot.base.version import __version__
 from dashpot.extensions.batch import batch_run
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
-from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
+from dashpot.extensions.batch.cluster_worker import make_rows, stop_idle_workers
 from dashpot.extensions.batch.input_files import Entry
-from dashpot.extensions.batch.parquet_parts import tasks
+from dashpot.extensions.batch.parquet_parts import make_tasks
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
@@ -79,7 +79,9 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 def run_worker(entries, **changes):
     """What a worker of a cluster answers."""
     how = {"choices": json.dumps(to_plain_value(CHOICES)), "folder": ".", "version": __version__}
-    return rows_of(json.dumps([task.packed for task in tasks(entries, CHOICES)]), **(how | changes))
+    return make_rows(
+        json.dumps([task.packed for task in make_tasks(entries, CHOICES)]), **(how | changes)
+    )
 
 
 def test_cluster_worker_refuses_another_version_or_folder(folder, tmp_path):

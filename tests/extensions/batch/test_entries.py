@@ -12,8 +12,8 @@ import pytest
 from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import Entry, find_entries
-from dashpot.extensions.batch.parquet_parts import Task, tasks
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.parquet_parts import Task, make_tasks
+from dashpot.extensions.batch.table_row import make_row
 
 
 @pytest.fixture
@@ -30,7 +30,8 @@ def working_folder(tmp_path, monkeypatch):
 
 def files(*paths, **how):
     return [
-        Path(entry.file).as_posix() for entry in find_entries(paths, without=Path("lot"), **how)
+        Path(entry.file).as_posix()
+        for entry in find_entries(paths, output_folder=Path("lot"), **how)
     ]
 
 
@@ -44,13 +45,17 @@ def test_find_entries_takes_each_file_once(working_folder):
 
 
 def test_labels_come_from_the_path_by_place_or_by_name(working_folder):
-    first, second, *_ = find_entries(["a"], by=r"lot(\w)_(\d)", without=Path("lot"))
+    first, second, *_ = find_entries(
+        ["a"], label_pattern=r"lot(\w)_(\d)", output_folder=Path("lot")
+    )
     assert (first.lot, first.seal, first.repeat) == ("Y", "2", "")
     assert (second.lot, second.seal) == ("X", "1")
-    (named,) = find_entries(["a/lot*"], by=r"lot(?P<seal>\w)_(?P<lot>\d)", without=Path("lot"))
+    (named,) = find_entries(
+        ["a/lot*"], label_pattern=r"lot(?P<seal>\w)_(?P<lot>\d)", output_folder=Path("lot")
+    )
     assert (named.lot, named.seal) == ("1", "X")
     # a group that took no part says nothing
-    (item,) = find_entries(["b.csv"], by=r"(lot)?b(\.)", without=Path("lot"))
+    (item,) = find_entries(["b.csv"], label_pattern=r"(lot)?b(\.)", output_folder=Path("lot"))
     assert (item.lot, item.seal) == ("", ".")
 
 
@@ -66,14 +71,14 @@ TOML = (
 )
 def test_a_manifest_adds_its_files_and_its_labels_win(working_folder, monkeypatch, name, text):
     Path(name).write_text(text, encoding="utf-8")
-    first, second = find_entries([], manifest=name, by="(b)", without=Path("lot"))
+    first, second = find_entries([], manifest=name, label_pattern="(b)", output_folder=Path("lot"))
     assert first == Entry(
         "a/lotX_1.csv", "A", "1", "2", pytest.approx(296.15), pytest.approx(0.104)
     )
     assert second == Entry("b.csv", "B")
     # its paths are seen from its own folder, and it is no test itself
     monkeypatch.chdir("a")
-    entries = find_entries([".."], manifest=f"../{name}", without=Path("../lot"))
+    entries = find_entries([".."], manifest=f"../{name}", output_folder=Path("../lot"))
     assert {entry.lot for entry in entries} == {"", "A", "B"}
     assert not any(entry.file.endswith(name) for entry in entries)
 
@@ -98,19 +103,19 @@ def test_a_manifest_adds_its_files_and_its_labels_win(working_folder, monkeypatc
 def test_a_manifest_that_is_none_says_where_and_what(working_folder, text, message):
     Path("m.csv").write_text(text)
     with pytest.raises(ReadError, match=re.escape(message)):
-        find_entries([], manifest="m.csv", without=Path("lot"))
+        find_entries([], manifest="m.csv", output_folder=Path("lot"))
 
 
 @pytest.mark.parametrize("text", ["= x", "test = 3\n", "test = [1]\n", "\x00"])
 def test_a_toml_that_is_none_is_refused(working_folder, text):
     Path("m.toml").write_text(text)
     with pytest.raises(ReadError, match=r"m\.toml"):
-        find_entries([], manifest="m.toml", without=Path("lot"))
+        find_entries([], manifest="m.toml", output_folder=Path("lot"))
 
 
 def test_a_listed_file_that_is_missing_stays_listed(working_folder):
     Path("m.csv").write_text("file\ngone.csv\n")
-    (item,) = find_entries([], manifest="m.csv", without=Path("lot"))
+    (item,) = find_entries([], manifest="m.csv", output_folder=Path("lot"))
     assert (item.file, item.hashes()) == ("gone.csv", ("",))
 
 
@@ -128,7 +133,7 @@ def test_results_among_the_tests_are_none(tmp_path, monkeypatch):
     (of_a_rig,) = set(files("t")) - set(everywhere)
     assert of_a_rig == "t/log/batch.log"
     assert [
-        Path(entry.file).as_posix() for entry in find_entries(["t"], without=Path("t"))
+        Path(entry.file).as_posix() for entry in find_entries(["t"], output_folder=Path("t"))
     ] == files("t")
 
 
@@ -143,7 +148,7 @@ def pairs(tmp_path, monkeypatch):
 
 
 def hammers(*paths, **how):
-    entries = find_entries(paths, without=Path("lot"), **how)
+    entries = find_entries(paths, output_folder=Path("lot"), **how)
     return {Path(entry.file).stem: [Path(h).name for h in entry.hammer] for entry in entries}
 
 
@@ -178,7 +183,7 @@ def test_find_entries_pairs_a_name_with_pattern_characters(pairs):
 )
 def test_a_pattern_that_pairs_nothing_says_why(pairs, pair, message):
     with pytest.raises(DataError, match=re.escape(message)):
-        find_entries(["t"], pair=pair, without=Path("lot"))
+        find_entries(["t"], pair=pair, output_folder=Path("lot"))
 
 
 @pytest.mark.parametrize(
@@ -208,7 +213,7 @@ def test_a_manifest_names_the_hammers_and_wins_over_a_pattern(pairs, name, text)
 def test_find_entries_reports_a_name_that_is_no_utf8(tmp_path):
     (tmp_path / os.fsdecode(b"a\xff.csv")).write_text("")
     with pytest.raises(ReadError, match=r"a\\udcff\.csv: the name is not UTF-8"):
-        find_entries([tmp_path], without=Path("lot"))
+        find_entries([tmp_path], output_folder=Path("lot"))
 
 
 def test_find_entries_reports_an_unreadable_folder(working_folder, monkeypatch):
@@ -218,7 +223,7 @@ def test_find_entries_reports_an_unreadable_folder(working_folder, monkeypatch):
 
     monkeypatch.setattr(os, "walk", walk)
     with pytest.raises(ReadError, match="a/deep: the folder cannot be read: Permission denied"):
-        find_entries(["a"], without=Path("lot"))
+        find_entries(["a"], output_folder=Path("lot"))
 
 
 @pytest.mark.parametrize(
@@ -229,7 +234,7 @@ def test_find_entries_reports_an_unreadable_folder(working_folder, monkeypatch):
     ],
 )
 def test_a_task_gives_back_what_it_was_made_of(entry):
-    (task,) = tasks([entry], BatchOptions(), hashed=lambda file: f"{len(file):064x}")
+    (task,) = make_tasks([entry], BatchOptions(), hashed=lambda file: f"{len(file):064x}")
     assert task.entry == entry
     assert task.hashes == tuple(f"{len(file):064x}" for file in (entry.file, *entry.hammer))
     assert len(task.key) == 64
@@ -245,7 +250,7 @@ def test_find_entries_reports_links_outside_and_pipes_unread(tmp_path):
     (rig / "out.csv").symlink_to(neighbour)
     (rig / "gone.csv").symlink_to(tmp_path / "nowhere.csv")
     os.mkfifo(rig / "pipe.csv")
-    entries = find_entries([rig], without=tmp_path / "lot")
+    entries = find_entries([rig], output_folder=tmp_path / "lot")
     asides = {Path(entry.file).name: entry.aside for entry in entries}
     # one file by two names is one test, and what a broken link names is not there
     assert asides.keys() == {"alias.csv", "gone.csv", "out.csv", "pipe.csv"}
@@ -254,13 +259,13 @@ def test_find_entries_reports_links_outside_and_pipes_unread(tmp_path):
     assert "a pipe" in asides["pipe.csv"]
     (out,) = [entry for entry in entries if entry.file.endswith("out.csv")]
     assert out.hashes() == ("",)
-    answer = row(out, out.hashes(), BatchOptions())
+    answer = make_row(out, out.hashes(), BatchOptions())
     assert (answer["outcome"], answer["reason"]) == ("refused", out.aside)
-    (named,) = find_entries([rig / "out.csv"], without=tmp_path / "lot")
+    (named,) = find_entries([rig / "out.csv"], output_folder=tmp_path / "lot")
     assert not named.aside
 
 
 def test_a_manifest_that_is_nested_too_deep_is_no_manifest(working_folder: Path) -> None:
     Path("m.toml").write_text("test = " + "[" * 10_000 + "]" * 10_000)
     with pytest.raises(ReadError, match=r"m.toml: not a manifest: not TOML that a person wrote"):
-        find_entries(["b.csv"], without=working_folder / "lot", manifest="m.toml")
+        find_entries(["b.csv"], output_folder=working_folder / "lot", manifest="m.toml")

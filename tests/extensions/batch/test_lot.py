@@ -311,7 +311,7 @@ def test_killed_at_random_and_run_again_the_table_is_the_same(
 @pytest.mark.parametrize("jobs", [1, 2, 7, 64])
 @pytest.mark.parametrize("count", [1, 9, 60, 2000])
 def test_no_process_waits_for_the_last_chunk_of_another(count, jobs):
-    result = batch_run._chunks(range(count), jobs)
+    result = batch_run._split_into_chunks(range(count), jobs)
     assert [item for chunk in result for item in chunk] == list(range(count))
     sizes = [len(chunk) for chunk in result]
     assert sizes == sorted(sizes, reverse=True)
@@ -324,9 +324,9 @@ def test_no_process_waits_for_the_last_chunk_of_another(count, jobs):
 def test_the_first_chunk_counts_the_others_of_its_round_and_later_ones_no_start():
     """Two workers that start in 1 s, then take 1 s for a chunk of 5 tests."""
     first = (5, 2.0)
-    assert batch_run.rate(first, first, 1, 2) == 5.0
-    assert batch_run.rate(first, (10, 2.0), 2, 2) == 5.0
-    assert batch_run.rate(first, (15, 3.0), 3, 2) == 10.0
+    assert batch_run.estimate_rate(first, first, 1, 2) == 5.0
+    assert batch_run.estimate_rate(first, (10, 2.0), 2, 2) == 5.0
+    assert batch_run.estimate_rate(first, (15, 3.0), 3, 2) == 10.0
 
 
 @pytest.mark.once

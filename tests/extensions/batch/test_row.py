@@ -16,11 +16,11 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
-from dashpot.extensions.batch.columns import AGAIN
+from dashpot.extensions.batch.columns import RETRIED_OUTCOMES
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.extensions.batch.limits import read_limits
 from dashpot.extensions.batch.summary import summary
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.table_row import make_row
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.read import read_cld
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -46,7 +46,7 @@ def folder(tmp_path_factory):
 
 
 def row_of(entry, choices=ONE_ARM):
-    return row(entry, entry.hashes(), choices)
+    return make_row(entry, entry.hashes(), choices)
 
 
 @pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))
@@ -278,12 +278,12 @@ def test_a_file_that_changed_since_it_was_hashed_is_tried_again(folder, which):
     entry = Entry(str(folder / "seal.csv"), hammer=(str(folder / "frf.csv"),))
     hashes = list(entry.hashes())
     hashes[which] = "another"
-    result = row(entry, hashes, ONE_ARM)
-    assert result["outcome"] in AGAIN
+    result = make_row(entry, hashes, ONE_ARM)
+    assert result["outcome"] in RETRIED_OUTCOMES
     assert f"{(entry.file, *entry.hammer)[which]} changed while" in result["reason"]
 
 
 def test_a_file_that_went_since_it_was_hashed_is_tried_again(tmp_path):
-    result = row(Entry(str(tmp_path / "gone.csv")), ("hash",), ONE_ARM)
+    result = make_row(Entry(str(tmp_path / "gone.csv")), ("hash",), ONE_ARM)
     assert result["outcome"] == "changed"
     assert result["reason"].endswith("gone.csv went while the batch ran; run it again")

@@ -22,7 +22,7 @@ def list_causes(values: list[float], broken: list[int]) -> list[dict[str, Any]]:
     names = tuple("ABCDEFGH"[: len(values)])
     quantity = Quantity("k_end", "k_end_N_per_m", "stiffness", "N/mm")
     main: Any = SimpleNamespace(lots=SimpleNamespace(mean=chart, names=names), quantity=quantity)
-    return list(page._causes(main))
+    return list(page._list_causes(main))
 
 
 def test_lot_page_lists_runs_on_both_sides_separately() -> None:

@@ -8,8 +8,8 @@ from kit.shell import ran, run_json
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
-from dashpot.extensions.batch.columns import ALWAYS
-from dashpot.extensions.batch.comparison import compare_two_lots, open_lot, opened_both
+from dashpot.extensions.batch.columns import REQUIRED_COLUMNS
+from dashpot.extensions.batch.comparison import compare_two_lots, open_both_lots, open_lot
 from dashpot.extensions.batch.quantities import make_natural_sort_key, quantity
 from dashpot.extensions.batch.summary import summary
 
@@ -149,7 +149,7 @@ def test_the_table_goes_to_pandas_and_the_charts_to_a_picture(tmp_path):
     assert list(frame.columns) == lot.written_table().columns
     assert list(frame.columns)[:1] == ["file"]
     assert len(frame.columns) < len(lot.table.columns)
-    assert all(frame[name].notna().any() for name in set(frame.columns) - set(ALWAYS))
+    assert all(frame[name].notna().any() for name in set(frame.columns) - set(REQUIRED_COLUMNS))
     assert frame["k_end_N_per_m"].tolist() == lot.table["k_end_N_per_m"].to_list()
     dp.plot.save(lot.plot(), tmp_path / "lot.svg")
     assert "control limits of each lot" in (tmp_path / "lot.svg").read_text()
@@ -191,7 +191,7 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     assert "stiffness at the end of the hold: different" in stdout
     assert "with a power of 80 %; alike within" in stdout
     item = [save_lot(tmp_path / when / "lot", same) for when in ("may", "june")]
-    assert [name for name, _ in opened_both(item)] == item
+    assert [name for name, _ in open_both_lots(item)] == item
 
 
 def test_lots_tested_otherwise_are_not_called_the_same_test():

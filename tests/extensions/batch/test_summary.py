@@ -19,7 +19,7 @@ from dashpot.extensions.batch.page import html
 from dashpot.extensions.batch.summary import summary
 from dashpot.extensions.batch.workbook import workbook
 from dashpot.reading.write import write_relaxation
-from dashpot.report.first_screen import ORDER
+from dashpot.report.first_screen import MARK_ORDER
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 
@@ -289,7 +289,7 @@ def test_the_verdict_is_as_bad_as_the_worst_light():
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
     for sds in ((0.0, 0.03, 0.005), (0.0, 0.03, 0.012), (0.02, 0.03, 0.005), (0.0, 0.02, 0.02)):
         result = summary(lot_of(draw_rows(lots=6, seals=12, repeats=3, sds=sds)))
-        mark = max((item.mark for item in result.indicators), key=ORDER.index)
+        mark = max((item.mark for item in result.indicators), key=MARK_ORDER.index)
         assert mark in worst[result.verdict.use]
         assert [item.name for item in result.indicators] == [
             "files",

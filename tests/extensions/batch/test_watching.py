@@ -20,7 +20,7 @@ from dashpot.extensions.batch.batch_run import BatchJob, batch
 from dashpot.extensions.batch.folder_watch import POLL_PERIOD, UNCHANGED_SECONDS, watch_batch
 from dashpot.extensions.batch.parquet_parts import KEY, SMALL_PART
 from dashpot.extensions.batch.process_pool import Executor
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.table_row import make_row
 from dashpot.reading.read_options import ReadOptions
 
 pytestmark = pytest.mark.once
@@ -43,7 +43,7 @@ def rig(tmp_path, monkeypatch):
 def make_executor():
     def compute_chunks(chunks, choices):
         for chunk in chunks:
-            rows = [row(item.entry, item.hashes, choices) | {KEY: item.key} for item in chunk]
+            rows = [make_row(item.entry, item.hashes, choices) | {KEY: item.key} for item in chunk]
             yield chunk, rows
 
     yield Executor(1, 1, compute_chunks)
@@ -144,7 +144,7 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
     path = rig / "a.csv"
     path.write_text(TEXT)
     answers = iter([lambda: path.write_text(TEXT + "\n"), lambda: path.write_text(TEXT)])
-    made = batch_run.row
+    made = batch_run.make_row
 
     @contextmanager
     def interfere(*_):
@@ -153,7 +153,7 @@ def test_a_file_that_changes_under_the_fit_is_fitted_when_it_is_still(rig, monke
             yield engine
 
     monkeypatch.setattr(batch_run, "open_executor", interfere)
-    assert made is row
+    assert made is make_row
     story = Story(until(9.0))
     assert [entry["a"] for _, entry in story.tables][-1] == "fitted"
     assert story.tables[0] == (2.0, {"a": "changed"})

@@ -12,7 +12,7 @@ from kit.foreign.truths import Solid
 
 import dashpot as dp
 from dashpot.datamodel.fit import list_known_values
-from dashpot.extensions.curves.curve_uncertainty import curve_data
+from dashpot.extensions.curves.curve_uncertainty import weight_curve
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.numerics.design_matrices.recorded_motion import hold_block
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -85,7 +85,7 @@ def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it()
 def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
     values = curve(ZENER, noise=1e-2).modulus
     block = hold_block(T, values, weights=1 / ZENER.relaxation(T), compress=False)
-    data = curve_data(block, T, window=(1e-3, 1e3), common=0.0)
+    data = weight_curve(block, T, window=(1e-3, 1e3), common=0.0)
     rows = data.rows(np.log([1.0]), slopes=False)
     residual = rows.target - np.column_stack((rows.spring, rows.arms)) @ [1e6, 1e6]
     assert np.sqrt(np.mean(residual**2)) == pytest.approx(1.0, rel=0.15)

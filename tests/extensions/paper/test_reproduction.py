@@ -56,7 +56,7 @@ def test_the_equations_as_printed():
 
 
 def test_paper_table_1_needs_two_arms():
-    ideal = paper.ideal_test()
+    ideal = paper.make_ideal_test()
     hold_fit, two = paper.fit_hold_phase(ideal, 1), paper.fit_hold_phase(ideal, 2)
     assert (hold_fit.solid.k_inf, *hold_fit.solid.k) == pytest.approx((200.42346, 34.60362), 1e-5)
     assert (*hold_fit.solid.tau, *hold_fit.solid.arm_b) == pytest.approx(
@@ -69,7 +69,7 @@ def test_paper_table_1_needs_two_arms():
 
 
 def test_the_steps_of_the_load_cell():
-    hold_fit = paper.fit_hold_phase(paper.quantise_force(paper.ideal_test()), 2)
+    hold_fit = paper.fit_hold_phase(paper.quantise_force(paper.make_ideal_test()), 2)
     solid = hold_fit.solid
     assert (solid.k_inf, *solid.k) == pytest.approx((196.50071, 117.48881, 17.79929), 1e-6)
     assert solid.tau == pytest.approx((0.50215901, 16.41449176), 1e-6)

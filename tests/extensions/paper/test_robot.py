@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.gauges.transducer import tilt_motion
-from dashpot.extensions.paper.robot import Arm, Robot, depth_along, misalignment
+from dashpot.extensions.paper.robot import Arm, Robot, compute_depth_along, compute_misalignment
 from dashpot.simulation.robot import setpoints, unit
 
 SLANTED = (0.0, 0.6, 0.8)
@@ -18,7 +18,7 @@ SLANTED = (0.0, 0.6, 0.8)
 def test_8_mm_along_a_slanted_normal_are_8_mm():
     # R2: 8 mm along (0, 0.6, 0.8) gives 8.000
     points = setpoints((0.01, 0.02, 0.03), (0.01, 0.0248, 0.0364), duration=1.0, interval=10e-3)
-    depth = depth_along(points, SLANTED, contact=(0.01, 0.02, 0.03))
+    depth = compute_depth_along(points, SLANTED, contact=(0.01, 0.02, 0.03))
     assert depth[-1] == pytest.approx(8e-3, abs=1e-15)
     assert depth[0] == 0.0
 
@@ -30,7 +30,7 @@ def test_three_axes_make_the_ramp_and_drift_sideways_by_less_than_50_um(along):
     line = setpoints((0, 0, 0), tuple(stop), duration=1.0, interval=1e-3)
     reference = np.vstack([line, np.tile(stop, (3000, 1))])
     true = robot.follow(reference)
-    depth = depth_along(true, along)
+    depth = compute_depth_along(true, along)
     assert 8e-3 < depth.max() < 1.01 * 8e-3
     assert abs(depth[-1] - 8e-3) < robot.encoder
     sideways = true - np.multiply.outer(depth, unit(along))
@@ -38,7 +38,7 @@ def test_three_axes_make_the_ramp_and_drift_sideways_by_less_than_50_um(along):
     read = robot.read(true)
     assert np.abs(read - true).max() <= robot.encoder / 2 * (1 + 1e-9)
     # half a count of each axis, as far as it lies along the normal
-    error = np.abs(depth_along(read, along) - depth).max()
+    error = np.abs(compute_depth_along(read, along) - depth).max()
     assert error <= robot.encoder / 2 * np.abs(unit(along)).sum() * (1 + 1e-9)
 
 
@@ -64,7 +64,7 @@ def test_an_arm_reads_depth_to_half_a_count_and_sideways_to_its_lever():
         (np.sin(np.arange(len(line))), np.cos(np.arange(len(line))), np.zeros(len(line)))
     )
     read = arm.read(wandered)
-    depth = depth_along(read, (0, 0, -1)) - depth_along(wandered, (0, 0, -1))
+    depth = compute_depth_along(read, (0, 0, -1)) - compute_depth_along(wandered, (0, 0, -1))
     assert 0 < np.abs(depth).max() <= arm.encoder / 2 * (1 + 1e-9)
     sideways = np.hypot(*(read - wandered)[:, :2].T)
     # half a count of the shoulder turns the whole reach, one of the elbow the second link
@@ -83,4 +83,4 @@ def test_an_arm_does_not_reach_everywhere():
 @given(angle=st.floats(0, 1.5), towards=st.floats(-3, 3), force=st.floats(0.01, 70))
 def test_the_lateral_force_shows_the_angle(angle: float, towards: float, force: float) -> None:
     x, y, z = tilt_motion([force], angle, azimuth=towards)[:, 0]
-    assert misalignment(x, y, z) == pytest.approx(angle, abs=1e-12)
+    assert compute_misalignment(x, y, z) == pytest.approx(angle, abs=1e-12)

@@ -19,7 +19,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.formats.ati import AXES
 from dashpot.extensions.projects import history, verification
 from dashpot.extensions.projects import project as folder
-from dashpot.extensions.projects.verification import find_largest_difference, same_page, verify
+from dashpot.extensions.projects.verification import find_largest_difference, is_same_page, verify
 from dashpot.extensions.projects.verification_checks import SAME
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.write import write_relaxation
@@ -603,7 +603,7 @@ def test_another_version_may_draw_another_page(project_copy):
     ],
 )
 def test_pages_are_the_same_but_for_a_last_digit(text, again, same):
-    assert same_page(text.encode(), again.encode()) == same
+    assert is_same_page(text.encode(), again.encode()) == same
 
 
 def test_files_that_no_line_lists_are_named(project_copy):

@@ -20,12 +20,12 @@ from dashpot.extensions.systems.door.closing import (
     HINGE,
     VISCOUS,
     ClosingDoor,
-    march,
+    simulate_closing,
 )
 from dashpot.extensions.systems.door.closing_analysis import (
     SealDoubt,
     close_door,
-    least_speed,
+    find_least_speed,
     simulate_scatter,
 )
 from dashpot.extensions.systems.door.closing_setup import (
@@ -78,16 +78,18 @@ def test_inertia_and_energy_of_the_door():
     # 4.1667 J at 1 m/s, 6.0 J at 1.2 m/s
     assert pytest.approx(10.08333, abs=1e-5) == INERTIA
     for speed, energy in ((1.0, 4.1667), (1.2, 6.0)):
-        done = march(a_door(), np.array([speed]), steps=4)
+        done = simulate_closing(a_door(), np.array([speed]), steps=4)
         assert done.kinetic[0, 0] == pytest.approx(energy, abs=1e-4)
 
 
 def test_elastic_energy_of_a_uniform_seal():
     # 3 m at 6 mm: .45 J; 4.6 m take .690 J (of a published door .78 J)
     door = a_door()
-    assert sum_work(march(door, np.array([1.0]))) == pytest.approx(0.45, abs=1e-12)
+    assert sum_work(simulate_closing(door, np.array([1.0]))) == pytest.approx(0.45, abs=1e-12)
     longer = replace(door, length=door.length * 4.6 / 3)
-    assert sum_work(march(longer, np.array([1.0])), ELASTIC) == pytest.approx(0.690, abs=1e-12)
+    assert sum_work(simulate_closing(longer, np.array([1.0])), ELASTIC) == pytest.approx(
+        0.690, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -98,7 +100,7 @@ def test_elastic_energy_of_a_uniform_seal():
     ],
 )  # fmt: skip
 def test_least_speed(solid, speed):
-    assert least_speed(a_door(solid))[0] == pytest.approx(speed, abs=6e-6)
+    assert find_least_speed(a_door(solid))[0] == pytest.approx(speed, abs=6e-6)
 
 
 @pytest.mark.parametrize("speed", [0.6, 1.0])
@@ -121,7 +123,7 @@ def test_memory_as_an_independent_integration_has_it(speed):
     start = np.concatenate(([door.touching, -speed / WIDTH], np.zeros(2 * n)))
     solution = solve_ivp(rates, (0, 1), start, events=closed, rtol=1e-10, atol=1e-12, max_step=2e-4)
     lost = 0.5 * INERTIA * ((speed / WIDTH) ** 2 - solution.y[1, -1] ** 2)
-    done = march(door, np.array([speed]))
+    done = simulate_closing(door, np.array([speed]))
     assert sum_work(done) == pytest.approx(lost, rel=2e-6)
     assert done.time[-1, 0] == pytest.approx(solution.t[-1], rel=2e-5)
 
@@ -139,7 +141,7 @@ def test_a_fast_seal_absorbs_what_an_even_ramp_of_its_time_does():
         a_door(TABLE_1),
         lever=np.array([WIDTH]), compression=np.array([6e-3]), length=np.array([3.0]), inertia=1e9,
     )  # fmt: skip
-    done = march(door, np.array([1.0]), steps=50)
+    done = simulate_closing(door, np.array([1.0]), steps=50)
     assert sum_work(done) / 0.45 == pytest.approx(ratio(6e-3), rel=1e-6)
     # a door that slows takes longer everywhere: less than ramps at its first speed
     door = a_door(TABLE_1)
@@ -147,7 +149,7 @@ def test_a_fast_seal_absorbs_what_an_even_ramp_of_its_time_does():
         value * ratio(6e-3 * WIDTH / lever) / 3
         for value, lever in zip(door.length, door.lever, strict=True)
     )
-    assert 1.684 < sum_work(march(door, np.array([1.0]))) / 0.45 < first < 1.6855
+    assert 1.684 < sum_work(simulate_closing(door, np.array([1.0]))) / 0.45 < first < 1.6855
 
 
 def test_holes_of_a_bulb():
@@ -208,7 +210,7 @@ def test_choked_flow_of_air():
 @pytest.mark.parametrize(("exponent", "isothermal"), [(1.4, False), (1.0, True)])
 def test_a_sealed_bulb_is_a_gas_spring(exponent, isothermal):
     vents = replace(VENTS, opening=0.0, exponent=exponent)
-    done = march(a_door(vents=vents), np.array([3.0]))
+    done = simulate_closing(a_door(vents=vents), np.array([3.0]))
     v = 1.2e-4, 1.2e-4 - 0.012 * 6e-3
     if isothermal:
         value = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
@@ -221,9 +223,9 @@ def test_a_sealed_bulb_is_a_gas_spring(exponent, isothermal):
 
 def test_wide_openings_resist_nothing():
     wide = replace(VENTS, opening=1e3 * HOLES)
-    done = march(a_door(vents=wide), np.array([1.0]))
+    done = simulate_closing(a_door(vents=wide), np.array([1.0]))
     assert sum_work(done, "vents") < 1e-4 * sum_work(
-        march(a_door(vents=VENTS), np.array([1.0])), "vents"
+        simulate_closing(a_door(vents=VENTS), np.array([1.0])), "vents"
     )
 
 
@@ -231,7 +233,7 @@ def test_a_cabin_without_a_leak_is_a_gas_spring_from_where_the_gap_closes():
     cabin = Cabin(volume=2.5, area=1.0, lever=0.55, opening=0.0, exponent=1.0)
     door = replace(a_door(cabin=cabin), compression=np.full(41, 1e-9))
     door = replace(door, lever=np.full(41, 1e-6))
-    done = march(replace(door, setup=replace(door.setup, start=0.05)), np.array([2.0]))
+    done = simulate_closing(replace(door, setup=replace(door.setup, start=0.05)), np.array([2.0]))
     v = 2.5 + 0.55 * 0.05, 2.5
     whole = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
     assert sum_work(done, "cabin air") == pytest.approx(whole, rel=2e-2)
@@ -240,13 +242,13 @@ def test_a_cabin_without_a_leak_is_a_gas_spring_from_where_the_gap_closes():
 def test_more_leaks_take_less():
     def cabin(leak):
         setup = {"cabin": Cabin(volume=2.5, area=1.2, lever=0.55, opening=leak), "start": 0.2}
-        return sum_work(march(a_door(**setup), np.array([1.5])), "cabin air")
+        return sum_work(simulate_closing(a_door(**setup), np.array([1.5])), "cabin air")
 
     assert cabin(0.0) > cabin(0.01) > cabin(0.1) > cabin(10.0) > 0
 
     def compute_air_work(leak):
         setup = {"between": Between(width=0.02, depth=0.01, opening=leak), "start": 0.1}
-        return sum_work(march(a_door(**setup), np.array([1.0])), "air between seals")
+        return sum_work(simulate_closing(a_door(**setup), np.array([1.0])), "air between seals")
 
     assert compute_air_work(0.0) > compute_air_work(1e-3) > compute_air_work(1e-2) > 0
 
@@ -256,14 +258,16 @@ def test_friction_check_latch_and_weight():
         friction=1.5, start=0.5, check=CheckStrap((0.0, 0.5), (0.0, 4.0)),
         latch=Latch((0.0, 0.01), (200.0, 0.0), 1.0),
     )  # fmt: skip
-    done = march(replace(door, weight=(2.0, -3.0)), np.array([2.0]), steps=400)
+    done = simulate_closing(replace(door, weight=(2.0, -3.0)), np.array([2.0]), steps=400)
     assert sum_work(done, HINGE) == pytest.approx(0.75, rel=1e-12)
     assert sum_work(done, "check") == pytest.approx(1.0, rel=1e-9)
     assert sum_work(done, "latch") == pytest.approx(1.0, rel=1e-3)
     assert sum_work(done, GRAVITY) == pytest.approx(
         2 * np.sin(0.5) - 3 * (1 - np.cos(0.5)), rel=1e-4
     )
-    far = march(a_door(latch=Latch((0.0, 0.01), (200.0, 0.0), 1.0, beyond=2e-3)), np.array([2.0]))
+    far = simulate_closing(
+        a_door(latch=Latch((0.0, 0.01), (200.0, 0.0), 1.0, beyond=2e-3)), np.array([2.0])
+    )
     assert far.angle[-1] == -2e-3
     # pressed 2 mm * x / 1 m deeper
     assert sum_work(far, ELASTIC) > 0.45
@@ -282,7 +286,7 @@ EVERYTHING = {
 @pytest.mark.parametrize("speed", [2.0, 4.0])
 def test_energy_is_neither_made_nor_lost(speed):
     door = a_door(TABLE_1, **EVERYTHING)
-    done = march(door, np.array([speed]))
+    done = simulate_closing(door, np.array([speed]))
     whole = done.kinetic[0, 0]
     assert done.is_latched[0]
     assert whole - done.kinetic[-1, 0] == pytest.approx(sum_work(done), abs=1e-6 * whole)
@@ -298,7 +302,7 @@ def test_what_the_arms_lose_is_their_dashpots():
         a_door(solid),
         lever=np.array([1.0]), compression=np.array([6e-3]), length=np.array([3.0]),
     )  # fmt: skip
-    done = march(door, np.array([1.0]), steps=2000)
+    done = simulate_closing(door, np.array([1.0]), steps=2000)
     t = done.time[:, 0]
     x = np.maximum(6e-3 - done.angle, 0)
     lost = 0.0
@@ -316,7 +320,10 @@ def test_a_curved_law_and_its_tangent():
     curved = replace(door, section=SealSection(SPRING, law))
     x = np.linspace(0, 6e-3, 20001)
     exact = 3.0 * float(np.trapezoid(law.force(x), x))
-    off = [sum_work(march(curved, np.array([1.0]), steps=n)) / exact - 1 for n in (100, 200, 400)]
+    off = [
+        sum_work(simulate_closing(curved, np.array([1.0]), steps=n)) / exact - 1
+        for n in (100, 200, 400)
+    ]
     assert abs(off[1]) < 5e-5
     # of second order
     assert off[0] / off[1] == pytest.approx(4, rel=0.05)
@@ -325,14 +332,14 @@ def test_a_curved_law_and_its_tangent():
 
 def test_half_the_step_and_the_order_of_stations_change_nothing():
     door = a_door(TABLE_1, **EVERYTHING)
-    closing_history, half = (march(door, np.array([2.5]), steps=n) for n in (200, 400))
+    closing_history, half = (simulate_closing(door, np.array([2.5]), steps=n) for n in (200, 400))
     assert sum_work(closing_history) == pytest.approx(sum_work(half), rel=1e-3)
     only = a_door(TABLE_1)
-    closing_history, half = (march(only, np.array([0.6]), steps=n) for n in (200, 400))
+    closing_history, half = (simulate_closing(only, np.array([0.6]), steps=n) for n in (200, 400))
     assert sum_work(closing_history) == pytest.approx(sum_work(half), rel=2e-6)
     back = replace(door, **{n: getattr(door, n)[::-1] for n in ("lever", "compression", "length")})
-    assert sum_work(march(back, np.array([2.5]))) == pytest.approx(
-        sum_work(march(door, np.array([2.5]))), rel=1e-12
+    assert sum_work(simulate_closing(back, np.array([2.5]))) == pytest.approx(
+        sum_work(simulate_closing(door, np.array([2.5]))), rel=1e-12
     )
 
 
@@ -354,7 +361,7 @@ def test_a_hump_on_the_way_counts():
     check = CheckStrap((0.2, 0.3, 0.4), (-30.0, 0.0, 30.0))
     door = a_door(check=check, start=0.5)
     need = np.sqrt(2 * 1.5 / INERTIA) * WIDTH
-    assert least_speed(door)[0] == pytest.approx(need, rel=1e-2)
+    assert find_least_speed(door)[0] == pytest.approx(need, rel=1e-2)
 
 
 def test_close_door_has_zero_and_infinite_minimum_speed():
@@ -390,7 +397,7 @@ def test_arms_that_the_ramp_hides_can_only_harden_the_seal():
     truth = TABLE_1 + GeneralizedMaxwell(0.0, (2e-4 * TABLE_1.k_0 / 5e-4,), (5e-4,))
     closing = close_door(a_door(TABLE_1), speed=1.0, seal_uncertainty=doubt)
     low, high = closing.interval
-    assert low < closing.minimum < least_speed(a_door(truth))[0] < high
+    assert low < closing.minimum < find_least_speed(a_door(truth))[0] < high
 
 
 def ramp_and_hold(fast, *, lag=0.0, seed=0):
@@ -414,7 +421,7 @@ def compute_closing_speeds(fast, lag, **expected):
         a_door(per * fit.model), speed=1.0, seal_uncertainty=SealDoubt.from_fit(fit)
     ).interval
     k, tau = (117.5, 17.8, fast[0]), (0.5021, 16.416, fast[1])
-    return low, least_speed(a_door(per * GeneralizedMaxwell(196.5, k, tau)))[0], high
+    return low, find_least_speed(a_door(per * GeneralizedMaxwell(196.5, k, tau)))[0], high
 
 
 @pytest.mark.parametrize("lag", [-2e-3, 0.0, 2e-3])
@@ -496,7 +503,7 @@ def test_what_cannot_be_is_refused():
         lambda: CheckStrap((0.1, 0.1), (1.0, 0.0)),
         lambda: Tolerances(load=1.0),
         lambda: ClosingSetup(friction=-1.0),
-        lambda: march(a_door(vents=replace(VENTS, section=7e-5)), np.array([1.0])),
+        lambda: simulate_closing(a_door(vents=replace(VENTS, section=7e-5)), np.array([1.0])),
         lambda: replace(a_door(), inertia=0.0),
         lambda: replace(a_door(), lever=np.zeros(3)),
         lambda: dp.systems.close_door(Door(line=a_file_door().line)),

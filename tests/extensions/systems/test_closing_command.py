@@ -23,8 +23,8 @@ from dashpot.extensions.systems.door.closing_setup import (
     Vents,
 )
 from dashpot.extensions.systems.door.read import read_door
-from dashpot.extensions.systems.door.read_closing import closing_of
-from dashpot.report.first_screen import ORDER
+from dashpot.extensions.systems.door.read_closing import read_closing
+from dashpot.report.first_screen import MARK_ORDER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import to_json
 
@@ -104,7 +104,7 @@ def test_a_page_of_a_door_tells_of_modes_and_closing(tmp_path):
     assert f">{document['verdict']['verdict_grade'].capitalize()}<" in text
     marks = re.findall(r'<dd class="state (\w+)"', text.partition("</dl>")[0])
     worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
-    assert max(marks, key=ORDER.index) in worst[document["verdict"]["verdict_grade"]]
+    assert max(marks, key=MARK_ORDER.index) in worst[document["verdict"]["verdict_grade"]]
 
 
 def ran(*words, code=0):
@@ -179,7 +179,7 @@ def test_what_is_missing_is_named(folder):
         ran(folder / "door.toml", "--close", "1m/s", code=2).split()
     )
     with pytest.raises(dp.ReadError, match="lever is missing"):
-        closing_of("[closing]", {"latch": {"travel": "0, 1 mm", "force": "1, 0 N"}})
+        read_closing("[closing]", {"latch": {"travel": "0, 1 mm", "force": "1, 0 N"}})
     ran(folder / "door.toml", "--close", "1m/s", "--modes", code=2)
 
 

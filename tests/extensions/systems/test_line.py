@@ -38,7 +38,7 @@ from dashpot.extensions.systems.door.assembly import Assembly
 from dashpot.extensions.systems.door.checks import lateral_restraint_present
 from dashpot.extensions.systems.door.door_model import Door, RigidPart, SealChoice, Support
 from dashpot.extensions.systems.door.modes import count_lateral_free_motions
-from dashpot.extensions.systems.door.mounts import line_mounts
+from dashpot.extensions.systems.door.mounts import make_line_mounts
 from dashpot.extensions.systems.door.read import read_door
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.extensions.systems.level_response import response_at_level
@@ -238,7 +238,7 @@ def test_a_block_that_slips_across_its_seals(newton, hertz, metres):
 
 def test_a_seal_that_sticks_is_a_spring_more():
     mounts = compute_friction(0.4, 0.2)[0].mounts("block", "25mm")
-    stuck = line_mounts(compute_friction(0.4, 0.2)[0], "block", "25mm", friction_sticks=True)
+    stuck = make_line_mounts(compute_friction(0.4, 0.2)[0], "block", "25mm", friction_sticks=True)
     assert len(stuck) == len(mounts) + 2
     assert not any(item.friction for item in stuck)
     across = [item.solid.k_inf for item in stuck if abs(item.along[0]) > 0.5]

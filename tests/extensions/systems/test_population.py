@@ -199,7 +199,7 @@ def test_cars_of_a_lot_are_about_its_mean_not_about_the_fit(folder):
 
 
 def test_closing_speed_of_the_cars_follows_the_force_of_the_seal(tmp_path, monkeypatch):
-    from dashpot.extensions.systems.door.closing_analysis import closing_door, least_speed
+    from dashpot.extensions.systems.door.closing_analysis import find_least_speed, make_closing_door
 
     monkeypatch.chdir(tmp_path)
     ran("demo", "--files", "--all", "-o", ".")
@@ -212,8 +212,8 @@ def test_closing_speed_of_the_cars_follows_the_force_of_the_seal(tmp_path, monke
     assert 0 <= entry["share_low"] <= entry["share_beyond"] <= entry["share_high"] <= 1
     from dashpot.extensions.systems.door.analyse_file import open_door
 
-    closed = closing_door(open_door(door)[0].door)
-    pair = least_speed(closed, load=np.exp([-0.04, 0.04]))
+    closed = make_closing_door(open_door(door)[0].door)
+    pair = find_least_speed(closed, load=np.exp([-0.04, 0.04]))
     slope = float(np.diff(np.log(pair))[0] / 0.08)
     assert entry["between_sd"] == pytest.approx(0.04 * slope, rel=0.05)
     page = Path("cars.html").read_text()

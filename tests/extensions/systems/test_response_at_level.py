@@ -12,8 +12,8 @@ from dashpot.extensions.amplitude.friction import Berg, Coulomb, Iwan, Kraus
 from dashpot.extensions.systems.level_response import (
     backbone,
     can_fold,
+    find_all_responses,
     response_at_level,
-    responses_at,
 )
 from dashpot.extensions.systems.multibody import Mount, System, point_mass
 from dashpot.extensions.systems.time_response import complex_modes, newton_modes, respond
@@ -146,7 +146,7 @@ class TestPublished:
 
     def test_three_answers_where_a_cubic_spring_folds(self):
         system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
-        level_response = responses_at(
+        level_response = find_all_responses(
             system, response="block.z", force="block.z", level=0.6, frequency=16.0
         )
         assert level_response.amplitude == pytest.approx(
@@ -340,7 +340,7 @@ class TestFold:
 
     def test_the_rule_finds_what_the_scan_finds(self):
         system = make_single_mass(HARD, InParallel((Cubic(6e7),)))
-        level_response = responses_at(
+        level_response = find_all_responses(
             system, response="block.z", force="block.z", level=0.6, frequency=16.0
         )
         low, high = level_response.amplitude[[0, -1]]
@@ -356,7 +356,7 @@ class TestFold:
             ]
             system = make_single_mass(TWO, InParallel(tuple(parts)))
             for hz in rng.uniform(8, 20, 3):
-                level_response = responses_at(
+                level_response = find_all_responses(
                     system, response="block.z", force="block.z", level=0.1, frequency=float(hz)
                 )
                 assert len(level_response.frequency) == 1
@@ -424,4 +424,6 @@ class TestRefused:
         )
         system = System((point_mass("block", 0.1),), mounts)
         with pytest.raises(DataError, match="one such mount"):
-            responses_at(system, response="block.z", force="block.z", level=0.1, frequency=10.0)
+            find_all_responses(
+                system, response="block.z", force="block.z", level=0.1, frequency=10.0
+            )

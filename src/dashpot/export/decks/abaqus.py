@@ -128,14 +128,14 @@ def spring_dashpot_network(deck: Deck) -> list[str]:
     return cards
 
 
-def _slider(number: int, k: float, slip: float, height: float, mass: float) -> list[str]:
+def _slider(number: int, k: float, slip_force: float, height: float, mass: float) -> list[str]:
     r"""A block in simple shear, whose lid follows node 2: :math:`k = GA/h`, :math:`F = \tau A`.
 
     Its section is such that it flows at a Mises stress of 1, for ccx takes a stress of 1e-10 for
     none. All lateral motions are fixed, so nothing bends.
     """
     name, first = f"SEAL_SLIDER_{number}", _FIRST_SLIDER_NUMBER + 10 * number
-    area = np.sqrt(3) * slip
+    area = np.sqrt(3) * slip_force
     edge, ids = float(np.sqrt(area)), [first + i for i in range(1, 9)]
     lower_nodes, lid = ids[:4], ids[4:]
     sides = ((0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge))

@@ -55,7 +55,8 @@ def nastran(
         As in :func:`dashpot.export.deck_validation.open_deck`.
     form : str
     frequency_range : (float, float)
-        Of the tables, Hz; by default the valid band of a fit, and 1 to 100 Hz of a bare solid.
+        Frequency range of the tables, Hz; by default the valid band of a fit, and 1 to 100 Hz of a
+        bare solid.
     tolerance : float
         Largest relative error of the FRF of any mass that the tables may cause.
     nominal : float, optional

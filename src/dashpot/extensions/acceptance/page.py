@@ -21,9 +21,9 @@ class IntervalBar(NamedTuple):
     Attributes
     ----------
     start, width : float
-        Of the interval.
+        Start and width of the interval.
     at : float
-        Of the value; nan where there is none.
+        Place of the value; nan where there is none.
     limits : tuple of float
     """
 

@@ -65,7 +65,7 @@ class ResultValue(NamedTuple):
     remedy : str
         What would narrow a bound, in sentences; empty where it is not known.
     noise_share : float
-        Of a random interval: the standard error of noise over that of noise and rig.
+        For a random interval: the standard error of noise over that of noise and rig.
     """
 
     column: str

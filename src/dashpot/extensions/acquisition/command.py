@@ -20,7 +20,7 @@ from dashpot.cli._command import group, opt, verb
 from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult, note_written
 from dashpot.cli._param_types import ChoiceWithSuggestion, File, WithUnit
-from dashpot.cli._simulation_options import as_it_stands, seal_named
+from dashpot.cli._simulation_options import explain_unclear_file, load_simulated_seal
 from dashpot.text_output.layout import Text
 
 _COLUMNS = "time [s], displacement [mm], force [N]"
@@ -72,18 +72,18 @@ grows at its place and is on the disk within a second.""",
             help="How long, e.g. 45s; else until Ctrl-C.",
         ),
     ),
-    options.result(
-        "The record (required).", ".csv", ".txt", plot=False, opens=False, required=True
+    options.result_options(
+        "The record (required).", ".csv", ".txt", plot=False, has_open_option=False, required=True
     ),
 )
 def command(*, driver: str, output: str, seconds: float | None, **choices: Any) -> CommandResult:
     """Read an instrument until it ends, the time is over, or Ctrl-C."""
     if output == "-":
         raise DataError("a record is kept in a file; give one with -o, such as -o seal.csv")
-    recorder = _device(driver, **choices)
+    recorder = _open_device(driver, **choices)
     device = recorder.describe().device
     send_progress(f"recording from {device}; Ctrl-C ends it")
-    with _stopped_by_signals(recorder):
+    with _stop_on_signals(recorder):
         rows, notes = dp.files.acquisition.record(
             recorder,
             output,
@@ -93,12 +93,14 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
     note_written(output)
     summary = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
     return CommandResult(
-        RecordedFile(output, rows, tuple(notes)), summary, follow=format_command("inspect", output)
+        RecordedFile(output, rows, tuple(notes)),
+        summary,
+        next_command=format_command("inspect", output),
     )
 
 
 @contextmanager
-def _stopped_by_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
+def _stop_on_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
     """Let Ctrl-C end the record in good order, not between a read and its write."""
     before = {}
     with suppress(ValueError):  # not the main thread of whoever calls
@@ -111,7 +113,7 @@ def _stopped_by_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[Non
             signal.signal(number, handler)
 
 
-def _device(
+def _open_device(
     driver: str,
     *,
     port: str | None,
@@ -127,8 +129,10 @@ def _device(
             raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")
         return dp.files.acquisition.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
-        return dp.files.acquisition.create_simulated_device(seal_named(seal).solid, speed=speed)
+        return dp.files.acquisition.create_simulated_device(
+            load_simulated_seal(seal).solid, speed=speed
+        )
     if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
-    with as_it_stands(played):
+    with explain_unclear_file(played):
         return dp.files.acquisition.replay(played, speed=speed)

@@ -129,7 +129,7 @@ class Lines:
             return None
         body, star, sent = line.partition(b"*")
         try:
-            if (star or self._checked) and int(sent, 16) != _checksum(body):
+            if (star or self._checked) and int(sent, 16) != _compute_checksum(body):
                 raise ValueError
             self._checked |= bool(star)
             row = [float(cell) for cell in _SEPARATOR.split(body) if cell]
@@ -152,7 +152,7 @@ class Lines:
         return [(last + i * part, row) for i, row in enumerate(rows, start=1)]
 
     def _extract_device_times(
-        self, rows: list[list[float]], at: int
+        self, rows: list[list[float]], column: int
     ) -> list[tuple[float, list[float]]]:
         """Return rows with the device's own times, as far as those rise.
 
@@ -161,7 +161,7 @@ class Lines:
         """
         kept_lines = []
         for row in rows:
-            sample = row.pop(at) * self._factor, row
+            sample = row.pop(column) * self._factor, row
             if self._held is not None and sample[0] <= self._held[0]:
                 self._count_garbled_line(f"time {self._held[0]:g} s")
             elif self._held is not None:
@@ -204,7 +204,7 @@ class Lines:
         self._garbled += 1
 
 
-def _checksum(body: bytes) -> int:
+def _compute_checksum(body: bytes) -> int:
     count = 0
     for byte in body:
         count ^= byte

@@ -141,7 +141,7 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
         numbers,
         se,
         residual,
-        _worst_third(sweep, residual.imag * problem.size),
+        _compute_worst_loss_error(sweep, residual.imag * problem.size),
         bic(best.sse / n, parameters=len(best.values), **closeness),
         deviance(best.sse / n, **closeness),
         numbers.get("lost", 0.0) >= 0 and problem.rises(residual),
@@ -149,7 +149,7 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
     )
 
 
-def _worst_third(sweep: AmplitudeSweep, residual: FloatArray) -> float:
+def _compute_worst_loss_error(sweep: AmplitudeSweep, residual: FloatArray) -> float:
     """Rms of the loss that is left over the loss, in the worst third of ln X: they differ."""
     log_amplitude = np.log(sweep.amplitude)
     thirds = np.floor(

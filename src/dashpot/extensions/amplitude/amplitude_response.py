@@ -22,7 +22,7 @@ from dashpot.extensions.amplitude.checks import amplitude_in_tested_range
 from dashpot.extensions.amplitude.datamodel import AmplitudeFit, AmplitudeSweep, LoopRecord
 from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.mass_response import mass_at_level
-from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import compute_sweep
 from dashpot.extensions.amplitude.read import read_amplitude, read_loops
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.raw_file import add_name_to_errors
@@ -39,7 +39,7 @@ from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_mac
 # Geometry of the part under a mass.
 
 
-def height_of(part: PartChoices) -> float | None:
+def get_height(part: PartChoices) -> float | None:
     """Return the height of a pad, m; None of what has none, or where no shape is given."""
     shape = next(
         (
@@ -77,12 +77,12 @@ class LevelResonance(Serialisable):
         Amplitude of the force, N, or of the base's acceleration, m/s^2.
     unit : str
     frequency, value : float
-        Of the largest magnitude, Hz, and that magnitude.
+        Frequency and value of the largest magnitude, Hz, and that magnitude.
     frequency_between, value_between : (float, float)
         95 %: what the law leaves of storage and loss about that strain and about the one where the
         part was measured, and the strain measures and laws that the sweep does not distinguish.
     amplitude : float
-        Of the part's displacement there, m.
+        Amplitude of the part's displacement there, m.
     strain : float or None
         That over the height; None for a part that was swept itself.
     frf : FRF
@@ -120,7 +120,7 @@ class ReferencePoint(NamedTuple):
     Attributes
     ----------
     frequency : float or None
-        Of the resonance that determined its geometry, Hz; None where a shape did.
+        Frequency of the resonance that determined its geometry, Hz; None where a shape did.
     strain : float
         In the unit of the sweep; 0 for a vanishing one.
     """
@@ -241,7 +241,7 @@ class SweptPart(Serialisable):
         top = int(np.abs(frf.value).argmax())
         if top in {0, _COARSE - 1}:
             raise DataError(
-                f"at {how['level']:g} {unit_of(how['kind'])} no resonance is found between "
+                f"at {how['level']:g} {get_level_unit(how['kind'])} no resonance is found between "
                 f"{f[0]:.4g} and {f[-1]:.4g} Hz"
             )
         fine_frequency = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
@@ -292,7 +292,7 @@ class SweptPart(Serialisable):
             resonances.append(
                 LevelResonance(
                     level,
-                    unit_of(kind),
+                    get_level_unit(kind),
                     hz,
                     value,
                     (min(lowest, hz * np.exp(-off_hz)), max(highest, hz * np.exp(off_hz))),
@@ -349,21 +349,21 @@ class SweptPart(Serialisable):
         residuals = [float(np.sqrt(np.nanmean((part[is_near] - 1) ** 2))) for part in parts]
         return residuals[0], residuals[1]
 
-    def _between_tones(self, strain: float, before: float) -> tuple[float, float]:
+    def _between_tones(self, strain: float, amplitude: float) -> tuple[float, float]:
         """Return the difference of the laws by frequency: ln of stiffness and of loss factor."""
         assert self.record is not None  # noqa: S101
         tones = np.unique(self.record.frequency)
-        before = max(before, _VANISHES * float(self.record.amplitude.min()))
+        amplitude = max(amplitude, _VANISHES * float(self.record.amplitude.min()))
         sweeps = [self.record.only(self.record.frequency == tone) for tone in tones]
         if len(sweeps) < 2 or min(len(sweep.amplitude) for sweep in sweeps) < _ALONE:
-            storage = self.law.stiffness([before, strain]).real
+            storage = self.law.stiffness([amplitude, strain]).real
             return 0.5 * abs(float(np.log(storage[1] / storage[0]))), _ONE_TONE
         changes, lossy = [], []
         for amplitude_sweep in sweeps:
             amplitude_fit = fit_amplitude(
                 amplitude_sweep, law=self.law.law if self.law.law != "none" else "auto"
             )
-            first, last = amplitude_fit.stiffness([before, strain]).tolist()
+            first, last = amplitude_fit.stiffness([amplitude, strain]).tolist()
             changes.append(float(np.log(last.real / first.real)))
             factor = amplitude_fit.linear[0].imag / amplitude_fit.linear[0].real
             lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
@@ -382,12 +382,12 @@ class SweptPart(Serialisable):
         )
 
 
-def unit_of(kind: Kind) -> str:
+def get_level_unit(kind: Kind) -> str:
     """Return the unit of a level: of the acceleration of the base or of the force."""
     return "m/s^2" if kind.over_base else "N"
 
 
-def level_of(word: str, kind: Kind) -> float:
+def parse_level(word: str, kind: Kind) -> float:
     """Return a level as it was typed, N or m/s^2."""
     dimension: Dimension = "acceleration" if kind.over_base else "force"
     value = convert_to_si(word, dimension)
@@ -396,7 +396,7 @@ def level_of(word: str, kind: Kind) -> float:
     return value
 
 
-def swept_part(
+def fit_swept_part(
     choices: LevelChoices,
     *,
     unit: str,
@@ -409,7 +409,7 @@ def swept_part(
     ----------
     choices : LevelChoices
     unit : str
-        Of the solid that was fitted: Pa or N/m.
+        Unit of the solid that was fitted: Pa or N/m.
     part : PartChoices, optional
 
     Raises
@@ -438,10 +438,10 @@ def swept_part(
             "several amplitudes goes to dashpot fit)"
         )
     law, record, _ = amplitude_file(choices.sweep, kind, options=options)
-    return swept_by(law, record, choices, unit=unit, part=part)
+    return make_swept_part(law, record, choices, unit=unit, part=part)
 
 
-def swept_by(
+def make_swept_part(
     law: AmplitudeFit,
     record: AmplitudeSweep,
     choices: LevelChoices,
@@ -449,20 +449,24 @@ def swept_by(
     unit: str,
     part: PartChoices | None = None,
 ) -> SweptPart:
-    """Return the effect of amplitude on parts by the law of a sweep; see :func:`swept_part`."""
+    """Return the effect of amplitude on parts by the law of a sweep; see :func:`fit_swept_part`."""
     if law.unit != unit:
         raise DataError(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
             "both of the part"
         )
-    height = _height(choices, law, None if part is None else height_of(part))
-    factors = (choices.strain_factor,) if choices.strain_factor else _strain_factors(law.source)
+    height = _get_part_height(choices, law, None if part is None else get_height(part))
+    factors = (
+        (choices.strain_factor,) if choices.strain_factor else _list_strain_factors(law.source)
+    )
     if height is None:
         factors = (1.0,)
     fitted_at = 0.0
     if choices.fitted_at is not None:
         fitted_at = convert_to_si(choices.fitted_at, "strain" if law.of == "strain" else "length")
-    return SweptPart((law, *_rivals(law, record)), factors, height, fitted_at, law.source, record)
+    return SweptPart(
+        (law, *_list_rival_laws(law, record)), factors, height, fitted_at, law.source, record
+    )
 
 
 def amplitude_file(
@@ -481,7 +485,7 @@ def amplitude_file(
     if kind in _LOOPS:
         record = read_loops(path, options=options)
         with add_name_to_errors(Path(path).name):
-            swept = sweep_of_loops(record, machine)
+            swept = compute_sweep(record, machine)
             return fit_amplitude(swept, law=law), swept, record
     require_test_for_machine(machine, tests=0, add="recorded loops")
     swept = read_amplitude(path, options=options)
@@ -489,7 +493,7 @@ def amplitude_file(
         return fit_amplitude(swept, law=law), swept, swept
 
 
-def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
+def _list_strain_factors(sweep: Source | None) -> tuple[float, ...]:
     """Return the possible strain factors: of equal loading, or of shear beside tension."""
     text = " ".join(sweep.columns) if sweep else ""
     equal_factors, other_factor = STRAIN_FACTORS
@@ -499,7 +503,9 @@ def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
     )
 
 
-def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
+def _get_part_height(
+    choices: LevelChoices, law: AmplitudeFit, height: float | None
+) -> float | None:
     """Return the height of the part, m; None for a sweep over displacement."""
     if law.of == "m":
         if law.unit == "Pa":
@@ -522,7 +528,7 @@ def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> f
     return value
 
 
-def _rivals(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
+def _list_rival_laws(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
     """The law as a factor where it stands beside the solid, and so on, if the sweep allows it."""
     kraus, plus, spring = law.law.partition("+")
     other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring

@@ -62,20 +62,20 @@ def fit_sweep(
     sweep: AmplitudeSweep, choices: LevelChoices, *, unit: str, part: PartChoices | None
 ) -> SweptPart:
     """Fit an amplitude sweep, and return what a level does to the part after it."""
-    from dashpot.extensions.amplitude.amplitude_response import swept_by
+    from dashpot.extensions.amplitude.amplitude_response import make_swept_part
     from dashpot.extensions.amplitude.fit import fit_amplitude
 
-    return swept_by(fit_amplitude(sweep), sweep, choices, unit=unit, part=part)
+    return make_swept_part(fit_amplitude(sweep), sweep, choices, unit=unit, part=part)
 
 
 def read_loops_as_sweep(
     path: str | Path, arguments: dict[str, Any], keywords: Mapping[str, Any]
 ) -> Any:
     """Read recorded loops as a sweep of amplitude."""
-    from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+    from dashpot.extensions.amplitude.preprocess import compute_sweep
     from dashpot.reading.raw_file import add_name_to_errors
 
     specimen = keywords.get("specimen")
     record = load_object(KINDS["cyclic"].reader)(path, specimen=specimen, **arguments)
     with add_name_to_errors(Path(path).name):
-        return sweep_of_loops(record)
+        return compute_sweep(record)

@@ -56,9 +56,9 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     sd : array, shape (n,) or None
         Standard deviation of storage and of loss, in `unit`, where it is known.
     delay_sd : float
-        Of recorded loops: standard deviation of the delay of their force, s.
+        For recorded loops: standard deviation of the delay of their force, s.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -162,7 +162,7 @@ class StressStrainLoops(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -260,14 +260,14 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     checks : tuple of Check
     source : Source or None
     k3 : float
-        Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
+        Coefficient of the cubic spring, in `unit` per square of `of`; 0 where there is none.
     k3_detection_limit : float
         Where there is none: largest size that the data cannot exclude, 95 %; else 0.
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
         so at every amplitude alike, so loops of one frequency do not distinguish it from loss.
     delay_sd : float
-        Of recorded loops: standard deviation of the delay of their force, s, which every standard
+        For recorded loops: standard deviation of the delay of their force, s, which every standard
         error includes.
 
     Examples

@@ -17,7 +17,7 @@ _RUBBING = Iwan(120.0, 0.06)
 """Friction beside a seal, N/m and N: it softens with amplitude."""
 
 
-def _loops() -> str:
+def _simulate_loops() -> str:
     """Six cycles at each of nine amplitudes, 5 Hz, about a compression of 4 mm."""
     rate, cycles, hz = 250, 6, 5.0
     sizes = np.geomspace(5e-5, 3e-3, 9)
@@ -58,7 +58,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         "loops.csv": Example(
             "cyclic",
             "a seal that rubs, moved to and fro at nine amplitudes, for dashpot fit",
-            _loops,
+            _simulate_loops,
         ),
         "shaker_20mN.csv": Example(
             "frf", "the mass on two such seals, on a shaker of 0.02 N", _make_frf_writer(0.02, 1)

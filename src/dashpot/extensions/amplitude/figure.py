@@ -18,10 +18,14 @@ from dashpot.extensions.amplitude.datamodel import (
     LoopRecord,
     StressStrainLoops,
 )
-from dashpot.extensions.amplitude.fit_frfs import rows_at_level
+from dashpot.extensions.amplitude.fit_frfs import compute_level_rows
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, predict_interval
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
-from dashpot.extensions.amplitude.preprocess import HysteresisLoop, steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import (
+    HysteresisLoop,
+    compute_sweep,
+    find_steady_cycles,
+)
 from dashpot.extensions.amplitude.response import receptance_at_level
 from dashpot.plot.frf_figure import DISPLAY_UNITS
 from dashpot.plot.picture import (
@@ -111,18 +115,20 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     test : RelaxationTest or StressStrainLoops
         Harmonic cycles at several amplitudes.
     fit : AmplitudeFit, optional
-        Of those loops.
+        Fit of those loops.
     stamp : str
         What the figure says of its origin; by default file, specimen and date.
     """
-    shown = _select_distinct_loops(steady_cycles(test))
+    shown = _select_distinct_loops(find_steady_cycles(test))
     of_material = isinstance(test, StressStrainLoops)
     amplitudes = np.array([loop.amplitude for loop in shown])
     word, mm = ("%", 100.0) if of_material else unit_of(amplitudes, "m")
     unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
     panels: list[tuple[str, list[Line]]] = []
     for hysteresis_loop in shown:
-        curves = [] if fit is None else [(FIT_BAND, "fitted loop", *_ellipse(hysteresis_loop, fit))]
+        curves = (
+            [] if fit is None else [(FIT_BAND, "fitted loop", *_make_ellipse(hysteresis_loop, fit))]
+        )
         curves.append(
             (DATA_ON_FIT, "measured", hysteresis_loop.displacement, hysteresis_loop.force)
         )
@@ -132,7 +138,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
             for pen, name, x, F in curves
         ]
         panels.append((f"{mm * X:.3g} {word}", lines))
-    above = [] if fit is None else _over_amplitude(sweep_of_loops(test), fit)
+    above = [] if fit is None else _make_amplitude_panels(compute_sweep(test), fit)
     axes = (
         "amplitude A: stress σ over strain ε"
         if of_material
@@ -179,7 +185,7 @@ def amplitude_sweep(
     stamp : str
         What the figure says of its origin; by default file, specimen and date.
     """
-    strips = tuple((panel,) for panel in _over_amplitude(sweep, fit))
+    strips = tuple((panel,) for panel in _make_amplitude_panels(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
     stamp = stamp or format_stamp(sources_of([sweep]), sweep.specimen)
     return Picture("amplitude", caption, strips, 2, stamp, width=_WIDTH)
@@ -201,7 +207,10 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
         What the figure says of its origin; by default files, mass and seals.
     """
     text = stamp or format_stamp(fit.source, mass=fit.mass, seals=fit.seals)
-    strips = ((_magnitudes(fit, frfs),), *((panel,) for panel in _draw_amplitude_panels(fit, frfs)))
+    strips = (
+        (_make_magnitude_panel(fit, frfs),),
+        *((panel,) for panel in _draw_amplitude_panels(fit, frfs)),
+    )
     caption = (
         "The FRF at each amplitude with the one model fitted to all and its backbone, and "
         "stiffness and loss of one seal over its amplitude."
@@ -268,7 +277,7 @@ def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisL
     return [hysteresis_loops[i] for i in chosen_indices]
 
 
-def _ellipse(loop: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
+def _make_ellipse(loop: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
     """Return the loop of the fitted stiffness, m and N."""
     phasor = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     tone = int(np.abs(fit.frequency - loop.frequency).argmin())
@@ -280,7 +289,7 @@ def _close_curve(values: FloatArray) -> FloatArray:
     return np.append(values, values[0])
 
 
-def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
+def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
     """Return storage and loss, one colour a frequency; the law dashed where it was not measured."""
     quantity, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
@@ -321,7 +330,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
     return panels
 
 
-def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
+def _make_magnitude_panel(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     """Magnitudes as measured, the fit at each level, and the backbone."""
     kind = frfs[0].quantity
     unit, scale = DISPLAY_UNITS[kind]
@@ -349,7 +358,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
         drawn_values += [size, y]
     limits = compute_padded_log_limits(*drawn_values)
-    f, height = _backbone(fit, kind)
+    f, height = _compute_backbone(fit, kind)
     in_band = (f >= fit.band[0]) & (f <= fit.band[1])
     spine = Line(np.where(in_band, f, np.nan), scale * height, REF, "backbone")
     label = f"{kind.value.replace('_', ' ')}, {unit}"
@@ -359,7 +368,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     )  # fmt: skip
 
 
-def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
+def _compute_backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
     r"""Return where the motion is a quarter turn behind the force, Hz, and how large it is there.
 
     .. math:: m\omega^2 = n K'(\omega, X), \qquad H = \frac{1}{j n K''(\omega, X)}
@@ -386,12 +395,12 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     """Return storage and loss of one seal over its amplitude, at the middle of the band."""
     middle = np.pi * (fit.band[0] + fit.band[1])
     rows = [
-        rows_at_level(frf, level, fit.mass, fit.seals, fit.band)
+        compute_level_rows(frf, level, fit.mass, fit.seals, fit.band)
         for frf, level in zip(frfs, fit.levels, strict=True)
     ]
     omega, X, K, weight = (np.concatenate(group) for group in zip(*rows, strict=True))
     solid = fit.solid.complex_stiffness(omega=np.append(omega, middle))
-    at, mean, error = _means(X, K - solid[:-1] + solid[-1], weight / fit.residual)
+    at, mean, error = _average_neighbours(X, K - solid[:-1] + solid[-1], weight / fit.residual)
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
     word, mm = unit_of(X, "m")
@@ -401,7 +410,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
         log=True,
     )
     panels = []
-    interval = _interval(fit, middle, dense)
+    interval = _compute_interval(fit, middle, dense)
     for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
         low, high = convert_to_unit(interval[:, i], "N/mm")
         y = convert_to_unit(part(curve), "N/mm")
@@ -425,7 +434,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     return panels
 
 
-def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
+def _compute_interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
     def compute_stiffness_parts(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
@@ -435,7 +444,7 @@ def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     return fit.interval(compute_stiffness_parts)
 
 
-def _means(
+def _average_neighbours(
     X: FloatArray, K: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return means over near amplitudes, weighted, and their standard errors (of each part)."""

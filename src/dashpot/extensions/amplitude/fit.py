@@ -95,9 +95,9 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
             f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
             "more at each: the effects of frequency and of amplitude cannot be separated"
         )
-    return_difference = _way_back(sweep)
+    return_difference = _compare_way_back(sweep)
     candidates = _sort_candidate_laws(sweep, law)
-    is_stray = _strays(sweep, candidates[0].residuals) & has_several_amplitudes
+    is_stray = _find_strays(sweep, candidates[0].residuals) & has_several_amplitudes
     if is_stray.any() and np.count_nonzero(~is_stray) >= _MIN_SAMPLES:
         sweep = sweep.only(~is_stray)
         candidates = _sort_candidate_laws(sweep, law)
@@ -133,7 +133,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         top = sweep.amplitude == sweep.amplitude.max()
         storage = float(sweep.storage[top].min())
         checks.append(no_hidden_cubic_spring(0.75 * cubic * range_[1] ** 2 / max(storage, 1e-300)))
-    linear_se, se = _errors_with_delay(sweep, best)
+    linear_se, se = _compute_errors_with_delay(sweep, best)
     return AmplitudeFit(
         best.law,
         np.unique(sweep.frequency),
@@ -157,7 +157,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     )
 
 
-def _errors_with_delay(
+def _compute_errors_with_delay(
     sweep: AmplitudeSweep, best: FittedLaw
 ) -> tuple[ComplexArray, dict[str, float]]:
     r"""Standard errors of the levels and of the law's numbers with those by a delay of the force.
@@ -235,7 +235,7 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
     )
 
 
-def _way_back(sweep: AmplitudeSweep) -> float | None:
+def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
     """Change of the modulus at the same amplitude on the way down; None if there is no such way."""
     values = []
     for tone in np.unique(sweep.frequency):
@@ -258,7 +258,7 @@ def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
     return max(float(X.max() / X.min()) for X in tones) > _ONE_AMPLITUDE
 
 
-def _strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
+def _find_strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
     """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
     size = np.abs(residual)
     limit = _OUTLIER_SD * 1.4826 * median(size)

@@ -30,7 +30,11 @@ from dashpot.extensions.amplitude.fit import fit_amplitude
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels, hits_as_levels
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit, PeakAtLevel
-from dashpot.extensions.amplitude.preprocess import find_flat_part, steady_cycles, sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import (
+    compute_sweep,
+    find_flat_part,
+    find_steady_cycles,
+)
 from dashpot.extensions.amplitude.response import resonance_at_level
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -140,7 +144,7 @@ def level_files(
         One amplitude sweep, one record of loops, FRFs of one mass at several amplitudes, or hits of
         different height.
     levels : sequence of str or float
-        Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
+        For the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
         the base's acceleration, m/s^2. Of hammer files: peak force of their hits, N, which is held
         against the records; these count.
     mass : float, optional
@@ -151,9 +155,9 @@ def level_files(
     at : sequence of float
         Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
     law : str
-        Of an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
+        For an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
     motion : str
-        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+        Motion of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     machine : Machine, optional
         What is known of the machine that drove recorded loops: its `sync`.
     options : ReadOptions, optional
@@ -175,13 +179,15 @@ def level_files(
     _refuse_frf_options(files[0], request, *(_OF_HITS if all_hits else ()))
     if all_hits:
         _refuse_law(law, "hits")
-        return _fit_hit_files(files, levels, mass=mass, band=band, at=at, options=options)
+        return _fit_hit_files(
+            files, levels, mass=mass, band=band, requested_levels=at, options=options
+        )
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several amplitudes go along")
     amplitude_fit, _, record = amplitude_file(
         files[0], kinds[0], law=law, options=options, machine=machine
     )
-    return _swept(amplitude_fit, record)
+    return _attach_sweep(amplitude_fit, record)
 
 
 def fit_amplitude_record(
@@ -189,21 +195,23 @@ def fit_amplitude_record(
 ) -> AmplitudeResult:
     """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
     if not isinstance(record, AmplitudeSweep):
-        sweep = sweep_of_loops(record, machine)
+        sweep = compute_sweep(record, machine)
     else:
         sweep = record
         require_test_for_machine(machine, tests=int(sweep.delay_sd > 0), add="recorded loops")
         if machine is not None and machine.sync is not None:
             machine.refuse_unused("sync", subject="recorded loops")
             sweep = replace(sweep, delay_sd=machine.sync, units="SI")
-    return _swept(fit_amplitude(sweep, law=law), record)
+    return _attach_sweep(fit_amplitude(sweep, law=law), record)
 
 
-def _swept(amplitude_fit: AmplitudeFit, record: AmplitudeSweep | LoopRecord) -> AmplitudeResult:
+def _attach_sweep(
+    amplitude_fit: AmplitudeFit, record: AmplitudeSweep | LoopRecord
+) -> AmplitudeResult:
     if not isinstance(record, AmplitudeSweep):
         fastest = float(amplitude_fit.frequency.max())
         pushed = "force" if amplitude_fit.unit == "N/m" else "stress"
-        clipped = loops_not_clipped(find_flat_part(steady_cycles(record)), pushed)
+        clipped = loops_not_clipped(find_flat_part(find_steady_cycles(record)), pushed)
         amplitude_fit = replace(
             amplitude_fit,
             loss_per_lag=2 * np.pi * fastest,
@@ -252,7 +260,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
         )
 
 
-def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
+def _get_peak_forces(levels: Sequence[Quantity], tests: int) -> list[float]:
     """Peak forces that are said of so many hammer tests, N."""
     if levels and len(levels) != tests:
         raise ReadError(
@@ -271,13 +279,13 @@ def _fit_hit_files(
     *,
     mass: float | None,
     band: tuple[float, float] | None,
-    at: Sequence[float],
+    requested_levels: Sequence[float],
     options: ReadOptions | None,
 ) -> AmplitudeResult:
-    _forces(levels, len(files))
+    _get_peak_forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
     with add_name_to_errors(", ".join(Path(path).name for path in files)):
-        return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
+        return hits_at_levels(tests, levels, mass=mass, band=band, at=requested_levels)
 
 
 def hits_at_levels(
@@ -289,7 +297,7 @@ def hits_at_levels(
     at: Sequence[float] = (),
 ) -> AmplitudeResult:
     """Find what hits of different height say; the parameters are those of :func:`level_files`."""
-    stated_forces = _forces(levels, len(tests))
+    stated_forces = _get_peak_forces(levels, len(tests))
     frf = estimate_frf(tests, resonance_band=band, mass=mass)
     hit_levels = hits_as_levels(frf, band=band)
     if stated_forces:
@@ -329,7 +337,7 @@ def frfs_at_levels(
             "(--amplitude 0.05N --amplitude 0.5N)"
         )
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
-    peaks = tuple(_peak(level_fit, level) for level in at)
+    peaks = tuple(_find_peak(level_fit, level) for level in at)
     covered = tuple(
         amplitude_in_tested_range(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
         for peak in peaks
@@ -337,11 +345,11 @@ def frfs_at_levels(
     return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
 
 
-def _peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
+def _find_peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
     """Return the largest motion of the mass at a level, and what the draws say of it."""
 
     def find_largest_motion(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
-        hz, X = resonance_at_level(level_fit, level, of=(solid, elements))
+        hz, X = resonance_at_level(level_fit, level, parts_of_model=(solid, elements))
         return np.array((hz, X / level))
 
     frequency, receptance = find_largest_motion(

@@ -89,7 +89,7 @@ def fit_levels(
     band : str or (float, float), optional
         Hz.
     seed : int
-        Of the draws that say how well all is known.
+        Seed of the draws that say how well all is known.
 
     Raises
     ------
@@ -101,9 +101,9 @@ def fit_levels(
             f"{len(frfs)} FRFs and {len(levels)} amplitudes; expected one amplitude for each FRF"
         )
     kilograms = convert_to_si(mass, "mass")
-    sizes = [_level(frf, level) for frf, level in zip(frfs, levels, strict=True)]
+    sizes = [_get_level(frf, level) for frf, level in zip(frfs, levels, strict=True)]
     rows = [
-        rows_at_level(frf, size, kilograms, seals, si_range(band, "frequency"))
+        compute_level_rows(frf, size, kilograms, seals, si_range(band, "frequency"))
         for frf, size in zip(frfs, sizes, strict=True)
     ]
     omega, X, K, weight = (np.concatenate(group) for group in zip(*rows, strict=True))
@@ -125,11 +125,11 @@ def fit_levels(
             key=lambda optimum: optimum.deviance + SIGNIFICANT_DEVIANCE * len(optimum.terms),
         ),
     )
-    draws = _draws(problem, K, best, seed)
+    draws = _redraw_fits(problem, K, best, seed)
     solid, elements = best.parts
     range_ = (float(X.min()), high)
     row_stops = np.cumsum([len(row[0]) for row in rows])[:-1]
-    residual_check = levels_residual_small(best.residual, _noise(problem, K, row_stops))
+    residual_check = levels_residual_small(best.residual, _estimate_noise(problem, K, row_stops))
     gains = {
         " and ".join(optimum.terms): linear_fit.deviance - optimum.deviance
         for optimum in candidates[1:]
@@ -147,7 +147,9 @@ def fit_levels(
         seals,
         tuple(sizes),
         (
-            levels_controlled([_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.is_from_hits]),
+            levels_controlled(
+                [_get_frf_name(frf, i) for i, frf in enumerate(frfs, 1) if frf.is_from_hits]
+            ),
             amplitude_dependence_detected(
                 gains.get(terms_text) or max(gains[arg] for arg in get_args(Term)),
                 range_,
@@ -163,11 +165,11 @@ def fit_levels(
     )
 
 
-def _name(frf: FRF, number: int) -> str:
+def _get_frf_name(frf: FRF, number: int) -> str:
     return ", ".join(source.file for source in frf.source) or f"FRF {number}"
 
 
-def _draws(
+def _redraw_fits(
     problem: _LineData, K: ComplexArray, best: _TermsOptimum, seed: int
 ) -> tuple[Parts, ...]:
     """Return the same fit of records that chance might have given."""
@@ -307,7 +309,7 @@ class _LineData:
         return _TermsOptimum(self, terms, k, np.asarray(A @ k - y))
 
 
-def _level(frf: FRF, level: Quantity) -> float:
+def _get_level(frf: FRF, level: Quantity) -> float:
     """Return amplitude of the force, N, or of the ground's acceleration, m/s^2."""
     size = convert_to_si(level, "acceleration" if frf.quantity.over_base else "force")
     if not size > 0:
@@ -315,7 +317,7 @@ def _level(frf: FRF, level: Quantity) -> float:
     return size
 
 
-def rows_at_level(
+def compute_level_rows(
     frf: FRF, level: float, mass: float, seals: float, band: tuple[float, float] | None = None
 ) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
     """Return frequencies rad/s, amplitudes m, stiffness of one seal N/m, weights: usable lines.
@@ -348,7 +350,7 @@ def _compute_reliability(lines: FRF) -> FloatArray:
     return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
-def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
+def _estimate_noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
     """Return relative scatter of F/X from line to line: what no smooth stiffness follows.
 
     By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an

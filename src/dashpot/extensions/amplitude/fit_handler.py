@@ -11,7 +11,7 @@ from dashpot.extensions.amplitude.fit_files import level_files
 def run(request: FitRequest) -> CommandResult:
     """Find how far stiffness and damping depend on how far the seal is moved."""
     request.refuse_polarity()
-    request.check_output_suffix(".json", what="a fit over amplitude")
+    request.check_output_suffix(".json", result_name="a fit over amplitude")
     levels = level_files(
         request.files,
         levels=request["levels"],

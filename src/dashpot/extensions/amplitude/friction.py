@@ -232,7 +232,9 @@ class Kraus(RateIndependent):
         return replace(self, k=count * self.k, loss=loss)
 
 
-def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -> InParallel:
+def jenkins_like(
+    element: RateIndependent, *, largest_amplitude: float, per_decade: int = 10
+) -> InParallel:
     """Jenkins elements that lose stiffness with amplitude as another element does.
 
     Their loss follows from what they lose (broad friction), not from the element's own.
@@ -241,16 +243,16 @@ def jenkins_like(element: RateIndependent, *, to: float, per_decade: int = 10) -
     ----------
     element : RateIndependent
         Its storage must fall with amplitude, as friction's does.
-    to : float
+    largest_amplitude : float
         Largest amplitude they are for, m; they cover three decades below it.
     per_decade : int
         Yield displacements in a decade.
     """
     from scipy.optimize import nnls  # costs an import that few need
 
-    grid = np.geomspace(to / 1e3, to, 3 * per_decade + 1)
+    grid = np.geomspace(largest_amplitude / 1e3, largest_amplitude, 3 * per_decade + 1)
     # what slips beyond the largest amplitude is a spring there
-    yield_displacements = np.append(grid, 1e3 * to)
+    yield_displacements = np.append(grid, 1e3 * largest_amplitude)
     share = jenkins_reduction(grid[:, None], yield_displacements).real
     k, _ = nnls(share, element.stiffness(grid).real)
     return InParallel(

@@ -16,7 +16,7 @@ from dashpot.extensions.amplitude.amplitude_response import (
     LevelResonance,
     ReferencePoint,
     SweptPart,
-    level_of,
+    parse_level,
 )
 from dashpot.extensions.amplitude.preloaded_response import PreloadedLevel, preloaded_levels
 from dashpot.solids.maxwell import Solid
@@ -108,7 +108,7 @@ class LevelEffect:
         fitted_sweep, stated_level = self.swept, self.choices.resonance_level
         if fitted_sweep is None or not (stated_level or fitted_sweep.fitted_at):
             return None
-        level = level_of(stated_level, kind) if stated_level else VANISHING
+        level = parse_level(stated_level, kind) if stated_level else VANISHING
 
         def peak(solid: Solid, factor: float, mass: float) -> float:
             linear_frequency = model_modes(solid, mass)[0].frequency
@@ -134,7 +134,7 @@ class LevelEffect:
     ) -> LevelResonances:
         """Return the resonance at each level: of `scale` parts, `linear_frequency` in Hz."""
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
-        levels = [level_of(word, rig.kind) for word in self.choices.levels]
+        levels = [parse_level(word, rig.kind) for word in self.choices.levels]
         if self.swept is not None:
             resonances = self.swept.compute_resonances(
                 rig.solid, levels, scale=scale, mass=rig.load.mass, kind=rig.kind,
@@ -173,7 +173,7 @@ class LevelEffect:
             return ReferencePoint(part.resonance, fitted_sweep.fitted_at)
         conditions = {
             "scale": scale, "mass": part.resonance_mass, "kind": kind,
-            "level": level_of(stated_level, kind),
+            "level": parse_level(stated_level, kind),
         }  # fmt: skip
         factor = fitted_sweep.factors[0]
         _, _, change = fitted_sweep.peak(

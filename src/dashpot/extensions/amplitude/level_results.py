@@ -40,11 +40,11 @@ class PeakAtLevel:
     level : float
         Amplitude of the force, N.
     frequency, receptance : float
-        Of the largest motion, Hz, and that motion over the force, m/N.
+        Frequency and receptance of the largest motion, Hz, and that motion over the force, m/N.
     frequency_interval, receptance_interval : (float, float)
         95 %.
     amplitude : float
-        Of the seal's displacement there, m.
+        Amplitude of the seal's displacement there, m.
     """
 
     level: float

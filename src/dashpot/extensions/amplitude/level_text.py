@@ -14,13 +14,13 @@ from dashpot.text_output.layout import Text, table
 
 def prediction(level_prediction: LevelPrediction) -> Text:
     """Return the text of a prediction, with the resonance at each level."""
-    return results.prediction(level_prediction, _format_level_resonances(level_prediction))
+    return results.render_prediction(level_prediction, _format_level_resonances(level_prediction))
 
 
 def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
     """Return the table of the resonance at each amplitude, and its change from first to last."""
     if level_prediction.preloaded:
-        return _on_bending_seals(level_prediction.preloaded, level_prediction.frf.read)
+        return _format_nonlinear_resonances(level_prediction.preloaded, level_prediction.frf.read)
     assert level_prediction.sweep is not None  # noqa: S101
     first_level = level_prediction.levels[0]
     rows = [
@@ -62,7 +62,7 @@ _HARMONIC = 1e-4
 """Part of the first harmonic below which none is reported."""
 
 
-def _on_bending_seals(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
+def _format_nonlinear_resonances(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
     """Return the table of resonance and harmonics at each amplitude by a nonlinear elastic law."""
     head = [f"amplitude, {levels[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
             "3rd, mm", "mean shift, mm", "no contact", "growth"]  # fmt: skip

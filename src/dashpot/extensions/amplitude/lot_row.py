@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import median
 from dashpot.base.units import column
 from dashpot.extensions.amplitude.fit_files import AmplitudeResult, level_files
-from dashpot.extensions.amplitude.preprocess import sweep_of_loops
+from dashpot.extensions.amplitude.preprocess import compute_sweep
 from dashpot.registry import LotSpecimen
 
 _SAME_AMPLITUDE_FACTOR = 1.05
@@ -36,7 +36,7 @@ def build_lot_row(
     """
     result = level_files((file,), options=lot_specimen.options, machine=lot_specimen.machine)
     record: Any = result.records[0]
-    sweep = sweep_of_loops(record)
+    sweep = compute_sweep(record)
     top = sweep.only(sweep.amplitude >= sweep.amplitude.max() / _SAME_AMPLITUDE_FACTOR)
     tone = float(top.frequency.min())
     top, at_tone = top.only(top.frequency == tone), sweep.only(sweep.frequency == tone)

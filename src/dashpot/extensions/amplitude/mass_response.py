@@ -54,7 +54,7 @@ def mass_at_level(
     force = mass * level if kind.over_base else level
     X = force / np.abs(K - inertia)
     if dependent is not None:
-        stretch = _stretch(lambda X: K + dependent.equivalent(omega, X), inertia, force)
+        stretch = _solve_stretch(lambda X: K + dependent.equivalent(omega, X), inertia, force)
         if stretch is None:  # it folds: what a sweep upwards shows
             sweep = require_handler("sweep at level", "mass")
             stretch = sweep(solid, dependent, mass=mass, level=force, frequency=frequency).stretch[
@@ -79,7 +79,7 @@ _DECADES, _PER_DECADE, _HALVINGS = 7, 20, 40
 """Decades of amplitudes over that of a rigid spring, points of each, and halvings between two."""
 
 
-def _stretch(
+def _solve_stretch(
     stiffness: Callable[[FloatArray], ComplexArray], inertia: FloatArray, force: float
 ) -> FloatArray | None:
     """Return the amplitude at every line that the force takes, m; None where a line has several."""

@@ -81,7 +81,7 @@ def page(levels: AmplitudeResult) -> KindPage:
         figure_title="Stiffness and loss with amplitude",
         picture=picture,
         table_title="What amplitude does",
-        groups=(group("", numbers(levels)),),
+        groups=(group("", list_level_values(levels)),),
         note=format_residual_note(levels),
         sources=tuple(dict.fromkeys(levels.source)),
     )
@@ -119,13 +119,13 @@ def fit_job(job: LevelJob) -> tuple[AmplitudeResult, JobPage]:
     return levels, JobPage(
         (AppCard("", plot.level(levels.fit, levels.records)),),
         "What amplitude does",
-        tuple(numbers(levels)),
+        tuple(list_level_values(levels)),
         levels.source,
         format_residual_note(levels),
     )
 
 
-def numbers(levels: AmplitudeResult) -> list[ReportedValue]:
+def list_level_values(levels: AmplitudeResult) -> list[ReportedValue]:
     """Return what moves with amplitude, and the resonance at every level that was asked for."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
@@ -138,7 +138,7 @@ def format_residual_note(levels: AmplitudeResult) -> str:
     """Return what the fit leaves, and where nothing is known of it."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
-        word, scale = _amplitude(fit)
+        word, scale = _get_amplitude_unit(fit)
         text = f"Leaves {round_to_error(100 * fit.residual, digits=2)} % rms"
         if fit.left_out:
             text += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
@@ -175,7 +175,7 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
         yield _make_fact(f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=size)
         yield _make_fact(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=size)
     error_of = dict(fit.se)
-    word, stretch = _amplitude(fit)
+    word, stretch = _get_amplitude_unit(fit)
     if fit.k3:
         # per square of an amplitude it is a number that nobody has seen: what it adds is
         squared_amplitude = 0.75 * fit.amplitudes[1] ** 2
@@ -202,7 +202,7 @@ def _make_hit_facts(fit: HitLevels) -> Iterator[ReportedValue]:
         yield _make_fact(name, line.slope, line.se, "1", "%")
 
 
-def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
+def _get_amplitude_unit(fit: AmplitudeFit) -> tuple[str, float]:
     """Return the word and the factor in which an amplitude is read."""
     if fit.of == "strain":
         return "%", 100.0

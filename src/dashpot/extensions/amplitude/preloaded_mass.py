@@ -70,7 +70,8 @@ class Orbit(EqualByValue):
     rest : float
         Compression without the force, m.
     harmonics : complex array, shape (H + 1,)
-        Of the compression, m, the mean first: the real part of each turns with the force's phase.
+        Harmonics of the compression, m, the mean first: the real part of each turns with the
+        force's phase.
     multiplier : complex
         The largest Floquet multiplier: by how much a small disturbance grows in a period.
     lost_contact : float
@@ -350,8 +351,8 @@ class PreloadedMass:
         line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
         z = line.real(orbit.harmonics)
         residuals = [
-            _PressedBalance(other, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
-            for other in others
+            _PressedBalance(mass, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
+            for mass in others
         ]
         change = -np.linalg.solve(line.slope(z), np.reshape(residuals, (-1, len(z))).T).T
         return np.array([line.harmonics(item) for item in change]).reshape(-1, line.most + 1)
@@ -376,7 +377,7 @@ class PreloadedMass:
         by_frequency = (
             evaluate_balance(self, frequency + step) - evaluate_balance(self, frequency - step)
         ) / (2 * step)
-        return np.array([-evaluate_balance(other, frequency) / by_frequency for other in others])
+        return np.array([-evaluate_balance(mass, frequency) / by_frequency for mass in others])
 
     def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
         """Return the answer at a frequency to which that at another leads."""
@@ -396,7 +397,7 @@ def _compare_orbits(orbit: Orbit, other: Orbit) -> float:
 
 
 @lru_cache(maxsize=8)
-def _transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
+def _make_transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
     """Return the transform between harmonics and samples, and the samples of each real unknown."""
     cycle = AlternatingFrequencyTime(
         range(harmonic_count + 1), max(_FEWEST, _PER_HARMONIC * harmonic_count)
@@ -406,7 +407,7 @@ def _transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArr
 
 
 @lru_cache(maxsize=8)
-def _gauss_points(harmonic_count: int) -> tuple[float, FloatArray, ComplexArray]:
+def _make_gauss_points(harmonic_count: int) -> tuple[float, FloatArray, ComplexArray]:
     """Return the step of phase, two points in each, shape (steps, 2), and the harmonics there."""
     width = 2 * np.pi / _FLOQUET_STEPS
     first = np.arange(_FLOQUET_STEPS)[:, None] + 0.5
@@ -425,7 +426,7 @@ class _PressedBalance:
     ) -> None:
         self.of, self.hz, self.level, self.most = preloaded_mass, hz, level, harmonic_count
         h, omega = np.arange(harmonic_count + 1), 2 * np.pi * hz
-        self.cycle, self.basis = _transforms(harmonic_count)
+        self.cycle, self.basis = _make_transforms(harmonic_count)
         self.samples = len(self.basis)
         self.inertia = -preloaded_mass.mass * (h * omega) ** 2
         s = 1j * omega * np.arange(self.samples // 2 + 1)
@@ -547,13 +548,11 @@ class _PressedBalance:
             "lower amplitude, or another frequency"
         )
 
-    def _compute_tangent(self, z: FloatArray, before: FloatArray) -> FloatArray:
-        """Direction of the curve of answers, of unknowns and share, whose product with `before`
-        is 1.
-        """
+    def _compute_tangent(self, z: FloatArray, previous_tangent: FloatArray) -> FloatArray:
+        """Direction of the curve of unknowns and share; its product with the last one is 1."""
         n = len(z)
         border = np.zeros((n + 1, n + 1))
-        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, before
+        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, previous_tangent
         return np.asarray(np.linalg.solve(border, np.append(np.zeros(n), 1.0)))
 
     def _solve_arclength_step(
@@ -625,7 +624,7 @@ class _PressedBalance:
         g, tau = (np.asarray(pair) for pair in (solid.k, solid.tau))
         g = g / solid.k_inf
         at_once, dash = 1 + g.sum(), solid.b / solid.k_inf
-        width, phase, turn = _gauss_points(self.most)
+        width, phase, turn = _make_gauss_points(self.most)
         x = (turn @ self.harmonics(z)).real
         compression = np.maximum(x, 0.0)
         tangent = np.where(x > 0, law.tangent(compression), 0.0)

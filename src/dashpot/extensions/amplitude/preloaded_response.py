@@ -16,7 +16,7 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.extensions.amplitude.amplitude_response import unit_of
+from dashpot.extensions.amplitude.amplitude_response import get_level_unit
 from dashpot.extensions.amplitude.preloaded_mass import (
     Jump,
     Orbit,
@@ -52,12 +52,12 @@ class LevelInterval(Serialisable):
         Hz.
     value : (float, float) or None
     mean_shift : (float, float) or None
-        Of the mean, m.
+        Shift of the mean, m.
     harmonics : tuple of ((float, float) or None), or None
         Amplitudes, m, the mean first; not of those below a thousandth of the first, which show how
         a law bends between its knots.
     magnitude : array, shape (2, n)
-        Of the response, at the lines of the FRF.
+        Magnitude of the response, at the lines of the FRF.
     """
 
     _keys = (Key("frequency_hz", "frequency"), "value", "mean_shift", "harmonics")
@@ -79,7 +79,7 @@ class PreloadedLevel(Serialisable):
         Amplitude of the force, N, or of the base's acceleration, m/s^2.
     unit : str
     frequency, value : float
-        Of the largest magnitude of answers that last, Hz, and that magnitude.
+        Frequency and value of the largest magnitude of answers that last, Hz, and that magnitude.
     orbit : Orbit
         The answer there.
     doubled : Orbit
@@ -209,7 +209,7 @@ def preloaded_levels(
     Parameters
     ----------
     fit : Fit
-        Of one seal, with a law that bends.
+        Fit of one seal, with a law that bends.
     levels : sequence of float
         N, or m/s^2 of a base.
     load : MassOnSeals
@@ -217,7 +217,7 @@ def preloaded_levels(
     around_hz : float
         The linear resonance, Hz.
     frequency : array, shape (n,)
-        Of the FRF, Hz; at most 121 lines of it are taken.
+        Frequency of the FRF, Hz; at most 121 lines of it are taken.
 
     Raises
     ------
@@ -247,13 +247,15 @@ def preloaded_levels(
             "was not "
             "tested; expected a thousandth of that, or more. Check the mass and its unit"
         )
-    variant_masses = [build_preloaded_mass(*group) for group in _off_by_error(fit, fit.elastic_law)]
+    variant_masses = [
+        build_preloaded_mass(*group) for group in _list_shifted_laws(fit, fit.elastic_law)
+    ]
     band = frequency[:: -(-len(frequency) // _LINES)]
     rig = _AtLevels(preloaded_mass, variant_masses, load, kind)
     return tuple(rig.compute_resonance(level, band, around_hz) for level in levels)
 
 
-def _off_by_error(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
+def _list_shifted_laws(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
     """The law and the solid one standard error off: by each axis of the solid's, by each knot."""
     variants = [
         (replace(law, stiffness=law.stiffness * solid.k_inf / fit.solid.k_inf), solid)
@@ -282,7 +284,8 @@ class _AtLevels:
         force = self.load.mass * level if self.kind.over_base else level
         if force >= self.preloaded_mass.static_force:
             raise DataError(
-                f"an amplitude of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: "
+                f"an amplitude of {level:.4g} {get_level_unit(self.kind)} lifts the mass off the "
+                "seal: "
                 f"its force is {force:.4g} N, and {self.preloaded_mass.static_force:.4g} N "
                 "presses; expected "
                 "less. "
@@ -296,7 +299,7 @@ class _AtLevels:
         top = int(np.argmax([self.size(orbit) for orbit in near_orbits])) if near_orbits else 0
         if top in {0, max(len(near_orbits) - 1, 0)}:
             raise DataError(
-                f"at {level:g} {unit_of(self.kind)} no resonance is found between "
+                f"at {level:g} {get_level_unit(self.kind)} no resonance is found between "
                 f"{range_hz[0]:.4g} and {range_hz[1]:.4g} Hz, of steady responses; ask for a lower "
                 "amplitude"
             )
@@ -316,12 +319,12 @@ class _AtLevels:
         shown_orbits = [orbits[hz] for hz in sorted(orbits) if band[0] <= hz <= band[-1]]
         return PreloadedLevel(
             level,
-            unit_of(self.kind),
+            get_level_unit(self.kind),
             run[best].frequency,
             self.size(run[best]),
             run[best],
             find_largest_orbit(near_orbits, 2),
-            _unsteady(lines, lasting),
+            _find_unsteady_runs(lines, lasting),
             jumps,
             self.frf(shown_orbits),
             self.interval(run, best, jump_into, shown_orbits),
@@ -336,7 +339,7 @@ class _AtLevels:
         if 0 < best < len(run) - 1:
             # between the lines, where the parabola through three is highest
             top_orbits = run[best - 1 : best + 2]
-            curvature, slope, _ = _parabola(top_orbits) @ np.log(
+            curvature, slope, _ = _fit_parabola(top_orbits) @ np.log(
                 [self.size(orbit) for orbit in top_orbits]
             )
             near_top = np.array([top_orbits[1].frequency - slope / (2 * curvature)])
@@ -377,7 +380,7 @@ class _AtLevels:
             np.abs(self.frf(shown_orbits).value),
             [orbit.frequency for orbit in shown_orbits],
         )
-        errors = [_norm(self._logs(orbit)) for orbit in shown_orbits[::_LINE_STRIDE]]
+        errors = [_compute_norm(self._logs(orbit)) for orbit in shown_orbits[::_LINE_STRIDE]]
         error_factor = np.exp(NORMAL * np.interp(f, f[::_LINE_STRIDE], errors))
         magnitude = np.array([response / error_factor, response * error_factor])
         at, first, last = run[best], best == 0, best == len(run) - 1
@@ -391,7 +394,9 @@ class _AtLevels:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
         log_slope = by_frequency(lambda orbit: np.log(self.size(orbit)))
-        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + log_slope * shift) * _SIGNS)
+        value = self.size(at) * np.exp(
+            NORMAL * _compute_norm(self._logs(at) + log_slope * shift) * _SIGNS
+        )
         count = len(at.harmonic_amplitudes)
         rotation = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
         real = (rotation * self.preloaded_mass.changes(at, self.others)[:, :count]).real
@@ -421,7 +426,7 @@ class _AtLevels:
 
     def _compute_frequency_shifts(self, top_orbits: Sequence[Orbit]) -> FloatArray:
         """Return the shift of the largest response for each of the other masses, Hz."""
-        curvature, slope, _ = _parabola(top_orbits)
+        curvature, slope, _ = _fit_parabola(top_orbits)
         size = np.log([self.size(orbit) for orbit in top_orbits])
         return np.asarray(
             -(slope @ [self._logs(orbit) for orbit in top_orbits]) / (2 * curvature @ size)
@@ -433,7 +438,7 @@ class _AtLevels:
         if len(orbits) == 2:
             difference = orbits[1].frequency - orbits[0].frequency
             return lambda function: (function(orbits[1]) - function(orbits[0])) / difference
-        return lambda function: _parabola(orbits)[1] @ [function(orbit) for orbit in orbits]
+        return lambda function: _fit_parabola(orbits)[1] @ [function(orbit) for orbit in orbits]
 
 
 def _find_adjacent_jumps(
@@ -445,7 +450,7 @@ def _find_adjacent_jumps(
     return next(jumps_into, None), next(jumps_out, None)
 
 
-def _parabola(orbits: Sequence[Orbit]) -> FloatArray:
+def _fit_parabola(orbits: Sequence[Orbit]) -> FloatArray:
     """Return the matrix that maps three values to the bend, slope and height of their parabola."""
     f = np.array([orbit.frequency for orbit in orbits])
     return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
@@ -456,13 +461,13 @@ _PART, _LINE_STRIDE = 1e-3, 3
 """Share of the first harmonic by which a slope is determined; every so many lines, errors."""
 
 
-def _norm(change: FloatArray) -> float:
+def _compute_norm(change: FloatArray) -> float:
     return float(np.linalg.norm(change))
 
 
 def _compute_interval(value: float, change: FloatArray) -> Ends:
     """Return the 95 % interval of a value that independent errors move by so much each."""
-    half_width = NORMAL * _norm(change)
+    half_width = NORMAL * _compute_norm(change)
     return value - half_width, value + half_width
 
 
@@ -472,7 +477,9 @@ def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
     return interval if interval[1] - value < _MAX_HALF_WIDTH * abs(value) else None
 
 
-def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:
+def _find_unsteady_runs(
+    lines: FloatArray, lasting: Sequence[Orbit]
+) -> tuple[tuple[float, float], ...]:
     """Runs of lines without an answer that lasts, Hz."""
     is_missing = ~np.isin(lines, [orbit.frequency for orbit in lasting])
     turns = np.flatnonzero(np.diff(np.concatenate(([0], is_missing.astype(int), [0]))))

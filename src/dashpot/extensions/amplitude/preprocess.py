@@ -35,11 +35,12 @@ class HysteresisLoop:
     frequency : float
         Hz.
     amplitude : float
-        Of the first harmonic of the displacement, m, or of the strain of a material.
+        Amplitude of the first harmonic of the displacement, m, or of the strain of a material.
     stiffness : complex
         First harmonic of the force over that of the displacement, N/m; Pa of a material.
     sd : float
-        Of either part of that, from the scatter between neighbouring samples, N/m or Pa.
+        Standard deviation of either part of that, from the scatter between neighbouring samples,
+        N/m or Pa.
     displacement, force : array, shape (n,)
         As recorded, less their mean and drift, m and N; strain and stress of a material.
     sign_reversed : bool
@@ -55,11 +56,11 @@ class HysteresisLoop:
     sign_reversed: bool = False
 
 
-def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> AmplitudeSweep:
+def compute_sweep(test: LoopRecord, machine: Machine | None = None) -> AmplitudeSweep:
     r"""Return stiffness and loss, N/m or Pa, of every steady cycle of a harmonic motion.
 
-    As :func:`steady_cycles` finds them, :math:`K^* = F_1 / X_1`. Of the `machine` the `sync` is
-    heeded.
+    As :func:`find_steady_cycles` finds them, :math:`K^* = F_1 / X_1`. Of the `machine` the `sync`
+    is heeded.
 
     Raises
     ------
@@ -68,7 +69,7 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
     """
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="recorded loops")
-    cycles = steady_cycles(test)
+    cycles = find_steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
     unit, amplitude_unit, pushed = (
         ("N/m", "m", "force") if isinstance(test, RelaxationTest) else ("Pa", "strain", "stress")
@@ -92,7 +93,7 @@ def sweep_of_loops(test: LoopRecord, machine: Machine | None = None) -> Amplitud
     )
 
 
-def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
+def find_steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
     r"""Return every cycle of a harmonic motion whose loop has closed.
 
     Cycles are cut where the displacement, less its drift, rises through its middle. Over each,
@@ -118,7 +119,7 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
             "loops need two or more at each amplitude; "
             + ("a ramp and a hold, or a creep test, is for dashpot fit" if part else _ELASTIC)
         )
-    tones, means = _tones(1 / np.diff(starts)), _means(t, signals, starts)
+    tones, means = _find_tones(1 / np.diff(starts)), _average_cycles(t, signals, starts)
     loops, last = [], np.nan
     for i, (begin, end) in enumerate(pairwise(starts.tolist())):
         in_cycle = (t >= begin) & (t < end)
@@ -131,7 +132,7 @@ def steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
         # what is higher than the first harmonic leaks into a slope fitted to one cycle
         drift = (means[:, i] - means[:, max(i - 1, 0)])[:, None] / (end - begin) * time_from_middle
         x, F = signals[:, in_cycle] - means[:, i, None] - drift
-        X1, F1 = _harmonics(time_from_middle, np.array((x, F)), 2 * np.pi * tones[i])
+        X1, F1 = _compute_harmonics(time_from_middle, np.array((x, F)), 2 * np.pi * tones[i])
         size = float(abs(X1))
         if abs(size / last - 1) <= _STEADY:
             K = complex(F1 / X1)
@@ -174,7 +175,7 @@ def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
     return longest
 
 
-def _tones(frequency: FloatArray) -> FloatArray:
+def _find_tones(frequency: FloatArray) -> FloatArray:
     """Return the frequency that each cycle was asked to have: neighbours share their median.
 
     Those of a sweep of the frequency have their own: most are far from the median.
@@ -192,7 +193,7 @@ def _tones(frequency: FloatArray) -> FloatArray:
     return values
 
 
-def _means(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray:
+def _average_cycles(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray:
     """Return mean of each signal over each cycle, shape (signals, cycles)."""
     steps = np.diff(t) * (signals[:, 1:] + signals[:, :-1]) / 2
     total = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
@@ -200,7 +201,7 @@ def _means(t: FloatArray, signals: FloatArray, starts: FloatArray) -> FloatArray
     return np.asarray(np.diff(cumulative) / np.diff(starts))
 
 
-def _harmonics(t: FloatArray, signals: FloatArray, omega: float) -> ComplexArray:
+def _compute_harmonics(t: FloatArray, signals: FloatArray, omega: float) -> ComplexArray:
     """First harmonics over one period, beside a constant."""
     A = np.column_stack((np.ones_like(t), np.cos(omega * t), -np.sin(omega * t)))
     result = np.linalg.lstsq(A, signals.T, rcond=None)[0]

@@ -71,7 +71,7 @@ def propose_amplitude(file: OpenedFile, roles: object) -> list[Question]:
     return list_unit_questions(lambda: find_amplitude_column(file), "strain")
 
 
-def over_amplitude(name: str) -> tuple[float, str]:
+def get_amplitude_factor(name: str) -> tuple[float, str]:
     """Return the factor from numbers of that name to the amplitude of a cycle, and the words.
 
     >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
@@ -151,13 +151,13 @@ def read_amplitude(
         channels_chosen = channels.with_units(file, [*roles, column])
         _, values, unit, notes = parts_of(file, channels_chosen, ratio)
         column_name = file.table.columns[column.index]
-        factor, word = over_amplitude(f"{column_name.name} {column_name.unit or ''}")
+        factor, word = get_amplitude_factor(f"{column_name.name} {column_name.unit or ''}")
         amplitude = values[column.role] / factor
         if word:
             notes.append(f"'{column_name.name}' is {word}: over {factor:.3g} it is the amplitude")
         if not np.ptp(amplitude) > 0:
             raise ReadError(f"'{column_name.name}' never changes: it is no amplitude sweep")
-        frequency = _tones(values["frequency"])
+        frequency = _find_tones(values["frequency"])
         _require_single_temperature(frequency, amplitude, values.get("temperature"))
         specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         return AmplitudeSweep(
@@ -173,7 +173,7 @@ def read_amplitude(
         )
 
 
-def _tones(frequency: FloatArray) -> FloatArray:
+def _find_tones(frequency: FloatArray) -> FloatArray:
     """Return the frequencies, each the median of those that an instrument meant to be the same."""
     if not np.all(frequency > 0):
         return frequency

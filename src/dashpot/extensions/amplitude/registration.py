@@ -40,9 +40,9 @@ EXTENSION = Extension(
     ),
     handlers={
         "fit job": {"dashpot.workflow.job:LevelJob": "dashpot.extensions.amplitude.page:fit_job"},
-        "over amplitude": {"column": "dashpot.extensions.amplitude.read:over_amplitude"},
+        "over amplitude": {"column": "dashpot.extensions.amplitude.read:get_amplitude_factor"},
         "read sweep": {
-            "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.amplitude_response:swept_part",
+            "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.amplitude_response:fit_swept_part",
         },
         "predict at levels": {
             "dashpot.workflow.job:LevelChoices": "dashpot.extensions.amplitude.level_prediction:LevelEffect",
@@ -62,10 +62,10 @@ EXTENSION = Extension(
         "roles": {"cyclic": "dashpot.extensions.amplitude.read:list_loop_roles"},
         "text": {
             "dashpot.extensions.amplitude.level_prediction:LevelPrediction": "dashpot.extensions.amplitude.level_text:prediction",
-            "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.extensions.amplitude.text:amplitude",
-            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.extensions.amplitude.text:amplitude",
-            "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.extensions.amplitude.text:amplitude",
-            "dashpot.extensions.amplitude.fit_files:AmplitudeResult": "dashpot.extensions.amplitude.text:levels",
+            "dashpot.extensions.amplitude.hits_by_amplitude:HitLevels": "dashpot.extensions.amplitude.text:render_amplitude",
+            "dashpot.extensions.amplitude.level_results:LevelFit": "dashpot.extensions.amplitude.text:render_amplitude",
+            "dashpot.extensions.amplitude.datamodel:AmplitudeFit": "dashpot.extensions.amplitude.text:render_amplitude",
+            "dashpot.extensions.amplitude.fit_files:AmplitudeResult": "dashpot.extensions.amplitude.text:render_levels",
         },
         "plot": {
             "amplitude_sweep": "dashpot.extensions.amplitude.figure:amplitude_sweep",

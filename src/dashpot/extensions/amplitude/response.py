@@ -46,7 +46,7 @@ def receptance_at_level(level_fit: LevelFit, level: float, frequency: FloatArray
 
 
 def resonance_at_level(
-    level_fit: LevelFit, level: float, *, of: Parts | None = None
+    level_fit: LevelFit, level: float, *, parts_of_model: Parts | None = None
 ) -> tuple[float, float]:
     r"""Frequency, Hz, and amplitude, m, of the largest motion under a force of that amplitude.
 
@@ -61,7 +61,7 @@ def resonance_at_level(
     level_fit : LevelFit
     level : float
         N.
-    of : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
+    parts_of_model : (GeneralizedMaxwell, tuple of Jenkins or Cubic), optional
         One of the fit's draws, in the place of the fit itself.
 
     Raises
@@ -69,7 +69,9 @@ def resonance_at_level(
     DataError
         If there is no resonance between the lines that were fitted.
     """
-    parts = (level_fit.solid, level_fit.rate_independent) if of is None else of
+    parts = (
+        (level_fit.solid, level_fit.rate_independent) if parts_of_model is None else parts_of_model
+    )
     inertia = level_fit.mass / level_fit.seals
     f = np.linspace(*level_fit.band, _LINES)
     omega = 2 * np.pi * f
@@ -134,7 +136,7 @@ def with_third_harmonic(
     omega, X : array
         rad/s and m; broadcast.
     inertia : float
-        Of one seal, kg.
+        Inertia of one seal, kg.
     """
     solid, elements = parts
     k3 = sum(element.k3 for element in elements if isinstance(element, Cubic))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.amplitude.fit_files import AmplitudeResult
 
 
-def levels(value: AmplitudeResult) -> Text:
+def render_levels(value: AmplitudeResult) -> Text:
     """Return the dependence on amplitude, and the resonance at each requested force."""
     lines = [f"  {line}" for line in value.fit._summary_lines[1:]]
     if value.loss_per_lag is not None:
@@ -53,11 +53,11 @@ def _format_small_loops(amplitude_fit: AmplitudeFit) -> list[str]:
     ]
 
 
-def amplitude(result: Any) -> Text:
+def render_amplitude(result: Any) -> Text:
     """Return the dependence on amplitude of a fit alone, as text."""
     from dashpot.extensions.amplitude.fit_files import AmplitudeResult  # with the numbers
 
-    return levels(AmplitudeResult(result, (), result.checks, ()))
+    return render_levels(AmplitudeResult(result, (), result.checks, ()))
 
 
 _HARMONIC = 1e-4

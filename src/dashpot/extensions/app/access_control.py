@@ -17,13 +17,13 @@ Send = Callable[[Message], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 COOKIE = "dashpot-{port}"
-"""Of one server: a browser shares cookies among the ports of a host."""
-POLICY = (
+"""Name of the cookie of one server: a browser shares cookies among the ports of a host."""
+SECURITY_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 _HEADERS = (
-    (b"content-security-policy", POLICY.encode()),
+    (b"content-security-policy", SECURITY_POLICY.encode()),
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
     (b"cross-origin-opener-policy", b"same-origin"),
@@ -80,21 +80,21 @@ class Guard:
         if headers.get("host") not in self._hosts:
             return "this page is served under 127.0.0.1 alone"
         origin = headers.get("origin")
-        if origin is not None and _host_of(origin) not in self._hosts:
+        if origin is not None and _get_host(origin) not in self._hosts:
             return "this request comes from another page"
-        value = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
-        if scope["path"] == "/" and value:
-            return "" if self._is_valid_token(value) else "the token is not this server's"
-        text = dict(
+        token = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+        if scope["path"] == "/" and token:
+            return "" if self._is_valid_token(token) else "the token is not this server's"
+        cookie = dict(
             part.strip().partition("=")[::2] for part in headers.get("cookie", "").split(";")
         ).get(self._cookie, "")
-        return "" if self._is_valid_token(text) else "open the address that 'dashpot app' printed"
+        return "" if self._is_valid_token(cookie) else "open the address that 'dashpot app' printed"
 
     def _is_valid_token(self, token: str) -> bool:
         return hmac.compare_digest(token.encode(), self.token.encode())
 
 
-def _host_of(origin: str) -> str:
+def _get_host(origin: str) -> str:
     """Return host and port of an origin; of what is no address nothing, which is no host here."""
     try:
         return urlsplit(origin).netloc
@@ -111,7 +111,9 @@ def _add_security_headers(send: Send) -> Send:
     return send_with_headers
 
 
-async def _send_text(send: Send, status: int, text: str, *more: tuple[bytes, bytes]) -> None:
-    headers = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS, *more]
+async def _send_text(
+    send: Send, status: int, text: str, *extra_headers: tuple[bytes, bytes]
+) -> None:
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), *_HEADERS, *extra_headers]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": text.encode()})

@@ -11,10 +11,10 @@ from dashpot import plot
 from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import view_models, wire_format
-from dashpot.extensions.app.command_lines import line
+from dashpot.extensions.app.command_lines import format_job_command
 from dashpot.extensions.app.figure_cards import make_figure_cards
 from dashpot.extensions.app.limits_panel import judge_limits
-from dashpot.extensions.app.request_parsing import build_from_request, sizes_of
+from dashpot.extensions.app.request_parsing import build_from_request, get_panel_sizes
 from dashpot.plot.picture import Picture
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import kind_page
@@ -40,32 +40,34 @@ def _fit_and_plot(job: Job) -> tuple[Fit, Picture]:
 
 def _parse_request(request: Mapping[str, Any], folder: Path) -> Job:
     """File, options, arms and temperature of a request."""
-    warmth = request.get("temperature")
+    temperature = request.get("temperature")
     options = {
         "relaxation": request.get("file"),
         "reading": request.get("options", {}),
         "arms": request.get("arms"),
-        "temperatures": [warmth] if warmth else [],
+        "temperatures": [temperature] if temperature else [],
     }
     return build_from_request(Job, options, folder)
 
 
-def bench(request: Mapping[str, Any], folder: Path) -> bytes:
+def fit_bench_test(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of one such file: verdict, solid, checks, figures, and the command that gives it."""
     job = _parse_request(request, folder)
     fit, picture = _fit_and_plot(job)
     page = kind_page(fit)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(fit.verdict, page.indicators),
+            "verdict": view_models.render_verdict(fit.verdict, page.indicators),
             "colour": VERDICT_COLOURS[fit.verdict.use],
-            "solid": view_models.solid_table(fit),
+            "solid": view_models.render_solid(fit),
             "arms": fit.model.arms,
-            "checks": view_models.check_list(fit.checks),
-            "figures": make_figure_cards(picture, sizes_of(request).get("bench", DEFAULT_SIZE)[0]),
+            "checks": view_models.render_checks(fit.checks),
+            "figures": make_figure_cards(
+                picture, get_panel_sizes(request).get("bench", DEFAULT_SIZE)[0]
+            ),
             "facts": [list(names) for names in page.summary_line],
             "simulated": any(source.simulated for source in fit.source),
-            **judge_limits(request, folder, fit).add_to(line("fit", job)),
+            **judge_limits(request, folder, fit).add_to(format_job_command("fit", job)),
         }
     )
 

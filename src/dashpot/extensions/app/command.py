@@ -19,7 +19,7 @@ from dashpot.cli._command import group, opt, verb
 A folder is opened as the project or the lot that it is. Only this machine can
 reach the page, and only by the address printed. From elsewhere:
 ssh -L PORT:127.0.0.1:PORT. Files never leave the machine. Ctrl-C ends it.""",
-    options.files("[FILE...]", least=0),
+    options.file_argument("[FILE...]", min_count=0),
     group(
         "Server",
         opt("--port", type=click.IntRange(0, 65535), default=0, metavar="N",

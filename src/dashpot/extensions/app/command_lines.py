@@ -41,7 +41,7 @@ def note_file(part: T, name: str) -> T:
     return part
 
 
-def words_of(result: Any, *names: str) -> list[str]:
+def format_options(result: Any, *names: str) -> list[str]:
     """Return the options that say what a noun says, or these fields of it, as they are typed.
 
     Nothing of its defaults; its parts say theirs.
@@ -50,42 +50,42 @@ def words_of(result: Any, *names: str) -> list[str]:
     >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
     ['--units', 'force=N', '--text-format', 'skip=3']
     """
-    sentences: list[str] = []
+    option_words: list[str] = []
     for glob, item in getattr(result, "own", ()):
-        words = iter(words_of(item))
-        sentences += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
+        words = iter(format_options(item))
+        option_words += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
     for attribute in fields(result):
         value = getattr(result, attribute.name)
         if names and attribute.name not in names:
             continue
         if "part" in attribute.metadata and value in _part_files:
-            sentences += [f"--{attribute.name}", _part_files[value]]
+            option_words += [f"--{attribute.name}", _part_files[value]]
         elif "part" in attribute.metadata:
-            sentences += words_of(value)
+            option_words += format_options(value)
         elif value != attribute.default and attribute in iterate_option_fields(result):
             if "is_flag" in attribute.metadata:
-                sentences.append(flag_of(attribute))
+                option_words.append(flag_of(attribute))
             else:
-                sentences += [
+                option_words += [
                     word
-                    for text in texts_of(attribute, value)
+                    for text in format_values(attribute, value)
                     for word in format_command_words(attribute, text)
                 ]
-    return sentences
+    return option_words
 
 
-def texts_of(attribute: Field[Any], value: Any) -> list[str]:
+def format_values(attribute: Field[Any], value: Any) -> list[str]:
     """Return a field's value as it is typed, one text for every time."""
-    how = attribute.metadata
-    if "typed" in how:
-        return list(how["typed"](value))
-    if "ends" in how:
-        return [f"{value[0]!r}:{format_command_quantity(value[1], how['unit'])}"]
-    several = value if isinstance(value, tuple) else (value,)
-    if "unit" in how:
-        return [format_command_quantity(item, how["unit"]) for item in several]
+    metadata = attribute.metadata
+    if "typed" in metadata:
+        return list(metadata["typed"](value))
+    if "ends" in metadata:
+        return [f"{value[0]!r}:{format_command_quantity(value[1], metadata['unit'])}"]
+    values = value if isinstance(value, tuple) else (value,)
+    if "unit" in metadata:
+        return [format_command_quantity(item, metadata["unit"]) for item in values]
     return [repr(number).removesuffix(".0") if isinstance(number, float) else str(number)
-            for number in several]  # fmt: skip
+            for number in values]  # fmt: skip
 
 
 def format_command_quantity(value: float, dimension: Dimension) -> str:
@@ -100,21 +100,21 @@ def format_command_quantity(value: float, dimension: Dimension) -> str:
     ('1%', '0.3333333333333333m/m')
     """
     # behind a number the unit 1 is a digit more
-    share = dimension == "strain"
-    plain = parse_unit("m/m", dimension) if share else si_unit(dimension)
-    usual = find_unit("%" if share else get_default_unit(dimension), dimension) or plain
-    text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
-    return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"
+    is_share = dimension == "strain"
+    si = parse_unit("m/m", dimension) if is_share else si_unit(dimension)
+    display_unit = find_unit("%" if is_share else get_default_unit(dimension), dimension) or si
+    text = f"{(value - display_unit.offset) / display_unit.factor:.12g}{display_unit.word}"
+    return text if parse_quantity(text, dimension) == value else f"{value!r}{si.word}"
 
 
 # A job as the command that is typed for it, so that what a page shows can be repeated.
 
 
-FIT = "fit.json"
+FIT_FILE = "fit.json"
 """What the solid is called that one command writes and the next reads."""
 
 
-def line(command: str, job: Any) -> str:
+def format_job_command(command: str, job: Any) -> str:
     """Return ``dashpot command ...`` for a job: run where its files are, it gives its numbers.
 
     The job is a :class:`~dashpot.workflow.job.Job`, or that of a kind of tests.
@@ -123,25 +123,31 @@ def line(command: str, job: Any) -> str:
     'dashpot fit seal.csv --arms 2 --temperature 23degC'
     """
     files: list[str] = []
-    named = replace_paths(job, lambda path: Path(path).name)
-    records = [field for field in fields(named) if "argument" in field.metadata]
+    named_job = replace_paths(job, lambda path: Path(path).name)
+    records = [field for field in fields(named_job) if "argument" in field.metadata]
     for record in sorted(records, key=lambda field: int(field.metadata["argument"])):
-        value = getattr(named, record.name)
+        value = getattr(named_job, record.name)
         files += [value] if isinstance(value, str) else value
-    if isinstance(named, Job):
-        named = replace(named, reading=_merge_read_options(named), reading_impact=ReadOptions())
+    if isinstance(named_job, Job):
+        named_job = replace(
+            named_job, reading=_merge_read_options(named_job), reading_impact=ReadOptions()
+        )
         # of a hammer test alone can it be said that it is not fitted, too
-        named = named if named.impact else replace(named, joint=Job(named.relaxation).joint)
-    return shlex.join(["dashpot", command, *files, *words_of(named)])
+        named_job = (
+            named_job
+            if named_job.impact
+            else replace(named_job, joint=Job(named_job.relaxation).joint)
+        )
+    return shlex.join(["dashpot", command, *files, *format_options(named_job)])
 
 
-def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
+def format_predict_command(job: Job, frf: FRF, fit: str = FIT_FILE) -> str:
     """Return ``dashpot predict ... --base`` for the mass of a job on the solid in the file `fit`.
 
     It gives the lines of `frf`, a transmissibility, evenly spaced.
     """
     requested_job = replace(job, band=(float(frf.frequency[0]), float(frf.frequency[-1])))
-    words = words_of(requested_job, "mass", "seal_mass", "seals", "compression", "band")
+    words = format_options(requested_job, "mass", "seal_mass", "seals", "compression", "band")
     return shlex.join(["dashpot", "predict", fit, *words, "--base"])
 
 
@@ -153,14 +159,14 @@ def _merge_read_options(job: Job) -> ReadOptions:
     if not job.impact:
         return job.reading
     bench, hammer = job.reading, job.reading_impact
-    shared = ("units",) if bench.units == hammer.units else ()
-    sides = ((job.relaxation, *job.other_tests), bench), (job.impact, hammer)
+    shared_fields = ("units",) if bench.units == hammer.units else ()
+    options_by_paths = ((job.relaxation, *job.other_tests), bench), (job.impact, hammer)
     pairs = [
-        (escape(path), replace(options, own=()).drop_fields(shared))
-        for paths, options in sides
+        (escape(path), replace(options, own=()).drop_fields(shared_fields))
+        for paths, options in options_by_paths
         for path in dict.fromkeys(paths)
     ]
     return replace(
-        bench.select_fields(shared),
+        bench.select_fields(shared_fields),
         own=(*pairs, *bench.own, *hammer.own),
     )

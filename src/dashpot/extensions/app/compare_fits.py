@@ -16,7 +16,7 @@ from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import relaxation_panels, result_cache, view_models, wire_format
-from dashpot.extensions.app.request_parsing import job_of, mapping, sizes_of
+from dashpot.extensions.app.request_parsing import build_job, get_panel_sizes, require_mapping
 from dashpot.plot import relaxation
 from dashpot.plot.frf_figure import (
     Curve,
@@ -44,8 +44,8 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue, recommend_solid
 from dashpot.workflow.study import Study
 
-INKS = {"A": Pen("fit", 2.0, (7, 4)), "B": Pen("joint-ink", 2.0)}
-FACTOR = 1.5
+PENS = {"A": Pen("fit", 2.0, (7, 4)), "B": Pen("joint-ink", 2.0)}
+MULTIPLE_FROM = 1.5
 """Above which a number is so many times another, and not so many per cent more."""
 
 
@@ -73,20 +73,20 @@ class ComparedFit(NamedTuple):
         return self.recommendation.values
 
 
-def _side(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
-    options = mapping(request.get(name.lower()), name)
-    job = job_of(options.get("job"), folder)
-    study = result_cache.study(job)
+def _load_fit(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFit:
+    options = require_mapping(request.get(name.lower()), name)
+    job = build_job(options.get("job"), folder)
+    study = result_cache.get_study(job)
     if job.joint and study.joint is None:
         raise DataError(f"{name} has no joint model: open a hammer test, and give the mass")
-    return ComparedFit(name, job, study, recommend_solid(study, requested=True))
+    return ComparedFit(name, job, study, recommend_solid(study, allow_rejected=True))
 
 
 def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     """Two fits: verdict of neither, figures of both, a table with their difference."""
-    a, b = (_side(name, request, folder) for name in "AB")
-    sizes = sizes_of(request)
-    rows = [*_numbers(a, b), *_arms(a.solid, b.solid)]
+    a, b = (_load_fit(name, request, folder) for name in "AB")
+    sizes = get_panel_sizes(request)
+    rows = [*_compare_numbers(a, b), *_compare_arms(a.solid, b.solid)]
     return wire_format.encode_message(
         {
             "verdict": view_models.render_template(
@@ -94,8 +94,8 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
             ),
             "colour": "open",
             "panels": {
-                "ab-frf": _responses(a, b, sizes),
-                "ab-rest": _residuals(a, b, sizes),
+                "ab-frf": _render_responses(a, b, sizes),
+                "ab-rest": _render_residuals(a, b, sizes),
             },
             "table": view_models.render_template(
                 "beside_each", rows=rows, names=(_get_source_name(a), _get_source_name(b))
@@ -131,19 +131,23 @@ class ComparedValue(NamedTuple):
     group: str = ""
 
 
-def _numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
+def _compare_numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """The numbers that both have, each with what A left open of it."""
-    there = {value.quantity: value for value in b.values}
-    under = {answer.quantity for answer in a.recommendation.under_mass}
-    for item in a.values:
-        other = there.get(item.quantity)
-        if other is None:
+    values_of_b = {value.quantity: value for value in b.values}
+    mass_quantities = {answer.quantity for answer in a.recommendation.under_mass}
+    for value_of_a in a.values:
+        value_of_b = values_of_b.get(value_of_a.quantity)
+        if value_of_b is None:
             continue
-        name, unit = view_models.short_name(item), item.fact.word
-        weight = view_models.weight(a.job) if item.quantity in under else "One seal"
+        name, unit = view_models.get_short_name(value_of_a), value_of_a.fact.word
+        group = (
+            view_models.format_load(a.job) if value_of_a.quantity in mass_quantities else "One seal"
+        )
         yield ComparedValue(
-            f"{name}, {unit}" if unit else name, item.fact.cell_texts[0], other.fact.cell_texts[0],
-            _format_difference(item, other), _classify_overlap(item, other), weight,
+            f"{name}, {unit}" if unit else name, value_of_a.fact.cell_texts[0],
+            value_of_b.fact.cell_texts[0], _format_difference(value_of_a, value_of_b),
+            _classify_overlap(value_of_a, value_of_b),
+            group,
         )  # fmt: skip
 
 
@@ -159,7 +163,7 @@ def _format_relative_difference(first: float, second: float) -> str:
     if not first:
         return ""
     ratio = second / first
-    if ratio > 0 and not 1 / FACTOR < ratio < FACTOR:
+    if ratio > 0 and not 1 / MULTIPLE_FROM < ratio < MULTIPLE_FROM:
         return f"×{round_to_error(ratio, digits=2)}"
     return percent(ratio - 1)
 
@@ -168,60 +172,73 @@ def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
     """Return whether what B says was possible by A."""
     if math.isnan(first.low) or math.isnan(first.high):
         return "A has no bound"
-    within = first.low <= second.value <= first.high
-    back = second.low <= first.value <= second.high
-    return "inside both" if within and back else "inside A's" if within else "outside A's"
+    is_in_interval_a = first.low <= second.value <= first.high
+    is_in_interval_b = second.low <= first.value <= second.high
+    return (
+        "inside both"
+        if is_in_interval_a and is_in_interval_b
+        else "inside A's"
+        if is_in_interval_a
+        else "outside A's"
+    )
 
 
-def _arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
+def _compare_arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     """Springs and arms side by side: those of one time constant, and those that one has alone."""
     entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
     group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
-        yield _pair("k∞", entries[0]["k_inf"], entries[1]["k_inf"], group)
+        yield _compare_values("k∞", entries[0]["k_inf"], entries[1]["k_inf"], group)
     if a.family != "maxwell" or b.family != "maxwell":
         return
     for i, j in match_time_constants(a.model.tau, b.model.tau):
         taus = [tau[n] for tau, n in ((a.model.tau, i), (b.model.tau, j)) if n is not None]
         name = " to ".join(dict.fromkeys(round_to_error(tau, digits=2) for tau in sorted(taus)))
-        left = None if i is None else entries[0].get(f"k_{i + 1}")
-        right = None if j is None else entries[1].get(f"k_{j + 1}")
-        yield _pair(f"arm {name} s", left, right, group)
+        arm_of_a = None if i is None else entries[0].get(f"k_{i + 1}")
+        arm_of_b = None if j is None else entries[1].get(f"k_{j + 1}")
+        yield _compare_values(f"arm {name} s", arm_of_a, arm_of_b, group)
 
 
 def match_time_constants(
-    one: tuple[float, ...], other: tuple[float, ...]
+    first: tuple[float, ...], second: tuple[float, ...]
 ) -> list[tuple[int | None, int | None]]:
     """Which time constants of two solids stand for the same, ascending; None of what has none.
 
     >>> match_time_constants((0.1, 0.5, 16.0), (0.01, 0.07, 0.5, 16.0))
     [(None, 0), (0, 1), (1, 2), (2, 3)]
     """
-    near = sorted(
-        (abs(math.log(x / y)), i, j) for i, x in enumerate(one) for j, y in enumerate(other)
+    distances = sorted(
+        (abs(math.log(x / y)), i, j) for i, x in enumerate(first) for j, y in enumerate(second)
     )
-    mates: dict[int, int] = {}
-    for value, i, j in near:
+    partners: dict[int, int] = {}
+    for value, i, j in distances:
         if (
             value < math.log(view_models.MAX_SAME_TAU_FACTOR)
-            and i not in mates
-            and j not in mates.values()
+            and i not in partners
+            and j not in partners.values()
         ):
-            mates[i] = j
-    items: list[tuple[int | None, int | None]] = [(i, mates.get(i)) for i in range(len(one))]
-    items += [(None, j) for j in range(len(other)) if j not in mates.values()]
-    return sorted(items, key=lambda pair: one[pair[0]] if pair[0] is not None else other[pair[1]])  # type: ignore[index]
+            partners[i] = j
+    pairs: list[tuple[int | None, int | None]] = [(i, partners.get(i)) for i in range(len(first))]
+    pairs += [(None, j) for j in range(len(second)) if j not in partners.values()]
+    return sorted(
+        pairs,
+        key=lambda pair: first[pair[0]] if pair[0] is not None else second[pair[1]],  # type: ignore[index]
+    )
 
 
-def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: str) -> ComparedValue:
+def _compare_values(
+    name: str, a: ReportedValue | None, b: ReportedValue | None, group: str
+) -> ComparedValue:
     if a is None or b is None:
-        single = "B's alone" if a is None else "A's alone"
-        left, right = ("none" if fact is None else fact.cell_texts[0] for fact in (a, b))
-        return ComparedValue(name, left, right, "", single, group)
+        owner = "B's alone" if a is None else "A's alone"
+        text_of_a, text_of_b = ("none" if fact is None else fact.cell_texts[0] for fact in (a, b))
+        return ComparedValue(name, text_of_a, text_of_b, "", owner, group)
     errors = [fact.error for fact in (a, b)]
-    size = math.hypot(*(error or 0.0 for error in errors))
-    certain = all(error is not None and math.isfinite(error) for error in errors) and size > 0
-    difference_in_se = f"{abs(b.value - a.value) / size:.1f} SE" if certain else ""
+    difference_se = math.hypot(*(error or 0.0 for error in errors))
+    has_error = (
+        all(error is not None and math.isfinite(error) for error in errors) and difference_se > 0
+    )
+    difference_in_se = f"{abs(b.value - a.value) / difference_se:.1f} SE" if has_error else ""
     return ComparedValue(
         name,
         a.cell_texts[0],
@@ -234,24 +251,29 @@ def _pair(name: str, a: ReportedValue | None, b: ReportedValue | None, group: st
 
 def _format_comparison(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]) -> str:
     """Return how far B is from A, in one sentence with its numbers."""
-    there = {value.quantity: value for value in b.values}
-    words = {
+    values_of_b = {value.quantity: value for value in b.values}
+    quantity_names = {
         "frequency": "frequency", "damping": "damping", "end of hold": "stiffness", "peak": "peak",
     }  # fmt: skip
-    parts = [
-        f"{words[answer.quantity]} {_format_difference(answer, there[answer.quantity])}"
+    differences = [
+        f"{quantity_names[answer.quantity]} "
+        f"{_format_difference(answer, values_of_b[answer.quantity])}"
         for answer in a.values
-        if answer.quantity in words and answer.quantity in there
+        if answer.quantity in quantity_names and answer.quantity in values_of_b
     ]
-    checked = [
+    agreements = [
         row.agreement for row in rows if "A's" in row.agreement or row.agreement == "inside both"
     ]
-    inside = sum("inside" in name for name in checked)
-    count = f" {inside} of {len(checked)} numbers lie inside what A left open." if checked else ""
-    return f"B against A: {', '.join(parts)}.{count}"
+    inside_count = sum("inside" in name for name in agreements)
+    count = (
+        f" {inside_count} of {len(agreements)} numbers lie inside what A left open."
+        if agreements
+        else ""
+    )
+    return f"B against A: {', '.join(differences)}.{count}"
 
 
-def _response(side: ComparedFit) -> Curve | None:
+def _get_response(side: ComparedFit) -> Curve | None:
     """Return what its solid predicts, with the peak that its own tab has; None without a mass."""
     study = side.study
     comparison = study.joint_comparison if study.joint is not None else study.comparison
@@ -269,10 +291,10 @@ def _response(side: ComparedFit) -> Curve | None:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
+def _render_responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     """Return both responses in one panel, and the hammer's; nothing where no mass is given."""
     limits = make_prediction_bands(a.study.frf_band if a.study.joint is None else None)[:1]
-    curves = [curve for side in (a, b) if (curve := _response(side)) is not None]
+    curves = [curve for side in (a, b) if (curve := _get_response(side)) is not None]
     if len(curves) < 2:
         return ""
     measured = next((side.study.comparison for side in (a, b) if side.study.comparison), None)
@@ -283,28 +305,28 @@ def _responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     return view_models.render_panels("ab-frf", panel, sizes, title="Accelerance, 1/kg")
 
 
-def _residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
+def _render_residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
     """Return what both leave of the hold, as means over log time since the end of the ramp."""
     marks: list[Mark] = []
     notes, spans = [], []
     for side in (a, b):
         prepared = side.ramp_hold
-        rest = relaxation_panels.upon_panels(
+        residual_panel = relaxation_panels.make_fit_panels(
             relaxation.make_plotted_fits(side.solid, (), prepared)[0], prepared
         )[2]
-        (mean,) = [mark for mark in rest.marks if isinstance(mark, Line)]
+        (mean,) = [mark for mark in residual_panel.marks if isinstance(mark, Line)]
         x, y = downsample_to_means(mean.x, mean.y, log=True)
-        marks.append(Line(x, y, INKS[side.name], side.name))
-        notes.append(f"{side.name} {rest.note}")
-        spans.append(rest.x.limits)
-        unit = rest.y.label.rpartition(", ")[2]
+        marks.append(Line(x, y, PENS[side.name], side.name))
+        notes.append(f"{side.name} {residual_panel.note}")
+        spans.append(residual_panel.x.limits)
+        unit = residual_panel.y.label.rpartition(", ")[2]
     noise = convert_to_unit(a.ramp_hold.force_noise, unit)
     rules = (Rule(noise, REF, across=True), Rule(-noise, REF, across=True)) if noise else ()
-    tops = [mark.y for mark in marks if isinstance(mark, Line)]
-    span = (min(low for low, _ in spans), max(high for _, high in spans))
+    curves = [mark.y for mark in marks if isinstance(mark, Line)]
+    time_span = (min(low for low, _ in spans), max(high for _, high in spans))
     panel = Panel(
-        Scale(relaxation.SINCE_RAMP, span, log=True),
-        Scale(f"residual, {unit}", compute_padded_limits(*tops, np.array([noise, -noise]))),
+        Scale(relaxation.SINCE_RAMP, time_span, log=True),
+        Scale(f"residual, {unit}", compute_padded_limits(*curves, np.array([noise, -noise]))),
         (*rules, *marks),
     )
     title = f"Residual of the hold, {unit}, mean"

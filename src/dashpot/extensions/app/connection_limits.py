@@ -58,8 +58,8 @@ class LimitedProtocol(H11Protocol):
         self._timer = None
         # an answer may have begun since, or the connection may be gone
         cycle = self._get_cycle()
-        awaited = cycle is None or cycle.response_complete or cycle.more_body
-        if awaited and not self.transport.is_closing():
+        is_waiting = cycle is None or cycle.response_complete or cycle.more_body
+        if is_waiting and not self.transport.is_closing():
             self.transport.close()
 
     def _cancel(self) -> None:

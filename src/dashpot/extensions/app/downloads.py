@@ -18,7 +18,12 @@ from dashpot.datamodel.fit import Fit, add_checks
 from dashpot.export import SUFFIXES, deck_for
 from dashpot.extensions.app import recent, result_cache, wire_format
 from dashpot.extensions.app.limits_panel import judge_limits
-from dashpot.extensions.app.request_parsing import deck_choices, job_of, part, word
+from dashpot.extensions.app.request_parsing import (
+    build_job,
+    build_part,
+    get_deck_options,
+    require_text,
+)
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.write import write_frf
 from dashpot.registry import require_handler
@@ -38,36 +43,40 @@ def add_verdict_checks(fit: Fit, verdict: Verdict) -> Fit:
 
 def download_file(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return a file to take away: a head with its name and kind, then its bytes."""
-    job = job_of(request.get("job"), folder)
-    what = word(request, "what")
+    job = build_job(request.get("job"), folder)
+    content_name = require_text(request, "what")
     makers: dict[str, Callable[[], tuple[str, str, str | bytes]]] = {
         "report": lambda: ("report.html", "text/html", _render_report(request, folder, job)),
-        "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
-        "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
-        "deck": lambda: _deck(request, job),
-        "picture": lambda: _picture(job),
-        "frf": lambda: ("frf.csv", "text/csv", _lines(job)),
-        "base": lambda: ("base.csv", "text/csv", write_frf(result_cache.base_motion(job).frf)),
+        "fit": lambda: ("fit.json", "application/json", to_json(_get_shown_fit(request, job))),
+        "joint": lambda: ("joint.json", "application/json", to_json(_get_joint_fit(job))),
+        "deck": lambda: _make_deck(request, job),
+        "picture": lambda: _make_picture(job),
+        "frf": lambda: ("frf.csv", "text/csv", _format_frf(job)),
+        "base": lambda: (
+            "base.csv",
+            "text/csv",
+            write_frf(result_cache.predict_base_motion(job).frf),
+        ),
         "base-json": lambda: (
             "base.json",
             "application/json",
-            json.dumps(result_cache.base_motion(job).to_dict(), indent=2, allow_nan=False),
+            json.dumps(result_cache.predict_base_motion(job).to_dict(), indent=2, allow_nan=False),
         ),
     }
-    if what not in makers:
+    if content_name not in makers:
         raise DataError(
-            f"'{what}' cannot be exported; expected one of {', '.join(map(str, makers))}"
+            f"'{content_name}' cannot be exported; expected one of {', '.join(map(str, makers))}"
         )
-    name, kind, content = makers[what]()
-    held = (
+    name, kind, content = makers[content_name]()
+    content_entry = (
         {"text": content} if isinstance(content, str) else {"base64": b64encode(content).decode()}
     )
-    return wire_format.encode_message({"name": name, "kind": kind, **held})
+    return wire_format.encode_message({"name": name, "kind": kind, **content_entry})
 
 
-def profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
+def download_profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa: ARG001
     """Answers to a file's questions, as TOML that every command reads."""
-    options = part(ReadOptions, request.get("options", {}), "options")
+    options = build_part(ReadOptions, request.get("options", {}), "options")
     return wire_format.encode_message(
         {"name": "profile.toml", "kind": "application/toml", "text": dump_profile(options)}
     )
@@ -81,7 +90,7 @@ def _render_report(request: Mapping[str, Any], folder: Path, job: Job) -> str:
     DataError
         If one of them is no limit of this study.
     """
-    study = result_cache.study(job)
+    study = result_cache.get_study(job)
     limits = judge_limits(request, folder, study)
     if limits.refusal:
         raise DataError(limits.refusal)
@@ -89,51 +98,52 @@ def _render_report(request: Mapping[str, Any], folder: Path, job: Job) -> str:
     return report_html(study, limits=limits.html)
 
 
-def _solid(request: Mapping[str, Any], job: Job) -> Fit:
+def _get_shown_fit(request: Mapping[str, Any], job: Job) -> Fit:
     """Return the solid that the page shows: of both tests, or of the relaxation test alone."""
     fit = (
-        _joint(job)
+        _get_joint_fit(job)
         if request.get("joint") is True
         else result_cache.fit_job(result_cache.select_fit_choices(job), True, None)
     )
-    shown = request.get("solid", fit._identity)
-    if shown != fit._identity:
+    shown_identity = request.get("solid", fit._identity)
+    if shown_identity != fit._identity:
         raise DataError(
-            f"the page shows another model ({shown}) than its choices give ({fit._identity}): "
+            f"the page shows another model ({shown_identity}) than its choices give "
+            f"({fit._identity}): "
             "wait until it is judged"
         )
     return fit
 
 
-def _joint(job: Job) -> Fit:
-    fit = result_cache.study(job).joint
+def _get_joint_fit(job: Job) -> Fit:
+    fit = result_cache.get_study(job).joint
     if fit is None:
         raise DataError("there is no joint model. Open a hammer test and fit both")
     return fit
 
 
-def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str | bytes]:
+def _make_deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str | bytes]:
     target = str(request.get("target"))
-    solid = add_verdict_checks(_solid(request, job), result_cache.study(job).verdict)
+    solid = add_verdict_checks(_get_shown_fit(request, job), result_cache.get_study(job).verdict)
     deck = deck_for(
         target,
         solid,
         units=request.get("units", "mm-t-s"),
         allow=("all",) if request.get("anyway") is True else (),
-        **deck_choices(request),
+        **get_deck_options(request),
     )
     kind = "text/plain" if deck.printable else "application/octet-stream"
     return f"{target}.{SUFFIXES[target]}", kind, deck.file_content
 
 
-def _picture(job: Job) -> tuple[str, str, str]:
-    study = result_cache.study(job)
+def _make_picture(job: Job) -> tuple[str, str, str]:
+    study = result_cache.get_study(job)
     hero = replace(plot.hero(study), stamp=stamp(study))
     return "seal.svg", "image/svg+xml", plot.to_svg(hero)
 
 
-def _lines(job: Job) -> str:
-    study = result_cache.study(job)
+def _format_frf(job: Job) -> str:
+    study = result_cache.get_study(job)
     if study.prediction is None:
         raise DataError("no mass is given, so there is no response to export")
     rows = ["frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"]
@@ -142,15 +152,15 @@ def _lines(job: Job) -> str:
     return "\n".join([*rows, ""])
 
 
-def project(request: Mapping[str, Any], folder: Path) -> bytes:
+def keep_project(request: Mapping[str, Any], folder: Path) -> bytes:
     """Keep raw files, results and history in a project folder."""
-    job = job_of(request.get("job"), folder)
-    place = request.get("folder")
-    if not isinstance(place, str) or not place.strip():
+    job = build_job(request.get("job"), folder)
+    project_folder = request.get("folder")
+    if not isinstance(project_folder, str) or not project_folder.strip():
         raise DataError("no folder is named: type where the project is to be kept")
     keep = require_handler("keep", "project")
-    _, page, home = keep(Path(place).expanduser(), job, page=report_html)
-    recent.remember(home.folder)
+    _, page, kept_project = keep(Path(project_folder).expanduser(), job, page=report_html)
+    recent.add_recent_folder(kept_project.folder)
     return wire_format.encode_message(
-        {"folder": str(home.folder), "report": str(page), "head": home.head}
+        {"folder": str(kept_project.folder), "report": str(page), "head": kept_project.head}
     )

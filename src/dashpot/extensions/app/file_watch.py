@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.app.upload_store import LIMIT, Store, get_file_stamp, path_in
+from dashpot.extensions.app.upload_store import MAX_FILE_BYTES, Store, find_file, get_file_stamp
 
 
 class FileWatch:
@@ -42,13 +42,13 @@ class FileWatch:
 
     def _is_stored(self, identity: str) -> bool:
         try:
-            path_in(self._store.folder, identity)
+            find_file(self._store.folder, identity)
         except ReadError:
             return False
         return True
 
     def _inspect_file(self, identity: str) -> dict[str, Any]:
-        stored_path = path_in(self._store.folder, identity)
+        stored_path = find_file(self._store.folder, identity)
         read_at = datetime.fromtimestamp(stored_path.stat().st_mtime, UTC).isoformat(
             timespec="seconds"
         )
@@ -70,7 +70,7 @@ class FileWatch:
         self._seen[identity] = now
         if not is_settled:
             return row | {"state": "writing"}
-        if path.stat().st_size > LIMIT:
+        if path.stat().st_size > MAX_FILE_BYTES:
             return row | {"state": "gone"}
         name = self._store.put_file(path)
         if identity.startswith(name):  # touched, and the same

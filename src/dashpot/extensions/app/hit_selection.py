@@ -51,15 +51,16 @@ class HitSelection(NamedTuple):
         if not self.deviations:
             return "" if len(self.keep) >= LEAST_HITS else "Record at least three hits that pass."
         largest = max(self.deviations[name] for name in self.keep)
-        within = f"about the resonance by at most {_format_deviation(largest)}"
+        distance_text = f"about the resonance by at most {_format_deviation(largest)}"
         if not self.drop:
-            return f"Keep all {len(self.keep)}: each differs from the others {within}."
+            return f"Keep all {len(self.keep)}: each differs from the others {distance_text}."
         dropped = ", ".join(
             f"{name} by {_format_deviation(self.deviations[name])}" for name in self.drop
         )
         word = "hit" if len(self.drop) == 1 else "hits"
         return (
-            f"Keep {', '.join(self.keep)}: each differs from the others {within}, {word} {dropped}."
+            f"Keep {', '.join(self.keep)}: each differs from the others {distance_text}, "
+            f"{word} {dropped}."
         )
 
 
@@ -79,53 +80,54 @@ def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> d
         By which they were averaged.
     """
     names = [hit.name for hit in frf.hits]
-    single: dict[str, FRF] = {}
+    single_frfs: dict[str, FRF] = {}
     polarity = choices.polarity or (1,) * len(impact.acceleration)
     for name in names[:MOST_HITS]:
-        others = tuple(other for other in names if other != name)
-        single_choices = replace(choices, accept=(name,), reject=others)
+        other_names = tuple(other for other in names if other != name)
+        single_choices = replace(choices, accept=(name,), reject=other_names)
         # one hit may be too soft to show the polarity of its accelerometers
         for item in (single_choices, replace(single_choices, polarity=polarity)):
             with suppress(DashpotError):
-                single[name] = average(impact, choices=item)
+                single_frfs[name] = average(impact, choices=item)
                 break
-    return single
+    return single_frfs
 
 
-def propose_hits(frf: FRF, single: Mapping[str, FRF]) -> HitSelection:
+def propose_hits(frf: FRF, single_frfs: Mapping[str, FRF]) -> HitSelection:
     """Return which of the accepted hits to keep.
 
     Parameters
     ----------
     frf : FRF
         The average: its accepted hits, and where its peak lies.
-    single : mapping of str to FRF
-        Of each hit, on the same lines.
+    single_frfs : mapping of str to FRF
+        FRF of each hit, on the same lines.
     """
     accepted = tuple(hit.name for hit in frf.hits if hit.accepted)
-    names = [name for name in accepted if name in single]
+    names = [name for name in accepted if name in single_frfs]
     if len(names) < LEAST_HITS:
         return HitSelection(accepted, (), {})
     peak = find_peak(frf).frequency
     # a softer blow reaches less far: only lines that all of them have are compared
-    ends = [peak * BAND_RATIO, *(float(single[name].frequency[-1]) for name in names)]
-    is_near = (frf.frequency > peak / BAND_RATIO) & (frf.frequency < min(ends))
+    upper_limits = [peak * BAND_RATIO, *(float(single_frfs[name].frequency[-1]) for name in names)]
+    is_near = (frf.frequency > peak / BAND_RATIO) & (frf.frequency < min(upper_limits))
     lines, average_value = frf.frequency[is_near], frf.value[is_near]
-    rows = {
-        name: _align_phase(_interpolate_lines(single[name], lines), average_value) for name in names
+    aligned_frfs = {
+        name: _align_phase(_interpolate_lines(single_frfs[name], lines), average_value)
+        for name in names
     }
-    deviations = {name: _compute_deviation(rows, name, names) for name in names}
+    deviations = {name: _compute_deviation(aligned_frfs, name, names) for name in names}
     keep = list(names)
     while len(keep) > LEAST_HITS:
-        now = {name: _compute_deviation(rows, name, keep) for name in keep}
-        worst = max(now, key=lambda name: now[name])
-        if now[worst] <= max(
-            DEVIATION_RATIO * float(np.median(list(now.values()))), LEAST_DEVIATION
+        current_deviations = {name: _compute_deviation(aligned_frfs, name, keep) for name in keep}
+        worst = max(current_deviations, key=lambda name: current_deviations[name])
+        if current_deviations[worst] <= max(
+            DEVIATION_RATIO * float(np.median(list(current_deviations.values()))), LEAST_DEVIATION
         ):
             break
-        deviations[worst] = now[worst]
+        deviations[worst] = current_deviations[worst]
         keep.remove(worst)
-    deviations |= {name: _compute_deviation(rows, name, keep) for name in keep}
+    deviations |= {name: _compute_deviation(aligned_frfs, name, keep) for name in keep}
     drop = tuple(name for name in names if name not in keep)
     return HitSelection(tuple(name for name in accepted if name not in drop), drop, deviations)
 
@@ -141,7 +143,9 @@ def _align_phase(value: ComplexArray, average_value: ComplexArray) -> ComplexArr
     return -value if np.vdot(average_value, value).real < 0 else value
 
 
-def _compute_deviation(rows: Mapping[str, ComplexArray], name: str, among: Sequence[str]) -> float:
-    others = np.array([rows[other] for other in among if other != name])
-    middle = np.median(others.real, axis=0) + 1j * np.median(others.imag, axis=0)
-    return float(np.linalg.norm(rows[name] - middle) / np.linalg.norm(middle))
+def _compute_deviation(
+    aligned_frfs: Mapping[str, ComplexArray], name: str, compared_names: Sequence[str]
+) -> float:
+    other_frfs = np.array([aligned_frfs[other] for other in compared_names if other != name])
+    median_frf = np.median(other_frfs.real, axis=0) + 1j * np.median(other_frfs.imag, axis=0)
+    return float(np.linalg.norm(aligned_frfs[name] - median_frf) / np.linalg.norm(median_frf))

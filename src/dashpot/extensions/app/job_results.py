@@ -10,15 +10,15 @@ from typing import Any
 from dashpot.base.errors import DataError
 from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.bench_tests import DEFAULT_SIZE, MAX_CACHED
-from dashpot.extensions.app.command_lines import line
+from dashpot.extensions.app.command_lines import format_job_command
 from dashpot.extensions.app.figure_cards import draw_cards
 from dashpot.extensions.app.limits_panel import judge_limits
-from dashpot.extensions.app.request_parsing import build_from_request, get_list, sizes_of
-from dashpot.extensions.app.upload_store import path_in
+from dashpot.extensions.app.request_parsing import build_from_request, get_list, get_panel_sizes
+from dashpot.extensions.app.upload_store import find_file
 from dashpot.registry import find_handler, require_handler
 from dashpot.report.first_screen import Light
 from dashpot.report.page_frame import VERDICT_COLOURS
-from dashpot.report.result_page import JobPage, kind_page, text_of
+from dashpot.report.result_page import JobPage, format_json, kind_page
 from dashpot.workflow.job import LevelJob
 
 
@@ -42,7 +42,7 @@ def _parse_level_job(request: Mapping[str, Any], folder: Path) -> LevelJob:
 def _parse_modes_job(request: Mapping[str, Any], folder: Path) -> Any:
     for file, mass in zip(get_list(request, "files"), get_list(request, "masses"), strict=False):
         if not mass:
-            name = path_in(folder, file).name
+            name = find_file(folder, file).name
             raise DataError(f"{name}: say which mass was on the seals, such as 104 g")
     return build_from_request(find_handler("job", "modes"), request, folder)
 
@@ -56,22 +56,22 @@ def _build_message(
 ) -> bytes:
     """Verdict, numbers, checks, figures, what else there is, and the command that gives it."""
     result, page = _fit_job(job)
-    terms = [view_models.term(fact) for fact in page.facts]
+    terms = [view_models.make_term(fact) for fact in page.facts]
     message = {
-        "verdict": view_models.verdict(result.verdict, indicators),
+        "verdict": view_models.render_verdict(result.verdict, indicators),
         "colour": VERDICT_COLOURS[result.verdict.use],
-        "solid": view_models.term_table(page.title, terms, page.note),
+        "solid": view_models.render_terms(page.title, terms, page.note),
         "arms": "",
-        "checks": view_models.check_list(result.checks),
-        "figures": draw_cards(page.cards, sizes_of(request).get("bench", DEFAULT_SIZE)[0]),
+        "checks": view_models.render_checks(result.checks),
+        "figures": draw_cards(page.cards, get_panel_sizes(request).get("bench", DEFAULT_SIZE)[0]),
         **others,
         "simulated": any(source.simulated for source in page.sources),
-        **judge_limits(request, folder, result).add_to(line("fit", job)),
+        **judge_limits(request, folder, result).add_to(format_job_command("fit", job)),
     }
     return wire_format.encode_message(message)
 
 
-def level(request: Mapping[str, Any], folder: Path) -> bytes:
+def fit_levels(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the fit of tests at several amplitudes, with its lights and the line of facts."""
     job = _parse_level_job(request, folder)
     page = kind_page(_fit_job(job)[0])
@@ -80,7 +80,7 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def modes(request: Mapping[str, Any], folder: Path) -> bytes:
+def find_modes(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the modes of FRFs: of points of one structure, or under several masses on one seal."""
     return _build_message(_parse_modes_job(request, folder), request, folder, ())
 
@@ -97,5 +97,5 @@ def download_modes(request: Mapping[str, Any], folder: Path) -> bytes:
 
 def _build_download(name: str, job: Any, request: Mapping[str, Any], folder: Path) -> bytes:
     result, _ = _fit_job(job)
-    text = judge_limits(request, folder, result).render_document(text_of(result))
+    text = judge_limits(request, folder, result).render_document(format_json(result))
     return wire_format.encode_message({"name": name, "kind": "application/json", "text": text})

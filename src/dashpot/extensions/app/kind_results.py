@@ -20,15 +20,20 @@ from dashpot.base.progress import send_progress
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.app import result_cache, view_models, wire_format
 from dashpot.extensions.app.bench_tests import DEFAULT_SIZE, MAX_CACHED
-from dashpot.extensions.app.command_lines import words_of
+from dashpot.extensions.app.command_lines import format_options
 from dashpot.extensions.app.figure_cards import draw_cards, make_figure_cards
 from dashpot.extensions.app.limits_panel import judge_limits
-from dashpot.extensions.app.request_parsing import get_list, mapping, part, sizes_of
-from dashpot.extensions.app.upload_store import path_in
+from dashpot.extensions.app.request_parsing import (
+    build_part,
+    get_list,
+    get_panel_sizes,
+    require_mapping,
+)
+from dashpot.extensions.app.upload_store import find_file
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import KINDS, asks_of, find_handler, load_object
 from dashpot.report.page_frame import VERDICT_COLOURS
-from dashpot.report.result_page import KindPage, kind_page, text_of
+from dashpot.report.result_page import KindPage, format_json, kind_page
 from dashpot.workflow.job import Job
 
 
@@ -45,27 +50,28 @@ class KindRequest:
 
 def read_form(asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
     """Return the fields as they were typed; those not asked, and empty ones, are left out."""
-    of = {form_field.name: form_field for form_field in asks}
-    stated = ((name, of[name.split(" ")[0]].read(text)) for name, text in fields.items()
-            if name.split(" ")[0] in of)  # fmt: skip
-    return FormData(asks, tuple(sorted((name, text) for name, text in stated if text)))
+    fields_by_name = {form_field.name: form_field for form_field in asks}
+    typed_values = ((name, fields_by_name[name.split(" ")[0]].read(text)) for name,
+    text in fields.items()
+            if name.split(" ")[0] in fields_by_name)  # fmt: skip
+    return FormData(asks, tuple(sorted((name, text) for name, text in typed_values if text)))
 
 
 def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
-    files = tuple(str(path_in(folder, item)) for item in get_list(request, "files"))
+    files = tuple(str(find_file(folder, item)) for item in get_list(request, "files"))
     if not files:
         raise DataError("no file of this kind is open: open one first")
-    kind, stated = str(request.get("kind", "")), {}
-    for name, text in mapping(request.get("said", {}), "said").items():
+    kind, typed_fields = str(request.get("kind", "")), {}
+    for name, text in require_mapping(request.get("said", {}), "said").items():
         if not isinstance(text, str):
             raise DataError(f"{name} = {text!r}; expected a text")
-        stated[str(name)] = text
-    row, test = KINDS.get(kind), request.get("test")
+        typed_fields[str(name)] = text
+    kind_of_test, test_identity = KINDS.get(kind), request.get("test")
     return KindRequest(
-        kind, files[:1] if row is not None and row.takes_one_file else files,
-        read_form(asks_of(kind), stated),
-        part(ReadOptions, request.get("options", {}), "options"),
-        str(path_in(folder, test)) if test else "",
+        kind, files[:1] if kind_of_test is not None and kind_of_test.takes_one_file else files,
+        read_form(asks_of(kind), typed_fields),
+        build_part(ReadOptions, request.get("options", {}), "options"),
+        str(find_file(folder, test_identity)) if test_identity else "",
     )  # fmt: skip
 
 
@@ -107,23 +113,23 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     kind_request = _parse_request(request, folder)
     result, page = _fit_with_page(kind_request)
     verdict = result.verdict
-    width = sizes_of(request).get("bench", DEFAULT_SIZE)[0]
+    width = get_panel_sizes(request).get("bench", DEFAULT_SIZE)[0]
     list_cards = find_handler("figure cards", result)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(verdict, page.indicators),
+            "verdict": view_models.render_verdict(verdict, page.indicators),
             "colour": VERDICT_COLOURS[verdict.use],
-            "answers": view_models.groups(page.groups, page.table_title, page.note),
+            "answers": view_models.render_groups(page.groups, page.table_title, page.note),
             "solid": "",
             "arms": "",
-            "checks": view_models.check_list(result.checks),
+            "checks": view_models.render_checks(result.checks),
             "figures": make_figure_cards(page.picture, width)
             if list_cards is None
             else draw_cards(list_cards(result), width),
             "facts": [list(names) for names in page.summary_line],
             "asks": view_models.make_form_fields(asks_of(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
-            **judge_limits(request, folder, result).add_to(_line(kind_request)),
+            **judge_limits(request, folder, result).add_to(_format_command(kind_request)),
         }
     )
 
@@ -135,17 +141,17 @@ def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
     if save_file is not None:
         name, kind, text = save_file(result)
         return wire_format.encode_message({"name": name, "kind": kind, "text": text})
-    text = text_of(result) if hasattr(result, "to_dict") else json.dumps(result)
+    text = format_json(result) if hasattr(result, "to_dict") else json.dumps(result)
     text = judge_limits(request, folder, result).render_document(text)
     return wire_format.encode_message(
         {"name": f"{page.name}.json", "kind": "application/json", "text": text}
     )
 
 
-def _line(request: KindRequest) -> str:
+def _format_command(request: KindRequest) -> str:
     """Return the command that gives the same."""
     names = [Path(path).name for path in request.files]
     if find_handler("predict open files", request.kind) is not None:
         return shlex.join(["dashpot", "predict", names[0]])
-    options = [*request.form_data.options(len(names)), *words_of(request.options)]
+    options = [*request.form_data.options(len(names)), *format_options(request.options)]
     return shlex.join(["dashpot", "fit", *names, *options])

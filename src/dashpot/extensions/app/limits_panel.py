@@ -9,10 +9,10 @@ from typing import Any
 
 from dashpot.base import dataclass
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.extensions.app.request_parsing import get_list, mapping
-from dashpot.extensions.app.upload_store import path_in
+from dashpot.extensions.app.request_parsing import get_list, require_mapping
+from dashpot.extensions.app.upload_store import find_file
 from dashpot.registry import require_handler
-from dashpot.report.result_page import text_of
+from dashpot.report.result_page import format_json
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class LimitsPanel:
 
     def render_document(self, text: str) -> str:
         """Return the JSON of the result with its limits; without limits the `text` of it alone."""
-        return text if self.document is None else text_of(self.document)
+        return text if self.document is None else format_json(self.document)
 
 
 def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> LimitsPanel:
@@ -53,9 +53,9 @@ def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> Limit
 
     A limit that cannot be judged says nothing against the result.
     """
-    requested_limits = mapping(request.get("limits", {}), "limits")
+    requested_limits = require_mapping(request.get("limits", {}), "limits")
     expressions = [text.strip() for text in map(_read_text, get_list(requested_limits, "typed"))]
-    files = [path_in(folder, item) for item in get_list(requested_limits, "files")]
+    files = [find_file(folder, item) for item in get_list(requested_limits, "files")]
     expressions = [text for text in expressions if text]
     if not expressions and not files:
         return LimitsPanel()

@@ -13,7 +13,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import Driver, require_choice
-from dashpot.extensions.app.upload_store import LIMIT, Store, path_in
+from dashpot.extensions.app.upload_store import MAX_FILE_BYTES, Store, find_file
 from dashpot.plot.picture import Line, Panel, Pen, Scale
 from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.svg import strip
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 MAX_CURVE_POINTS = 2000
 """Stretches of a curve beyond which two become one."""
-_AXES = 60.0
-"""Of a drawing below and above its plot, px."""
+_AXES_HEIGHT = 60.0
+"""Height of the axes of a drawing below and above its plot, px."""
 _WIDTH_RANGE, _HEIGHT_RANGE = (240.0, 2000.0), (60.0, 600.0)
 """What a page may ask a drawing to be, px."""
 
@@ -40,35 +40,35 @@ class Trace:
 
     def add(self, time: FloatArray, value: FloatArray) -> None:
         """Take what came."""
-        came = np.concatenate([self._rest, np.column_stack([time, value])])
-        whole = len(came) // self._each * self._each
-        self._take(came[:whole].reshape(-1, self._each, 2))
-        self._rest = came[whole:]
+        samples = np.concatenate([self._rest, np.column_stack([time, value])])
+        complete_count = len(samples) // self._each * self._each
+        self._take(samples[:complete_count].reshape(-1, self._each, 2))
+        self._rest = samples[complete_count:]
         while len(self._low) > MAX_CURVE_POINTS:
-            both = np.stack([self._low, self._high], axis=1)
-            if len(both) % 2:
-                self._rest, both = np.concatenate([both[-1], self._rest]), both[:-1]
+            ends = np.stack([self._low, self._high], axis=1)
+            if len(ends) % 2:
+                self._rest, ends = np.concatenate([ends[-1], self._rest]), ends[:-1]
             self._low = self._high = np.empty((0, 2))
-            self._take(both.reshape(-1, 4, 2))
+            self._take(ends.reshape(-1, 4, 2))
             self._each *= 2
 
     def curve(self) -> tuple[FloatArray, FloatArray]:
         """Return times and values, in the order in which they came."""
         ends = [self._low, self._high]
         if len(self._rest):
-            low, high = _ends(self._rest[None, :, 1])
+            low, high = _find_extremes(self._rest[None, :, 1])
             ends += [self._rest[low], self._rest[high], self._rest[-1:]]
         points = np.unique(np.concatenate(ends), axis=0)
         return points[:, 0], points[:, 1]
 
     def _take(self, stretches: FloatArray) -> None:
         row = np.arange(len(stretches))
-        low, high = _ends(stretches[:, :, 1])
+        low, high = _find_extremes(stretches[:, :, 1])
         self._low = np.concatenate([self._low, stretches[row, low]])
         self._high = np.concatenate([self._high, stretches[row, high]])
 
 
-def _ends(values: FloatArray) -> tuple[IndexArray, IndexArray]:
+def _find_extremes(values: FloatArray) -> tuple[IndexArray, IndexArray]:
     """Return where each row is lowest and highest."""
     if not values.size:
         return np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp)
@@ -123,33 +123,35 @@ class Live:
         self._thread = threading.Thread(target=self._run, args=(recorder,), daemon=True)
         self._thread.start()
 
-    def stop(self, patience: float = 10.0) -> None:
+    def stop(self, timeout: float = 10.0) -> None:
         """End the record, and wait, so many seconds at most, until it is on the disk."""
         if self._recorder is not None:
             self._recorder.stop()
         if self._thread is not None:
-            self._thread.join(timeout=patience)
+            self._thread.join(timeout=timeout)
 
     def look(self, width: float, height: float) -> dict[str, Any]:
         """Return what there is to be seen: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:
             return {"running": False, "rows": 0, "message": "", "drawn": [], "kept": None}
-        device, running = recorder.describe(), self.running
+        description, running = recorder.describe(), self.running
         with self._lock:
             curves = [trace.curve() for trace in self._traces]
-            rows, sentences, failed, retained = self._rows, self._said, self._failed, self._kept
-        notes = device.notes if running else sentences
-        message = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
+            rows, sentences, failed, saved_file = self._rows, self._said, self._failed, self._kept
+        notes = description.notes if running else sentences
+        message = "; ".join(
+            [f"{rows} samples", description.device, *notes, *self._whereabouts(rows)]
+        )
         size = (
             min(max(width, _WIDTH_RANGE[0]), _WIDTH_RANGE[1]),
             min(max(height, _HEIGHT_RANGE[0]), _HEIGHT_RANGE[1]),
         )
-        drawings = _drawings(device.channels, curves, size)
+        drawings = _render_channels(description.channels, curves, size)
         return {
             "running": running, "rows": rows, "message": message, "failed": failed,
             "drawn": drawings,
-            "kept": None if running else retained,
+            "kept": None if running else saved_file,
         }  # fmt: skip
 
     def _whereabouts(self, rows: int) -> list[str]:
@@ -162,13 +164,13 @@ class Live:
 
     def _run(self, recorder: acquisition.Recorder) -> None:
         """Read until the end, in a thread of its own."""
-        failed, sentences, retained = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
+        failed, notes, saved_file = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
             record = require_handler("record", "file")
-            _, sentences = record(recorder, self._path, seen=self._add_block)
-            if self._path.stat().st_size <= LIMIT:
+            _, notes = record(recorder, self._path, seen=self._add_block)
+            if self._path.stat().st_size <= MAX_FILE_BYTES:
                 name = self._path.name
-                retained = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
+                saved_file = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
             else:
                 failed = f"too long for this page; fit it with: dashpot fit {self._path}"
         except (DashpotError, OSError) as error:
@@ -176,7 +178,7 @@ class Live:
         except Exception as error:  # noqa: BLE001 -- a driver of anyone's; the page must hear of it
             failed = f"a fault in the driver: {type(error).__name__}: {error}"
         with self._lock:
-            self._failed, self._said, self._kept = failed, sentences, retained
+            self._failed, self._said, self._kept = failed, notes, saved_file
 
     def _add_block(self, block: acquisition.Block) -> None:
         with self._lock:
@@ -202,28 +204,30 @@ class Live:
             return open_device(
                 str(options.get("port", "")).strip(),
                 columns=str(options.get("columns", "")).split(","),
-                baud=_number(options, "baud", 115200, int),
+                baud=_read_number(options, "baud", 115200, int),
             )
-        files = [path_in(self._store.folder, options.get("file"))] if driver == "replay" else []
-        return open_device(*files, speed=_number(options, "speed", 1.0, float))
+        files = [find_file(self._store.folder, options.get("file"))] if driver == "replay" else []
+        return open_device(*files, speed=_read_number(options, "speed", 1.0, float))
 
 
-def _number(options: Mapping[str, Any], name: str, usual: Any, kind: Callable[[Any], Any]) -> Any:
+def _read_number(
+    options: Mapping[str, Any], name: str, default: Any, convert: Callable[[Any], Any]
+) -> Any:
     try:
-        return kind(options.get(name) or usual)
+        return convert(options.get(name) or default)
     except (TypeError, ValueError):
         raise DataError(f"{name}: '{options[name]}' is no number") from None
 
 
-def _drawings(
-    names: Sequence[str], seen: Sequence[tuple[FloatArray, FloatArray]], size: tuple[float, float]
+def _render_channels(
+    names: Sequence[str], curves: Sequence[tuple[FloatArray, FloatArray]], size: tuple[float, float]
 ) -> list[dict[str, Any]]:
     """Name, last value and drawing of each channel of which there is a curve, all of one time."""
-    whole = [time for time, _ in seen if len(time) > 1]
-    span = (min(t[0] for t in whole), max(t[-1] for t in whole)) if whole else (0.0, 1.0)
+    times = [time for time, _ in curves if len(time) > 1]
+    span = (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 1.0)
     return [
         {"name": name, "now": f"{y[-1]:.4g}", "svg": _render_channel(i, name, (x, y), span, size)}
-        for i, (name, (x, y)) in enumerate(zip(names, seen, strict=True))
+        for i, (name, (x, y)) in enumerate(zip(names, curves, strict=True))
         if len(x) > 1
     ]
 
@@ -237,9 +241,9 @@ def _render_channel(
 ) -> str:
     """Return a channel as the page has it."""
     label = name.replace(" [", ", ").removesuffix("]")
-    mark, upright = (
+    mark, value_axis = (
         Line(*curve, Pen("measured", 1.2)),
         Scale(label, compute_padded_limits(curve[1])),
     )
-    panel = Panel(Scale("time, s", span), upright, (mark,), height=size[1] - _AXES)
+    panel = Panel(Scale("time, s", span), value_axis, (mark,), height=size[1] - _AXES_HEIGHT)
     return strip((panel,), name=f"live{number}", width=size[0], kind="figure")

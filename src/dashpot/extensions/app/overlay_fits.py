@@ -15,8 +15,12 @@ from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.fit import Fit, list_known_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import result_cache, view_models, wire_format
-from dashpot.extensions.app.command_lines import line, words_of
-from dashpot.extensions.app.request_parsing import get_list, job_of, sizes_of, word
+from dashpot.extensions.app.command_lines import format_job_command, format_options
+from dashpot.extensions.app.request_parsing import (
+    build_job,
+    get_list,
+    get_panel_sizes,
+)
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Scale
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
 from dashpot.plot.relaxation import SINCE_RAMP
@@ -63,37 +67,43 @@ class OverlaidRow(NamedTuple):
     verdict: str
 
 
-def overlay(request: Mapping[str, Any], folder: Path) -> bytes:
+def overlay_tests(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the figure and the table of all tests that are open, each fitted alone."""
     jobs = get_list(request, "jobs")
     if not 0 < len(jobs) <= MOST_TESTS:
         raise DataError(f"{format_count(len(jobs), 'test')}; expected 1 to {MOST_TESTS}")
     tests = [_fit_test(options, folder) for options in jobs]
-    fitted = [test for test in tests if test.fit is not None]
-    median = float(np.median([test.stiffness for test in fitted])) if fitted else float("nan")
-    sizes = sizes_of(request)
+    fitted_tests = [test for test in tests if test.fit is not None]
+    median = (
+        float(np.median([test.stiffness for test in fitted_tests]))
+        if fitted_tests
+        else float("nan")
+    )
+    sizes = get_panel_sizes(request)
     return wire_format.encode_message(
         {
             "verdict": view_models.render_template(
                 "overlaid", message=_format_message(tests, median)
             ),
             "colour": "open",
-            "panels": {"seals-hold": _render_hold_panel(fitted, sizes)} if fitted else {},
+            "panels": {"seals-hold": _render_hold_panel(fitted_tests, sizes)}
+            if fitted_tests
+            else {},
             "table": view_models.render_template(
                 "overlaid_table", rows=[_make_row(test, median) for test in tests]
             ),
             "simulated": any(
-                source.simulated for test in fitted if test.fit for source in test.fit.source
+                source.simulated for test in fitted_tests if test.fit for source in test.fit.source
             ),
-            "command": "\n".join(line("fit", test.job) for test in tests),
+            "command": "\n".join(format_job_command("fit", test.job) for test in tests),
         }
     )
 
 
 def _fit_test(options: Any, folder: Path) -> OverlaidTest:
-    job = result_cache.select_fit_choices(job_of(options, folder))
-    file, name = word(options, "relaxation"), Path(job.relaxation).name
-    selection = words_of(job.reading, "sheet", "segment")[1::2]
+    job = result_cache.select_fit_choices(build_job(options, folder))
+    file, name = require_text(options, "relaxation"), Path(job.relaxation).name
+    selection = format_options(job.reading, "sheet", "segment")[1::2]
     name = f"{name} [{','.join(selection)}]" if selection else name
     send_progress(f"fitting {name}")
     try:
@@ -122,8 +132,14 @@ def _format_message(tests: Sequence[OverlaidTest], median: float) -> str:
 
 def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) -> str:
     """Return force over depth of every test against time since the end of its ramp."""
-    order = sorted(tests, key=lambda test: test.stiffness)
-    colours = dict(zip((test.file for test in order), sequential(len(order)), strict=True))
+    tests_by_stiffness = sorted(tests, key=lambda test: test.stiffness)
+    colours = dict(
+        zip(
+            (test.file for test in tests_by_stiffness),
+            sequential(len(tests_by_stiffness)),
+            strict=True,
+        )
+    )
     marks: list[Mark] = []
     for test in tests:
         if test.prepared is None:
@@ -136,9 +152,9 @@ def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) 
         x, y = downsample_to_means(elapsed, stiffness, log=True)
         marks.append(Line(x, y, Pen(colours[test.file], 1.8), test.name))
     curves = [mark for mark in marks if isinstance(mark, Line)]
-    span = min(mark.x[0] for mark in curves), max(mark.x[-1] for mark in curves)
+    time_span = min(mark.x[0] for mark in curves), max(mark.x[-1] for mark in curves)
     panel = Panel(
-        Scale(SINCE_RAMP, (float(span[0]), float(span[1])), log=True),
+        Scale(SINCE_RAMP, (float(time_span[0]), float(time_span[1])), log=True),
         Scale("force over depth, N/mm", compute_padded_limits(*(mark.y for mark in curves))),
         tuple(marks),
     )

@@ -25,10 +25,12 @@ def fill_form(page: str) -> str:
     """Return the page with the choices of a job in their places, and what is usual as data."""
     for name in ("method", "law", "family"):
         field = _get_field(Job, name)
-        page = page.replace(f"<!-- {name} -->", _buttons(field))
+        page = page.replace(f"<!-- {name} -->", _render_buttons(field))
         page = page.replace(f"<!-- {name} says -->", escape(field.metadata["help"]))
-    listed = "".join(f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawOption))
-    page = page.replace("<!-- amplitude-law -->", listed)
+    law_options = "".join(
+        f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawOption)
+    )
+    page = page.replace("<!-- amplitude-law -->", law_options)
     return page.replace("<!-- usual -->", json.dumps(get_job_defaults()))
 
 
@@ -45,7 +47,7 @@ def _get_field(cls: type, name: str) -> Field[Any]:
     return next(field for field in iterate_option_fields(cls) if field.name == name)
 
 
-def _buttons(field: Field[Any]) -> str:
+def _render_buttons(field: Field[Any]) -> str:
     return "".join(
         f'<button data-{field.name}="{word}" aria-pressed="{str(word == field.default).lower()}">'
         f"{LABELS.get(word, word)}</button>"

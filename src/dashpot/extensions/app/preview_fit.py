@@ -23,7 +23,7 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     ----------
     test : RampHold
     fit : Fit
-        Of the same test, by arms, with a linear law.
+        Fit of the same test, by arms, with a linear law.
 
     Raises
     ------

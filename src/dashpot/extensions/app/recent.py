@@ -14,44 +14,46 @@ from dashpot.base.file_writing import write_atomic
 
 MAX_FOLDERS = 12
 """Folders of the list."""
-_LIST = "recent.json"
+_LIST_FILE = "recent.json"
 STATE_VARIABLE = "DASHPOT_STATE"
 """Name of the variable that says where the list is kept instead."""
 
 
-def recent() -> list[dict[str, Any]]:
+def list_recent_folders() -> list[dict[str, Any]]:
     """Return folders that are still there, the last one first: path, name, and when (UTC)."""
     return [entry for entry in _read_list() if Path(entry["folder"]).is_dir()]
 
 
-def remember(folder: Path) -> None:
+def add_recent_folder(folder: Path) -> None:
     """Put a folder at the head of the list; where it cannot be written nothing is kept."""
     path = str(folder.resolve())
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    retained = [entry for entry in _read_list() if entry["folder"] != path]
-    listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *retained][:MAX_FOLDERS]
+    other_entries = [entry for entry in _read_list() if entry["folder"] != path]
+    entries = [{"folder": path, "name": folder.resolve().name, "when": now}, *other_entries][
+        :MAX_FOLDERS
+    ]
     with suppress(OSError):
-        place_of(_LIST).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        write_atomic(place_of(_LIST), json.dumps(listed, indent=1).encode())
+        get_state_path(_LIST_FILE).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        write_atomic(get_state_path(_LIST_FILE), json.dumps(entries, indent=1).encode())
 
 
 def _read_list() -> list[dict[str, Any]]:
     try:
-        data = json.loads(place_of(_LIST).read_text(encoding="utf-8"))
+        data = json.loads(get_state_path(_LIST_FILE).read_text(encoding="utf-8"))
         return [{name: str(values[name]) for name in ("folder", "name", "when")} for values in data]
     except (OSError, ValueError, TypeError, KeyError):
         return []
 
 
-def place_of(name: str) -> Path:
+def get_state_path(name: str) -> Path:
     """Return where this system keeps what a program remembers of its user."""
-    stated = os.environ.get(STATE_VARIABLE)
-    if stated:
-        return Path(stated) / name
-    home = Path.home()
-    by_system = {
-        "win32": Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")),
-        "darwin": home / "Library" / "Application Support",
+    folder = os.environ.get(STATE_VARIABLE)
+    if folder:
+        return Path(folder) / name
+    home_folder = Path.home()
+    folders_by_system = {
+        "win32": Path(os.environ.get("LOCALAPPDATA", home_folder / "AppData" / "Local")),
+        "darwin": home_folder / "Library" / "Application Support",
     }
-    default_folder = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
-    return by_system.get(sys.platform, default_folder) / "dashpot" / name
+    default_folder = Path(os.environ.get("XDG_STATE_HOME") or home_folder / ".local" / "state")
+    return folders_by_system.get(sys.platform, default_folder) / "dashpot" / name

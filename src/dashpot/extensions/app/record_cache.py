@@ -16,57 +16,59 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json, to_json
 
 FOLDER = "records"
-"""Of the records, in the folder of the files; no identity of a file is called so."""
-_FEW = 8
+"""Folder of the records, in the folder of the files; no identity of a file is called so."""
+_PREVIEW_SAMPLES = 8
 _SIGNALS = ("time", "displacement", "force")
 
 
-def relaxation(path: str, *, options: ReadOptions, specimen: Specimen | None) -> RelaxationTest:
+def read_relaxation_test(
+    path: str, *, options: ReadOptions, specimen: Specimen | None
+) -> RelaxationTest:
     """Return the test in a file, as read before if any worker has.
 
     Of a specimen the temperature alone can change what a reader says.
     """
-    stated = specimen or Specimen()
-    place = _place(path, options, stated.temperature)
-    test = _load_record(place)
+    known_specimen = specimen or Specimen()
+    cache_path = _get_cache_path(path, options, known_specimen.temperature)
+    test = _load_record(cache_path)
     if test is None:
-        requested_specimen = Specimen(temperature=stated.temperature)
+        requested_specimen = Specimen(temperature=known_specimen.temperature)
         test = read_relaxation(path, options=options, specimen=requested_specimen)
-        _keep(place, test)
-    return replace(test, specimen=replace(stated, temperature=test.specimen.temperature))
+        _save_record(cache_path, test)
+    return replace(test, specimen=replace(known_specimen, temperature=test.specimen.temperature))
 
 
-def keep(path: str, reading: ReadOptions, record: RelaxationTest) -> RelaxationTest:
+def cache_record(path: str, reading: ReadOptions, record: RelaxationTest) -> RelaxationTest:
     """Return a test that was read with nothing said of its specimen, and keep it."""
-    _keep(_place(path, reading, None), record)
+    _save_record(_get_cache_path(path, reading, None), record)
     return record
 
 
-def _place(path: str, reading: ReadOptions, temperature: float | None) -> Path:
+def _get_cache_path(path: str, reading: ReadOptions, temperature: float | None) -> Path:
     key = sha256(repr((path, reading, temperature)).encode()).hexdigest()
     return Path(path).parents[1] / FOLDER / key
 
 
-def _keep(place: Path, record: RelaxationTest) -> None:
+def _save_record(cache_path: Path, record: RelaxationTest) -> None:
     """Write the signals, then the words, which say that all is there."""
-    place.parent.mkdir(exist_ok=True)
-    part = place.with_suffix(f".{os.getpid()}")
+    cache_path.parent.mkdir(exist_ok=True)
+    temporary_path = cache_path.with_suffix(f".{os.getpid()}")
     size = len(_SIGNALS), len(record.time)
-    signals = np.lib.format.open_memmap(part, mode="w+", dtype=np.float64, shape=size)
+    signals = np.lib.format.open_memmap(temporary_path, mode="w+", dtype=np.float64, shape=size)
     for row, name in zip(signals, _SIGNALS, strict=True):
         row[:] = getattr(record, name)
-    part.replace(place.with_suffix(".npy"))
+    temporary_path.replace(cache_path.with_suffix(".npy"))
     # from end to end: of a fast clock the first few are no record
-    at = np.unique(np.linspace(0, len(record.time) - 1, _FEW).astype(int))
-    few = replace(record, **{name: getattr(record, name)[at] for name in _SIGNALS})
-    part.write_text(to_json(few), encoding="utf-8")
-    part.replace(place.with_suffix(".json"))
+    kept_samples = np.unique(np.linspace(0, len(record.time) - 1, _PREVIEW_SAMPLES).astype(int))
+    preview = replace(record, **{name: getattr(record, name)[kept_samples] for name in _SIGNALS})
+    temporary_path.write_text(to_json(preview), encoding="utf-8")
+    temporary_path.replace(cache_path.with_suffix(".json"))
 
 
-def _load_record(place: Path) -> RelaxationTest | None:
-    words = place.with_suffix(".json")
-    if not words.exists():
+def _load_record(cache_path: Path) -> RelaxationTest | None:
+    preview_path = cache_path.with_suffix(".json")
+    if not preview_path.exists():
         return None
-    signals = np.load(place.with_suffix(".npy"), mmap_mode="r", allow_pickle=False)
-    few: RelaxationTest = from_json(words.read_text(encoding="utf-8"))
-    return replace(few, **dict(zip(_SIGNALS, signals, strict=True)))
+    signals = np.load(cache_path.with_suffix(".npy"), mmap_mode="r", allow_pickle=False)
+    preview: RelaxationTest = from_json(preview_path.read_text(encoding="utf-8"))
+    return replace(preview, **dict(zip(_SIGNALS, signals, strict=True)))

@@ -28,17 +28,21 @@ from dashpot.extensions.app import (
     view_models,
     wire_format,
 )
-from dashpot.extensions.app.command_lines import FIT, line, predict_command
+from dashpot.extensions.app.command_lines import (
+    FIT_FILE,
+    format_job_command,
+    format_predict_command,
+)
 from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import (
-    job_of,
-    number,
+    build_job,
+    build_part,
+    get_panel_sizes,
     parse_selection,
-    part,
-    sizes_of,
-    word,
+    require_number,
+    require_text,
 )
-from dashpot.extensions.app.upload_store import identify_specimen, path_in
+from dashpot.extensions.app.upload_store import find_file, identify_specimen
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
@@ -54,7 +58,7 @@ from dashpot.workflow.recommended_solid import recommend_solid
 from dashpot.workflow.stiffness_under_mass import family_checks, find_static_equilibrium
 from dashpot.workflow.study import Study
 
-HINT = (
+MASS_HINT = (
     "Give the test mass and the number of seals: the hammer test is then compared with the "
     "prediction of the relaxation test."
 )
@@ -66,33 +70,35 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the description of a file, and open questions on it."""
-    path = path_in(folder, request.get("file"))
-    row = _describe_by_suffix(path)
-    if row is not None:
-        return wire_format.encode_message(row)
-    options = part(ReadOptions, request.get("options", {}), "options")
+    path = find_file(folder, request.get("file"))
+    described_file = _describe_by_suffix(path)
+    if described_file is not None:
+        return wire_format.encode_message(described_file)
+    options = build_part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # the test that is read and prepared here is cached for the fit
     (inspection,) = inspect_files(
         [path],
         options=options,
-        read=lambda file: record_cache.keep(str(path), options, relaxation_in(file, Specimen())),
-        prepared=lambda *_: result_cache.prepare_job_tests(
+        read=lambda file: record_cache.cache_record(
+            str(path), options, relaxation_in(file, Specimen())
+        ),
+        prepare_test=lambda *_: result_cache.prepare_job_tests(
             result_cache.select_test_choices(job), result_cache.MAX_QUICK_SAMPLES
         )[0],
     ).files
-    head = view_models.file_row(inspection)
-    head["long"] = inspection.rows > result_cache.MAX_QUICK_SAMPLES
-    head |= _get_kind_fields(inspection.kind)
-    head["specimens"] = _list_specimens(path, inspection, options)
-    if head["mark"] != "good" or view_models.place_of(inspection) in {"", "part"}:
-        head["asked"] = view_models.render_column_questions(
+    description = view_models.file_row(inspection)
+    description["long"] = inspection.rows > result_cache.MAX_QUICK_SAMPLES
+    description |= _get_kind_fields(inspection.kind)
+    description["specimens"] = _list_specimens(path, inspection, options)
+    if description["mark"] != "good" or view_models.get_section(inspection) in {"", "part"}:
+        description["asked"] = view_models.render_column_questions(
             inspection,
             _list_unit_consequences(path, inspection, options),
             options.rate,
-            head["specimens"],
+            description["specimens"],
         )
-    return wire_format.encode_message({**head, "name": path.name})
+    return wire_format.encode_message({**description, "name": path.name})
 
 
 def _describe_by_suffix(path: Path) -> dict[str, Any] | None:
@@ -104,13 +110,17 @@ def _describe_by_suffix(path: Path) -> dict[str, Any] | None:
 
 def _get_kind_fields(kind: str) -> dict[str, Any]:
     """Return the form fields of a kind, or of its alternative kind."""
-    row = KINDS.get(kind)
-    kind_row = KINDS[row.alternative_kind] if row is not None and row.alternative_kind else row
-    if kind_row is None:
+    kind_of_test = KINDS.get(kind)
+    form_kind = (
+        KINDS[kind_of_test.alternative_kind]
+        if kind_of_test is not None and kind_of_test.alternative_kind
+        else kind_of_test
+    )
+    if form_kind is None:
         return {"asks": [], "alone": False}
     return {
-        "asks": view_models.make_form_fields(asks_of(kind_row.name)),
-        "alone": kind_row.takes_one_file,
+        "asks": view_models.make_form_fields(asks_of(form_kind.name)),
+        "alone": form_kind.takes_one_file,
     }
 
 
@@ -163,31 +173,32 @@ def _list_unit_consequences(
 
 def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the point estimate while a time limit is dragged: curves and values, no intervals."""
-    job = job_of(request.get("job"), folder)
-    dragging = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
-    _, prepared = result_cache.select_shown_test(job, dragging, result_cache.MAX_PREVIEW_SAMPLES)
-    by_eq5 = result_cache.fit_by_eq5(job, dragging, result_cache.MAX_PREVIEW_SAMPLES)
-    value = request.get("since")
-    since = None if value is None else number(value, "since")
-    shown = view_models.live_test(
-        dragging, prepared, by_eq5, unit=word(request, "unit") or "N", since=since
+    job = build_job(request.get("job"), folder)
+    preview = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
+    _, prepared = result_cache.select_shown_test(job, preview, result_cache.MAX_PREVIEW_SAMPLES)
+    by_eq5 = result_cache.fit_by_eq5(job, preview, result_cache.MAX_PREVIEW_SAMPLES)
+    origin_text = request.get("since")
+    time_origin = None if origin_text is None else require_number(origin_text, "since")
+    live_curves = view_models.compute_live_test(
+        preview, prepared, by_eq5, unit=require_text(request, "unit") or "N",
+        time_origin=time_origin
     )  # fmt: skip
-    head = {
-        "beside": shown.words,
+    message = {
+        "beside": live_curves.words,
         "time_limits": _list_time_limits(prepared),
-        "end": view_models.format_end_stiffness(dragging, prepared),
-        "left": shown.residual_note,
+        "end": view_models.format_end_stiffness(preview, prepared),
+        "left": live_curves.residual_note,
     }
-    return wire_format.encode_message(head, shown.arrays)
+    return wire_format.encode_message(message, live_curves.arrays)
 
 
 def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the recorded test, downsampled, to show while it is fitted."""
-    job = job_of(request.get("job"), folder)
+    job = build_job(request.get("job"), folder)
     max_samples = result_cache.MAX_PREVIEW_SAMPLES if request.get("quick") is True else None
     ready = result_cache.prepare_job_tests(result_cache.select_test_choices(job), max_samples)[0]
     return wire_format.encode_message(
-        {"panels": view_models.record_panels(ready, sizes_of(request))}
+        {"panels": view_models.render_record_panels(ready, get_panel_sizes(request))}
     )
 
 
@@ -196,30 +207,34 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
 
     A `quick` one uses part of the samples, as a preview.
     """
-    job = job_of(request.get("job"), folder)
-    sizes = sizes_of(request)
+    job = build_job(request.get("job"), folder)
+    sizes = get_panel_sizes(request)
     max_samples = result_cache.MAX_QUICK_SAMPLES if request.get("quick") is True else None
     fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, max_samples)
     test, prepared = result_cache.select_shown_test(job, fit, max_samples)
     by_eq5 = result_cache.fit_by_eq5(job, fit, max_samples)
     uncut_test = result_cache.prepare_uncut_test(job, prepared)
-    panels = view_models.test_panels(fit, prepared, by_eq5, sizes, uncut_test)
+    panels = view_models.render_test_panels(fit, prepared, by_eq5, sizes, uncut_test)
     checks = fit.checks
     if job.mass is not None:
         response = _predict_response(fit, job, _get_frf_kind(request), RESPONSE_LINES)
-        panels["frf"] = view_models.response_panel(
+        panels["frf"] = view_models.render_response(
             response, sizes, view_models.format_response_title(job, _get_frf_kind(request))
         )
-        on = MassOnSeals(job.mass, job.seals, job.compression)
-        checks += family_checks(fit, find_static_equilibrium(fit, on).point, on)
+        mass_on_seals = MassOnSeals(job.mass, job.seals, job.compression)
+        checks += family_checks(
+            fit, find_static_equilibrium(fit, mass_on_seals).point, mass_on_seals
+        )
     else:
-        panels["frf"] = view_models.stiffness_panel(fit, sizes)
+        panels["frf"] = view_models.render_stiffness(fit, sizes)
     return wire_format.encode_message(
         {
-            "verdict": view_models.verdict(fit.verdict, view_models.make_fit_indicators(fit)),
+            "verdict": view_models.render_verdict(
+                fit.verdict, view_models.make_fit_indicators(fit)
+            ),
             "colour": VERDICT_COLOURS[fit.verdict.use],
-            "solid": view_models.arms_table(fit),
-            "checks": view_models.check_list(checks),
+            "solid": view_models.render_arms(fit),
+            "checks": view_models.render_checks(checks),
             "beside": view_models.render_template(
                 "beside", rows=view_models.make_parameter_rows(fit, by_eq5)
             ),
@@ -233,7 +248,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
             "law": _get_law_option(fit),
             "end": view_models.format_end_stiffness(fit, prepared),
             "simulated": test.source is not None and test.source.simulated,
-            "command": line("report", job),
+            "command": format_job_command("report", job),
         }
     )
 
@@ -268,29 +283,30 @@ def _get_frf_kind(request: Mapping[str, Any]) -> Kind:
     return Kind.TRANSMISSIBILITY if request.get("base") is True else Kind.ACCELERANCE
 
 
-def _predict_response(fit: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
+def _predict_response(fit: Fit, job: Job, kind: Kind, multiples: FloatArray) -> FRF:
     """Return the response at multiples of the frequency of its peak."""
     if job.mass is None:
         raise DataError("no mass is given: state the mass on the seals, such as 104 g")
-    top = compute_peak_limit(job.seals * fit.solid.k_0, job.mass)
+    peak_limit = compute_peak_limit(job.seals * fit.solid.k_0, job.mass)
     return predict_frf(
-        fit, mass=job.mass, frequency=top * about, kind=kind, seals=job.seals,
+        fit, mass=job.mass, frequency=peak_limit * multiples, kind=kind, seals=job.seals,
         compression=job.compression,
     )  # fmt: skip
 
 
 def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the response of the mass while a parameter changes: a curve without limits."""
-    job = job_of(request.get("job"), folder)
+    job = build_job(request.get("job"), folder)
     # part of a long record suffices for a preview
     fit = result_cache.fit_job(
         result_cache.select_fit_choices(job), job.arms == "auto", result_cache.MAX_QUICK_SAMPLES
     )
-    shown = view_models.live_response(
+    live_curves = view_models.compute_live_response(
         _predict_response(fit, job, _get_frf_kind(request), LIVE_LINES)
     )
     return wire_format.encode_message(
-        {"peak": shown.words, "command": line("report", job)}, shown.arrays
+        {"peak": live_curves.words, "command": format_job_command("report", job)},
+        live_curves.arrays,
     )
 
 
@@ -298,18 +314,18 @@ def _draw_hammer(study: Study, job: Job, sizes: view_models.Sizes) -> dict[str, 
     """Return the table for the selection of hits, and their panels."""
     impact, frf = study.impact, study.measured
     if impact is None or frf is None or not frf.hits:
-        return {"hits": view_models.hit_table(impact, frf, None), "hit_panels": {}}
+        return {"hits": view_models.render_hits(impact, frf, None), "hit_panels": {}}
     selection = hammer_results.propose_selection(impact, frf, job.hammer)
-    panels = view_models.hit_panels(study, sizes)
+    panels = view_models.render_hit_panels(study, sizes)
     panels |= hammer_results.draw_hits(impact, frf, job.hammer, sizes)
-    return {"hits": view_models.hit_table(impact, frf, selection), "hit_panels": panels}
+    return {"hits": view_models.render_hits(impact, frf, selection), "hit_panels": panels}
 
 
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return a study: limits, comparison, joint model if requested, values and verdict."""
-    job = job_of(request.get("job"), folder)
-    sizes = sizes_of(request)
-    study = result_cache.study(job)
+    job = build_job(request.get("job"), folder)
+    sizes = get_panel_sizes(request)
+    study = result_cache.get_study(job)
     # without a stated mass there is no verdict on the hammer test yet
     asks_for_mass, solid = study.mass_inferred, study.joint or study.fit
     checks, verdict = (
@@ -317,32 +333,32 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         if asks_for_mass
         else (study.verdict_checks, study.verdict)
     )
-    recommendation = recommend_solid(study, requested=True)
+    recommendation = recommend_solid(study, allow_rejected=True)
     indicators = (
         view_models.make_fit_indicators(study.fit)
         if asks_for_mass
         else first_screen.make_study_indicators(study, recommendation)
     )
-    phase, title = (
+    with_phase, title = (
         request.get("phase") is True,
         view_models.format_response_title(job, _get_frf_kind(request)),
     )
     by_eq5 = study.hold_fit if solid is study.fit and solid.family == "maxwell" else None
-    head: dict[str, Any] = {
-        "verdict": view_models.verdict(
-            verdict, indicators, mass=view_models.mass_that_explains(study)
+    message: dict[str, Any] = {
+        "verdict": view_models.render_verdict(
+            verdict, indicators, mass=view_models.find_explaining_mass(study)
         ),
         "colour": VERDICT_COLOURS[verdict.use],
-        "hint": HINT if asks_for_mass else "",
+        "hint": MASS_HINT if asks_for_mass else "",
         "answers": view_models.list_values(study, recommendation),
-        "solid": view_models.arms_table(solid, single=study.fit if study.joint else None),
+        "solid": view_models.render_arms(solid, single=study.fit if study.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
-        "checks": view_models.check_list(sorted(checks, key=lambda check: not check.failed)),
+        "checks": view_models.render_checks(sorted(checks, key=lambda check: not check.failed)),
         "more": view_models.format_next_test(study, checks),
-        "frf": view_models.study_panel(study, sizes, title, phase=phase),
+        "frf": view_models.render_study_panel(study, sizes, title, with_phase=with_phase),
         **_draw_hammer(study, job, sizes),
-        "hammer": view_models.hammer_line(study),
-        "panels": view_models.test_panels(
+        "hammer": view_models.format_hammer_line(study),
+        "panels": view_models.render_test_panels(
             solid,
             study.prepared,
             by_eq5,
@@ -351,13 +367,13 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         ),
         "time_limits": _list_time_limits(study.prepared),
         "simulated": bool(find_simulated_files(study)),
-        **judge_limits(request, folder, study).add_to(line("report", job)),
+        **judge_limits(request, folder, study).add_to(format_job_command("report", job)),
     }
     if request.get("base") is True and study.mass is not None:
-        prediction, joint = result_cache.base_motion(job), study.joint is not None
-        head["frf"] = view_models.base_panel(prediction, joint, sizes, title)
+        prediction, joint = result_cache.predict_base_motion(job), study.joint is not None
+        message["frf"] = view_models.render_base_response(prediction, joint, sizes, title)
         study_job = replace(job, mass=study.mass)
-        head["command"] += "\n" + predict_command(
-            study_job, prediction.frf, "joint.json" if joint else FIT
+        message["command"] += "\n" + format_predict_command(
+            study_job, prediction.frf, "joint.json" if joint else FIT_FILE
         )
-    return wire_format.encode_message(head)
+    return wire_format.encode_message(message)

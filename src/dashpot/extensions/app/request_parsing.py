@@ -13,18 +13,18 @@ from dashpot.base.option_fields import is_path_field, require_choice
 from dashpot.base.units import convert_to_si, si_range
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.app.command_lines import note_file, texts_of
-from dashpot.extensions.app.upload_store import path_in
+from dashpot.extensions.app.command_lines import format_values, note_file
+from dashpot.extensions.app.upload_store import find_file
 from dashpot.registry import find_handler
 from dashpot.workflow.job import Job
 
 T = TypeVar("T")
 
-LARGEST = 8000.0
-"""Of a drawing, px: no screen has more."""
+MAX_SIZE = 8000.0
+"""Largest width or height of a drawing, px: no screen has more."""
 
 
-def job_of(value: object, folder: Path) -> Job:
+def build_job(value: object, folder: Path) -> Job:
     """Return the job that a page asks for: quantities as texts, files by identity.
 
     Raises
@@ -34,16 +34,17 @@ def job_of(value: object, folder: Path) -> Job:
     ReadError
         If a file is no longer there.
     """
-    options = mapping(value, "job")
-    strange = options.keys() - _names(Job)
-    if strange:
-        raise DataError(f"a job has no '{min(strange)}'")
+    options = require_mapping(value, "job")
+    unknown_options = options.keys() - _list_field_names(Job)
+    if unknown_options:
+        raise DataError(f"a job has no '{min(unknown_options)}'")
     if not options.get("relaxation"):
         raise DataError("no relaxation test is open: open one first")
-    warmth = get_list(options, "temperatures")
-    if "" in warmth:
+    temperatures = get_list(options, "temperatures")
+    if "" in temperatures:
         raise DataError(
-            f"{warmth.count('')} of {len(warmth)} tests that are fitted together has no "
+            f"{temperatures.count('')} of {len(temperatures)} tests that are fitted together has "
+            "no "
             "temperature: give every one its own, or none"
         )
     return build_from_request(Job, options, folder)
@@ -60,22 +61,24 @@ def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) 
         If a file is no longer there.
     """
     attributes = [field for field in _fields(kind) if field.name in options]
-    return kind(**{attribute.name: _value(attribute, options, folder) for attribute in attributes})
+    return kind(
+        **{attribute.name: _read_field(attribute, options, folder) for attribute in attributes}
+    )
 
 
-def _value(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
+def _read_field(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
     """Return what a field is, by what a page says: nothing, or an empty text, is the default."""
-    how, name, value = field.metadata, field.name, options[field.name]
-    if "part" in how and isinstance(value, str) and value:
-        return _read_part(how["part"], name, path_in(folder, value))
-    if "part" in how:
-        return part(how["part"], value, name)
+    metadata, name, value = field.metadata, field.name, options[field.name]
+    if "part" in metadata and isinstance(value, str) and value:
+        return _read_part(metadata["part"], name, find_file(folder, value))
+    if "part" in metadata:
+        return build_part(metadata["part"], value, name)
     if isinstance(field.default, tuple):
-        return tuple(_single(field, item, folder) for item in get_list(options, name))
+        return tuple(_read_single_value(field, item, folder) for item in get_list(options, name))
     if isinstance(field.default, bool):
         return value is True
     if value not in (None, ""):
-        return _single(field, value, folder)
+        return _read_single_value(field, value, folder)
     if field.default is MISSING:
         raise DataError(f"{name} is not given")
     return field.default
@@ -97,20 +100,24 @@ def _read_part(kind: type[T], name: str, path: Path) -> T:
     return note_file(kind(**read(str(path))), path.name)
 
 
-def _single(field: Field[Any], value: Any, folder: Path) -> Any:
-    how, name = field.metadata, field.name
+def _read_single_value(field: Field[Any], value: Any, folder: Path) -> Any:
+    metadata, name = field.metadata, field.name
     if is_path_field(field):
-        return str(path_in(folder, value))
-    if "ends" in how:
-        return _convert_value(lambda text: si_range(text, how["unit"]), value, name)
-    if "unit" in how:
-        return quantity({name: value}, name, how["unit"])
-    if "choices" in how:
-        require_choice(name, value, how["choices"])
+        return str(find_file(folder, value))
+    if "ends" in metadata:
+        return _convert_value(lambda text: si_range(text, metadata["unit"]), value, name)
+    if "unit" in metadata:
+        return read_quantity({name: value}, name, metadata["unit"])
+    if "choices" in metadata:
+        require_choice(name, value, metadata["choices"])
         return value
-    if "least" in how:
-        return arms_of(value)
-    return number(value, name) if isinstance(field.default, float) else word({name: value}, name)
+    if "least" in metadata:
+        return read_arms(value)
+    return (
+        require_number(value, name)
+        if isinstance(field.default, float)
+        else require_text({name: value}, name)
+    )
 
 
 def parse_selection(selection: str) -> dict[str, Any]:
@@ -123,49 +130,49 @@ def parse_selection(selection: str) -> dict[str, Any]:
     return {key: int(value) if key == "segment" else value for key, _, value in pairs if key}
 
 
-def page_of(job: Job) -> dict[str, Any]:
-    """Return the choices of a job as a page says them: what :func:`job_of` takes back exactly."""
-    stated = convert_to_request(job)
-    specimen = stated["specimen"]
+def describe_job(job: Job) -> dict[str, Any]:
+    """Return the choices of a job in the form that :func:`build_job` reads back exactly."""
+    fields_by_name = convert_to_request(job)
+    specimen = fields_by_name["specimen"]
     if "temperature" in specimen:
-        stated["temperatures"] = [specimen.pop("temperature")]
-    extras = ("joint", "temperatures", "reading", "reading_impact")
-    return {name: stated.pop(name) for name in extras} | {"job": stated}
+        fields_by_name["temperatures"] = [specimen.pop("temperature")]
+    separate_fields = ("joint", "temperatures", "reading", "reading_impact")
+    return {name: fields_by_name.pop(name) for name in separate_fields} | {"job": fields_by_name}
 
 
 def convert_to_request(result: Any) -> dict[str, Any]:
     """Return a value as fields of a page, without its files and without its parts' defaults."""
-    stated = {}
+    fields_by_name = {}
     for field in _fields(result):
         value = getattr(result, field.name)
         if "part" in field.metadata:
-            stated[field.name] = _get_changed_fields(value)
+            fields_by_name[field.name] = _get_changed_fields(value)
         elif not is_path_field(field) and value not in (None, ""):
-            stated[field.name] = _format_field(field, value)
-    return stated
+            fields_by_name[field.name] = _format_field(field, value)
+    return fields_by_name
 
 
 def _format_field(field: Field[Any], value: Any) -> Any:
     if "unit" not in field.metadata:
         return value
-    texts = texts_of(field, value)
+    texts = format_values(field, value)
     return texts if isinstance(value, tuple) and "ends" not in field.metadata else texts[0]
 
 
 def _get_changed_fields(result: Any) -> dict[str, Any]:
     """Return what a part of a job says that is not the default."""
-    stated = {}
+    changed_fields = {}
     for field in fields(result):
         value = getattr(result, field.name)
         if value == field.default:
             continue
-        stated[field.name] = dict(value) if field.name == "units" else value
+        changed_fields[field.name] = dict(value) if field.name == "units" else value
         if isinstance(result, Specimen | Machine):
-            stated[field.name] = _format_field(field, value)
-    return stated
+            changed_fields[field.name] = _format_field(field, value)
+    return changed_fields
 
 
-def part(kind: type[T], provided: object, name: str) -> T:
+def build_part(kind: type[T], given: object, name: str) -> T:
     """Return a part of a job; a list is a tuple, and nothing is the default.
 
     Raises
@@ -173,29 +180,32 @@ def part(kind: type[T], provided: object, name: str) -> T:
     DataError
         If it has what the part does not, or a value of the wrong kind.
     """
-    options = mapping(provided, name)
-    strange = options.keys() - _names(kind)
-    if strange:
-        raise DataError(f"{name} has no '{min(strange)}'; it has {', '.join(sorted(_names(kind)))}")
+    options = require_mapping(given, name)
+    unknown_options = options.keys() - _list_field_names(kind)
+    if unknown_options:
+        raise DataError(
+            f"{name} has no '{min(unknown_options)}'; it has "
+            f"{', '.join(sorted(_list_field_names(kind)))}"
+        )
     if options.get("calibration"):
         raise DataError("a page names no file beside those that it was given: no calibration")
-    stated = {
+    given_options = {
         key: tuple(value) if isinstance(value, list) else value
         for key, value in options.items()
         if value not in (None, "")
     }
-    return _convert_value(lambda them: kind(**them), stated, name)
+    return _convert_value(lambda them: kind(**them), given_options, name)
 
 
 def _fields(result: Any) -> tuple[Field[Any], ...]:
     return fields(result)
 
 
-def _names(kind: Any) -> set[str]:
+def _list_field_names(kind: Any) -> set[str]:
     return {field.name for field in _fields(kind)}
 
 
-def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+def get_panel_sizes(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     """Return the width and height that the page has for each panel, px.
 
     Raises
@@ -204,16 +214,16 @@ def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
         If one is no pair of numbers.
     """
     sizes = {}
-    for name, size in mapping(request.get("sizes", {}), "sizes").items():
-        certain = isinstance(size, list) and len(size) == 2
-        if not certain or not all(isinstance(item, (int, float)) for item in size):
+    for name, size in require_mapping(request.get("sizes", {}), "sizes").items():
+        is_pair = isinstance(size, list) and len(size) == 2
+        if not is_pair or not all(isinstance(item, (int, float)) for item in size):
             raise DataError(f"sizes: {name} = {size!r}; expected [width, height] in px")
-        width, height = (min(max(float(value), 0.0), LARGEST) for value in size)
+        width, height = (min(max(float(value), 0.0), MAX_SIZE) for value in size)
         sizes[name] = width, height
     return sizes
 
 
-def deck_choices(request: Mapping[str, Any]) -> dict[str, Any]:
+def get_deck_options(request: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a deck is asked for besides its target and its units; nothing of what is not.
 
     Raises
@@ -225,15 +235,15 @@ def deck_choices(request: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "form": request.get("form") or None,
         "frequency_range": _convert_value(lambda text: si_range(text, "frequency"), band, "range"),
-        "seals": number(request.get("seals", 1.0), "seals"),
-        "compression": quantity(request, "compression", "length"),
-        "modulus": quantity(request, "modulus", "stress"),
-        "bulk_modulus": quantity(request, "bulk_modulus", "stress"),
-        "mass": quantity(request, "mass", "mass"),
+        "seals": require_number(request.get("seals", 1.0), "seals"),
+        "compression": read_quantity(request, "compression", "length"),
+        "modulus": read_quantity(request, "modulus", "stress"),
+        "bulk_modulus": read_quantity(request, "bulk_modulus", "stress"),
+        "mass": read_quantity(request, "mass", "mass"),
     }
 
 
-def mapping(value: object, name: str) -> Mapping[str, Any]:
+def require_mapping(value: object, name: str) -> Mapping[str, Any]:
     """Return what must be an object.
 
     Raises
@@ -257,13 +267,13 @@ def _convert_value(make: Callable[[Any], T], value: Any, name: str) -> T:
 
 def get_list(options: Mapping[str, Any], name: str) -> list[Any]:
     """Return what must be a list; nothing is an empty one."""
-    provided = options.get(name, [])
-    if not isinstance(provided, list):
-        raise DataError(f"{name} is {type(provided).__name__}; expected a list")
-    return provided
+    value = options.get(name, [])
+    if not isinstance(value, list):
+        raise DataError(f"{name} is {type(value).__name__}; expected a list")
+    return value
 
 
-def quantity(options: Mapping[str, Any], name: str, dimension: Any) -> float | None:
+def read_quantity(options: Mapping[str, Any], name: str, dimension: Any) -> float | None:
     """Return a quantity that is typed with its unit, in SI; nothing is None."""
     value = options.get(name)
     if value in (None, ""):
@@ -273,14 +283,14 @@ def quantity(options: Mapping[str, Any], name: str, dimension: Any) -> float | N
     return convert_to_si(value, dimension)
 
 
-def number(provided: object, name: str) -> float:
+def require_number(value: object, name: str) -> float:
     """Return what must be a number."""
-    if isinstance(provided, bool) or not isinstance(provided, int | float):
-        raise DataError(f"{name} = {provided!r}; expected a number")
-    return float(provided)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise DataError(f"{name} = {value!r}; expected a number")
+    return float(value)
 
 
-def word(options: Mapping[str, Any], name: str) -> str:
+def require_text(options: Mapping[str, Any], name: str) -> str:
     """Return what must be a text; nothing is an empty one."""
     value = options.get(name)
     if value is not None and not isinstance(value, str):
@@ -288,7 +298,7 @@ def word(options: Mapping[str, Any], name: str) -> str:
     return value or ""
 
 
-def arms_of(provided: object) -> Any:
+def read_arms(value: object) -> Any:
     """Return a number of arms, or "auto".
 
     Raises
@@ -296,8 +306,6 @@ def arms_of(provided: object) -> Any:
     DataError
         If it is neither.
     """
-    if provided == "auto" or (
-        isinstance(provided, int) and not isinstance(provided, bool) and provided >= 0
-    ):
-        return provided
-    raise DataError(f"arms = {provided!r}; expected 'auto' or a whole number >= 0")
+    if value == "auto" or (isinstance(value, int) and not isinstance(value, bool) and value >= 0):
+        return value
+    raise DataError(f"arms = {value!r}; expected 'auto' or a whole number >= 0")

@@ -28,10 +28,10 @@ from dashpot.workflow.measured_frf import measured_frf, read_record
 from dashpot.workflow.study import FittedTests, Study, find_reference_test, fit_tests, run
 
 
-def deciding(job: Job, *what: str) -> Job:
+def select_options(job: Job, *stages: str) -> Job:
     """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
-    sentences = [field.name for field in fields(job) if field.metadata.get("decides") in what]
-    return Job(**{name: getattr(job, name) for name in sentences})
+    names = [field.name for field in fields(job) if field.metadata.get("decides") in stages]
+    return Job(**{name: getattr(job, name) for name in names})
 
 
 MAX_CACHED = 8
@@ -41,130 +41,140 @@ MAX_QUICK_SAMPLES = 300_000
 MAX_PREVIEW_SAMPLES = 20_000
 """Samples that are fitted while a handle is held: its curves are to follow."""
 
-test = lru_cache(MAX_CACHED)(record_cache.relaxation)
+read_test = lru_cache(MAX_CACHED)(record_cache.read_relaxation_test)
 """The relaxation test in a file."""
 
 
-def tests(job: Job) -> tuple[RelaxationTest, ...]:
+def read_tests(job: Job) -> tuple[RelaxationTest, ...]:
     """Return the tests of a job, each with its own temperature where that is said."""
     files = job.relaxation, *job.other_tests
     specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(
-        test(file, options=job.reading, specimen=specimen)
+        read_test(file, options=job.reading, specimen=specimen)
         for file, specimen in zip(files, specimens, strict=True)
     )
 
 
 @lru_cache(MAX_CACHED)
-def prepare_job_tests(job: Job, most: int | None) -> tuple[RampHold, ...]:
-    """Return the tests of a job, prepared; of each as many samples as there are, or `most`."""
-    every = tests(job)
-    if most is not None and all(len(test.time) <= most for test in every):
+def prepare_job_tests(job: Job, max_samples: int | None) -> tuple[RampHold, ...]:
+    """Return the prepared tests of a job, each of at most `max_samples`, or of all samples."""
+    full_tests = read_tests(job)
+    if max_samples is not None and all(len(test.time) <= max_samples for test in full_tests):
         return prepare_job_tests(job, None)
-    few = [downsample_test(test, most) for test in every]
+    downsampled_tests = [downsample_test(test, max_samples) for test in full_tests]
     return prepared_tests(
-        few,
-        checked=most != MAX_PREVIEW_SAMPLES,
+        downsampled_tests,
+        checked=max_samples != MAX_PREVIEW_SAMPLES,
         filter=job.filter,
         machine=job.machine,
-        time_limits=_shorten_hold(job.time_limits, every, few),
+        time_limits=_shorten_hold(job.time_limits, full_tests, downsampled_tests),
         cycle=job.reading.cycle,
     )
 
 
 def _shorten_hold(
-    limits: TimeLimits, whole: Sequence[RelaxationTest], few: Sequence[RelaxationTest]
+    limits: TimeLimits,
+    full_tests: Sequence[RelaxationTest],
+    downsampled_tests: Sequence[RelaxationTest],
 ) -> TimeLimits:
     """Return the limits with a hold that ends by the last sample of those that are left.
 
     One that ends beyond the whole record stays what it is, and is refused.
     """
-    end, last = (min(float(test.time[-1]) for test in tests) for tests in (whole, few))
-    if limits.hold_end is None or not last < limits.hold_end <= end:
+    record_end, last_sample = (
+        min(float(test.time[-1]) for test in tests) for tests in (full_tests, downsampled_tests)
+    )
+    if limits.hold_end is None or not last_sample < limits.hold_end <= record_end:
         return limits
-    return replace(limits, hold_end=last)
+    return replace(limits, hold_end=last_sample)
 
 
-def downsample_test(test: RelaxationTest, most: int | None = MAX_QUICK_SAMPLES) -> RelaxationTest:
+def downsample_test(
+    test: RelaxationTest, max_samples: int | None = MAX_QUICK_SAMPLES
+) -> RelaxationTest:
     """Return the test with every second, third ... sample, so that at most so many are left."""
-    step = 1 if most is None else -(-len(test.time) // most)
+    step = 1 if max_samples is None else -(-len(test.time) // max_samples)
     if step == 1:
         return test
-    few = {name: getattr(test, name)[::step] for name in ("time", "displacement", "force")}
-    return replace(test, **few)
+    signals = {name: getattr(test, name)[::step] for name in ("time", "displacement", "force")}
+    return replace(test, **signals)
 
 
 @lru_cache(MAX_CACHED)
-def fit_job(job: Job, intervals: bool, most: int | None) -> Fit:
+def fit_job(job: Job, intervals: bool, max_samples: int | None) -> Fit:
     """Return the fit of a job's tests; with its intervals and checks if asked for."""
     return fit(
-        prepare_job_tests(select_test_choices(job), most),
+        prepare_job_tests(select_test_choices(job), max_samples),
         **replace(job.fit_options, intervals=intervals).choices,
     )
 
 
-_before: dict[Job, Fit] = {}
-"""Of each job without its cuts, the fit of the cut before."""
+_previous_fits: dict[Job, Fit] = {}
+"""Fits: for each job without its cuts, the fit of the cut before."""
 
 
 def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
     uncut_job = replace(job, time_limits=TimeLimits())
     tests = prepare_job_tests(select_test_choices(job), MAX_PREVIEW_SAMPLES)
-    near, nearby = _before.get(uncut_job), None
-    if near is not None and len(tests) == 1 and _is_followed(near, job):
+    previous_fit, refitted = _previous_fits.get(uncut_job), None
+    if previous_fit is not None and len(tests) == 1 and _can_refit(previous_fit, job):
         with suppress(FitError):
-            nearby = refit_nearby(tests[0], near)
-    if len(_before) > MAX_CACHED:
-        _before.clear()
-    _before[uncut_job] = nearby or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
-    return _before[uncut_job]
+            refitted = refit_nearby(tests[0], previous_fit)
+    if len(_previous_fits) > MAX_CACHED:
+        _previous_fits.clear()
+    _previous_fits[uncut_job] = refitted or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
+    return _previous_fits[uncut_job]
 
 
-def _is_followed(near: Fit, job: Job) -> bool:
+def _can_refit(previous_fit: Fit, job: Job) -> bool:
     """Whether it is by the arms that are asked for, and by nothing else that a cut could change."""
-    law = near.elastic_law
-    straight = law is not None and law.kind == "linear" and near.family == "maxwell"
-    return straight and near.method == job.method and near.model.arms == job.arms
+    law = previous_fit.elastic_law
+    has_linear_law = law is not None and law.kind == "linear" and previous_fit.family == "maxwell"
+    return (
+        has_linear_law and previous_fit.method == job.method and previous_fit.model.arms == job.arms
+    )
 
 
-def fit_by_eq5(job: Job, fit: Fit, most: int | None = None) -> Fit | None:
+def fit_by_eq5(job: Job, fit: Fit, max_samples: int | None = None) -> Fit | None:
     """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
     if fit.family != "maxwell" or job.other_tests:
         return None
-    by_eq5 = replace(select_test_choices(job), arms=fit.model.arms, method="hold")
+    hold_job = replace(select_test_choices(job), arms=fit.model.arms, method="hold")
     try:
         return (
-            fit_while_dragging(by_eq5)
-            if most == MAX_PREVIEW_SAMPLES
-            else fit_job(by_eq5, False, most)
+            fit_while_dragging(hold_job)
+            if max_samples == MAX_PREVIEW_SAMPLES
+            else fit_job(hold_job, False, max_samples)
         )
     except DashpotError:
         return None
 
 
 def select_shown_test(
-    job: Job, fit: Fit, most: int | None = None
+    job: Job, fit: Fit, max_samples: int | None = None
 ) -> tuple[RelaxationTest, RampHold]:
     """Return the test that is drawn: that of the temperature of the solid."""
-    ready = prepare_job_tests(select_test_choices(job), most)
-    first = find_reference_test(fit, ready)
-    return tests(job)[first], ready[first]
+    prepared = prepare_job_tests(select_test_choices(job), max_samples)
+    test_index = find_reference_test(fit, prepared)
+    return read_tests(job)[test_index], prepared[test_index]
 
 
-def prepare_uncut_test(job: Job, prepared_one: RampHold) -> RampHold | None:
+def prepare_uncut_test(job: Job, prepared: RampHold) -> RampHold | None:
     """Return the test of a job to its last sample, for the eye, where its hold is cut by hand."""
     if job.time_limits.hold_end is None or job.other_tests:
         return None
-    uncut = replace(select_test_choices(job), time_limits=replace(job.time_limits, hold_end=None))
+    uncut_job = replace(
+        select_test_choices(job), time_limits=replace(job.time_limits, hold_end=None)
+    )
     try:
-        (record,) = prepare_job_tests(uncut, MAX_QUICK_SAMPLES)
+        (record,) = prepare_job_tests(uncut_job, MAX_QUICK_SAMPLES)
     except DashpotError:
         return None
-    return record if record.time[-1] > prepared_one.time[-1] else None
+    return record if record.time[-1] > prepared.time[-1] else None
 
 
-_fitted: dict[tuple[Any, ...], tuple[tuple[RelaxationTest, ...], FittedTests]] = {}
+_fitted_tests: dict[tuple[Any, ...], tuple[tuple[RelaxationTest, ...], FittedTests]] = {}
 """Records and what was made of them, by which they are and how they were fitted."""
 
 
@@ -177,11 +187,11 @@ def fit_study_tests(
     another.
     """
     key = (*map(id, tests), *choices, *preparation.items())
-    if key not in _fitted:
-        while len(_fitted) >= MAX_CACHED:
-            del _fitted[next(iter(_fitted))]
-        _fitted[key] = tests, fit_tests(tests, *choices, **preparation)
-    return _fitted[key][1]
+    if key not in _fitted_tests:
+        while len(_fitted_tests) >= MAX_CACHED:
+            del _fitted_tests[next(iter(_fitted_tests))]
+        _fitted_tests[key] = tests, fit_tests(tests, *choices, **preparation)
+    return _fitted_tests[key][1]
 
 
 _ANY_MASS = 1.0
@@ -220,25 +230,25 @@ def measure_hammer(
     if not isinstance(record, ImpactTest):
         return None, measured_frf(record, choices=choices, mass=mass, band=band)
     frf = _average_hits(tuple(paths), choices, options, band)
-    main = next(iter(frf.modes(band=band)), None)
-    shown = () if mass is None else (mass_shown(frf, main, mass),)
+    main_mode = next(iter(frf.modes(band=band)), None)
+    mass_checks = () if mass is None else (mass_shown(frf, main_mode, mass),)
     checks = tuple(
-        new
+        replacement
         for check in frf.checks
-        for new in (shown if check.name == "high_frequency_mass_agrees" else (check,))
+        for replacement in (mass_checks if check.name == "high_frequency_mass_agrees" else (check,))
     )
     # the modes that are kept with the FRF stay with it
     return record, replace_notes(frf, checks=checks)
 
 
 @lru_cache(MAX_CACHED)
-def study(job: Job) -> Study:
+def get_study(job: Job) -> Study:
     """Return the whole story of a job."""
-    return run(job, read=test, measure=measure_hammer, fit_once=fit_study_tests)
+    return run(job, read=read_test, measure=measure_hammer, fit_once=fit_study_tests)
 
 
 @lru_cache(MAX_CACHED)
-def base_motion(job: Job) -> Prediction:
+def predict_base_motion(job: Job) -> Prediction:
     r"""The transmissibility to the mass of a job, as ``dashpot predict FIT --base`` predicts it.
 
     By the solid of both tests where they are fitted together; where the job names no band, to
@@ -249,23 +259,23 @@ def base_motion(job: Job) -> Prediction:
     DataError
         If the mass is not known.
     """
-    new_study = study(job)
-    block = replace(job.block, mass=new_study.mass, seal_mass=None)
-    solid = new_study.joint or new_study.fit
-    top = compute_peak_limit(job.seals * solid.solid.k_0, block.weighed_mass)
+    job_study = get_study(job)
+    block = replace(job.block, mass=job_study.mass, seal_mass=None)
+    solid = job_study.joint or job_study.fit
+    peak_limit = compute_peak_limit(job.seals * solid.solid.k_0, block.weighed_mass)
     return prediction(
         solid,
         block=block,
-        band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
+        band=job.band or (float(f"{peak_limit / 5:.2g}"), float(f"{4 * peak_limit:.2g}")),
         base=True,
     )
 
 
 def select_test_choices(job: Job) -> Job:
     """Return what of a job decides the prepared test."""
-    return deciding(job, "test")
+    return select_options(job, "test")
 
 
 def select_fit_choices(job: Job) -> Job:
     """Return what of a job decides the fit of the relaxation test."""
-    return deciding(job, "test", "fit")
+    return select_options(job, "test", "fit")

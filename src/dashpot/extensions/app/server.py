@@ -55,7 +55,7 @@ MOST_CACHED = 32
 _MEDIA_TYPES = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
 _READING_REQUESTS = {"inspect", "folder", "row"}
 """Requests that read a file."""
-GRACE = 1
+CLOSING_SECONDS = 1
 """Seconds that open connections have when the server ends."""
 _CACHED_REQUESTS = {
     "settle",
@@ -88,17 +88,17 @@ class AppContext:
         self.watch = FileWatch(self.store)
         self.fresh: set[str] = set()
         self.answers: OrderedDict[str, bytes] = OrderedDict()
-        places = [Path(path) for path in files]
+        paths = [Path(path) for path in files]
         self.state: dict[str, Any] = {
             "open": [
                 {"id": self.store.put_file(place), "name": place.name}
-                for place in places
+                for place in paths
                 if not place.is_dir()
             ],
-            "folders": [str(place.resolve()) for place in places if place.is_dir()],
+            "folders": [str(place.resolve()) for place in paths if place.is_dir()],
         }
-        if not places and (remaining := session.get_saved_session()):
-            self.state["left"] = remaining
+        if not paths and (saved_session := session.get_saved_session()):
+            self.state["left"] = saved_session
 
     async def answer(self, verb: str, body: bytes) -> bytes:
         """Return the answer to a request, from the cache if there is one."""
@@ -118,8 +118,8 @@ class AppContext:
 
         Files uploaded since the page saved its state are named by none yet, and stay.
         """
-        named = json.dumps(self.state)
-        self.store.make_room(lambda identity: identity in named or identity in self.fresh)
+        state_text = json.dumps(self.state)
+        self.store.make_room(lambda identity: identity in state_text or identity in self.fresh)
 
     def cancel(self) -> bool:
         """Cancel long requests: studies, downloads, readings; return whether any ran."""
@@ -136,7 +136,7 @@ class AppContext:
 
     async def close(self) -> None:
         """End every worker, and remove the files."""
-        await asyncio.to_thread(self.live.stop, GRACE)
+        await asyncio.to_thread(self.live.stop, CLOSING_SECONDS)
         for worker in self.workers.values():
             await worker.close()
         self.store.remove()
@@ -158,8 +158,8 @@ def parse_state(body: bytes) -> dict[str, Any]:
     for name, kind in _STATE_LISTS.items():
         rows = entries.get(name, [])
         if not (isinstance(rows, list) and all(isinstance(row, kind) for row in rows)):
-            what = "texts" if kind is str else "objects"
-            raise DataError(f"the state's '{name}' is no list of {what}")
+            type_name = "texts" if kind is str else "objects"
+            raise DataError(f"the state's '{name}' is no list of {type_name}")
     return entries
 
 
@@ -248,15 +248,15 @@ def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of ro
         if request.method == "PUT":
             context.state = parse_state(await _read_body(request, MOST_STATE_BYTES))
             context.fresh.clear()
-            await asyncio.to_thread(session.keep, context.state, context.store)
+            await asyncio.to_thread(session.save_session, context.state, context.store)
         return JSONResponse(context.state)
 
     async def resume(request: Request) -> Response:
         if request.method == "DELETE":
-            session.forget()
+            session.delete_session()
             context.state.pop("left", None)
         else:
-            context.state = await asyncio.to_thread(session.resume, context.store)
+            context.state = await asyncio.to_thread(session.restore_session, context.store)
         return JSONResponse(context.state)
 
     async def sentence(_: Request, error: Exception) -> Response:
@@ -337,12 +337,12 @@ def _get_size(request: Request, name: str) -> float:
     return float(text) if text.isdecimal() else 0.0
 
 
-async def _read_body(request: Request, most: int = MOST_BYTES) -> bytes:
+async def _read_body(request: Request, max_bytes: int = MOST_BYTES) -> bytes:
     body = bytearray()
     async for block in request.stream():
         body += block
-        if len(body) > most:
-            raise TooLargeError(f"the request is larger than {most >> 20} MB")
+        if len(body) > max_bytes:
+            raise TooLargeError(f"the request is larger than {max_bytes >> 20} MB")
     return bytes(body)
 
 
@@ -412,7 +412,7 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
 
     config = uvicorn.Config(
         guarded, log_level="error", access_log=False, lifespan="on", http=LimitedProtocol,
-        timeout_graceful_shutdown=GRACE,
+        timeout_graceful_shutdown=CLOSING_SECONDS,
     )  # fmt: skip
 
     class Server(uvicorn.Server):

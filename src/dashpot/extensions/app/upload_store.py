@@ -15,15 +15,15 @@ from pathlib import Path
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import open_exclusive_lock
 
-LIMIT = 200 << 20
+MAX_FILE_BYTES = 200 << 20
 """Bytes of one file, at most."""
-TOTAL = 2 << 30
+MAX_TOTAL_BYTES = 2 << 30
 """Bytes of all files of a server, at most."""
 MAX_NAME_BYTES = 240
 """Bytes of a name, at most: its start is kept, and its end, which says the format."""
-_NAMED, _LOCK = "dashpot-", ".lock"
+_FOLDER_PREFIX, _LOCK_NAME = "dashpot-", ".lock"
 """How the folder of a server is named, and what in it says that the server lives."""
-_ID = re.compile(r"([0-9a-f]{16})(?:-[0-9a-f]{8})?")
+_IDENTITY = re.compile(r"([0-9a-f]{16})(?:-[0-9a-f]{8})?")
 """An identity; what stands behind a dash says which specimen of the file is meant."""
 _DIGITS = 16
 """Of the identity of a file."""
@@ -45,18 +45,20 @@ class Store:
     """
 
     def __init__(self, folder: str | Path | None = None) -> None:
-        self.folder = Path(folder or tempfile.mkdtemp(prefix=_NAMED))
+        self.folder = Path(folder or tempfile.mkdtemp(prefix=_FOLDER_PREFIX))
         self._held = ExitStack()
         if folder is None:
-            self._held.enter_context(open_exclusive_lock(self.folder / _LOCK, str(self.folder)))
+            self._held.enter_context(
+                open_exclusive_lock(self.folder / _LOCK_NAME, str(self.folder))
+            )
 
     async def keep(
         self,
         name: str,
         blocks: AsyncIterator[bytes],
         *,
-        limit: int = LIMIT,
-        total: int = TOTAL,
+        limit: int = MAX_FILE_BYTES,
+        total: int = MAX_TOTAL_BYTES,
         modified: float | None = None,
     ) -> str:
         """Write a file as it comes, and return its identity.
@@ -75,32 +77,33 @@ class Store:
         TooLargeError
             As soon as it is longer than `limit`, or all files than `total`; nothing of it is kept.
         """
-        named, others = plain_name(name), sum(size for _, size in self._sizes())
-        digest, size = hashlib.sha256(named.encode() + b"\0"), 0
-        with tempfile.NamedTemporaryFile(dir=self.folder, delete=False) as part:
+        file_name, other_bytes = make_safe_name(name), sum(size for _, size in self._sizes())
+        digest, size = hashlib.sha256(file_name.encode() + b"\0"), 0
+        with tempfile.NamedTemporaryFile(dir=self.folder, delete=False) as temporary_file:
             try:
                 async for block in blocks:
                     size += len(block)
                     if size > limit:
                         raise TooLargeError(
-                            f"{named} is larger than {limit >> 20} MB; read it with 'dashpot fit', "
+                            f"{file_name} is larger than {limit >> 20} MB; read it with 'dashpot "
+                            "fit', "
                             "which has no such limit"
                         )
-                    if others + size > total:
+                    if other_bytes + size > total:
                         raise TooLargeError(
                             f"the open files are larger than {total >> 20} MB together: remove "
-                            f"some, and open {named} again"
+                            f"some, and open {file_name} again"
                         )
                     digest.update(block)
-                    part.write(block)
+                    temporary_file.write(block)
             except BaseException:
-                Path(part.name).unlink(missing_ok=True)
+                Path(temporary_file.name).unlink(missing_ok=True)
                 raise
         identity = digest.hexdigest()[:16]
-        home = self.folder / identity
-        home.mkdir(exist_ok=True)
-        Path(part.name).replace(home / named)
-        _date(home / named, modified)
+        folder = self.folder / identity
+        folder.mkdir(exist_ok=True)
+        Path(temporary_file.name).replace(folder / file_name)
+        _set_modified(folder / file_name, modified)
         return identity
 
     def put(
@@ -117,17 +120,17 @@ class Store:
         `origin` is where on this machine it was read, `stamp` what :func:`get_file_stamp` said of
         it before; without one nothing is watched.
         """
-        named = plain_name(name)
-        identity = hashlib.sha256(named.encode() + b"\0" + content).hexdigest()[:16]
-        home = self.folder / identity
-        home.mkdir(exist_ok=True)
-        (home / named).write_bytes(content)
-        _date(home / named, modified)
+        file_name = make_safe_name(name)
+        identity = hashlib.sha256(file_name.encode() + b"\0" + content).hexdigest()[:16]
+        folder = self.folder / identity
+        folder.mkdir(exist_ok=True)
+        (folder / file_name).write_bytes(content)
+        _set_modified(folder / file_name, modified)
         if origin is not None and stamp is not None:
-            places = self.folder / _ORIGINS
-            places.mkdir(exist_ok=True)
-            words = json.dumps([str(origin.resolve()), stamp])
-            (places / identity).write_text(words, encoding="utf-8")
+            origins_folder = self.folder / _ORIGINS
+            origins_folder.mkdir(exist_ok=True)
+            origin_text = json.dumps([str(origin.resolve()), stamp])
+            (origins_folder / identity).write_text(origin_text, encoding="utf-8")
         return identity
 
     def put_file(self, path: Path) -> str:
@@ -141,20 +144,20 @@ class Store:
     def get_origin(self, identity: str) -> tuple[Path, tuple[int, ...]] | None:
         """Return where a file was read and its stamp then; None of one that a page sent."""
         try:
-            words = (self.folder / _ORIGINS / identity[:_DIGITS]).read_text(encoding="utf-8")
+            origin_text = (self.folder / _ORIGINS / identity[:_DIGITS]).read_text(encoding="utf-8")
         except FileNotFoundError:
             return None
-        path, stamp = json.loads(words)
+        path, stamp = json.loads(origin_text)
         return Path(path), tuple(stamp)
 
     def _sizes(self) -> list[tuple[Path, int]]:
         """Return each file with its bytes, the oldest first."""
-        paths = [path for home in self.folder.iterdir() if _ID.fullmatch(home.name)
+        paths = [path for home in self.folder.iterdir() if _IDENTITY.fullmatch(home.name)
                  for path in home.iterdir()]  # fmt: skip
         paths.sort(key=lambda path: path.parent.stat().st_mtime)
         return [(path, path.stat().st_size) for path in paths]
 
-    def make_room(self, is_wanted: Callable[[str], bool], *, total: int = TOTAL) -> None:
+    def make_room(self, is_wanted: Callable[[str], bool], *, total: int = MAX_TOTAL_BYTES) -> None:
         """Remove the oldest files that are not wanted until half of `total` is free."""
         files = self._sizes()
         used = sum(size for _, size in files)
@@ -177,13 +180,13 @@ def get_file_stamp(path: Path) -> tuple[int, ...] | None:
     The time of the directory entry cannot be set back, as that of the contents can.
     """
     try:
-        about = path.stat()
+        status = path.stat()
     except OSError:
         return None
-    return about.st_size, about.st_mtime_ns, about.st_ctime_ns, about.st_ino
+    return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
 
-def _date(path: Path, modified: float | None) -> None:
+def _set_modified(path: Path, modified: float | None) -> None:
     """Give a kept file the time of its contents, where that is known."""
     if modified is not None:
         with suppress(OSError, OverflowError):
@@ -192,7 +195,7 @@ def _date(path: Path, modified: float | None) -> None:
 
 def remove_stale_stores() -> None:
     """Remove what servers left that were killed together with all their workers."""
-    for lock in Path(tempfile.gettempdir()).glob(f"{_NAMED}*/{_LOCK}"):
+    for lock in Path(tempfile.gettempdir()).glob(f"{_FOLDER_PREFIX}*/{_LOCK_NAME}"):
         with suppress(DataError, OSError), open_exclusive_lock(lock, ""):
             shutil.rmtree(lock.parent)
 
@@ -207,7 +210,7 @@ def identify_specimen(identity: str, selection: str) -> str:
     return f"{identity[:_DIGITS]}-{digest[:8]}" if selection else identity[:_DIGITS]
 
 
-def path_in(folder: Path, identity: object) -> Path:
+def find_file(folder: Path, identity: object) -> Path:
     """Return the file of an identity.
 
     Raises
@@ -215,7 +218,7 @@ def path_in(folder: Path, identity: object) -> Path:
     ReadError
         If there is none.
     """
-    match = _ID.fullmatch(identity) if isinstance(identity, str) else None
+    match = _IDENTITY.fullmatch(identity) if isinstance(identity, str) else None
     if match:
         paths = [*(folder / match[1]).glob("*")]
         if paths:
@@ -223,13 +226,15 @@ def path_in(folder: Path, identity: object) -> Path:
     raise ReadError("this file is no longer here: open it again")
 
 
-def plain_name(name: str) -> str:
+def make_safe_name(name: str) -> str:
     """Return the last part of a name, without what a file system or a terminal would obey."""
-    last = re.split(r"[/\\]", name)[-1]
-    clean = "".join(c if c.isprintable() and c not in '<>:"|?*' else "_" for c in last).strip(". ")
+    base_name = re.split(r"[/\\]", name)[-1]
+    printable = "".join(
+        c if c.isprintable() and c not in '<>:"|?*' else "_" for c in base_name
+    ).strip(". ")
     # a file system counts bytes
-    whole = clean.encode()
-    if len(whole) <= MAX_NAME_BYTES:
-        return clean or "file"
-    ends = whole[: MAX_NAME_BYTES // 2], whole[-(MAX_NAME_BYTES // 2 - 1) :]
-    return "_".join(end.decode(errors="ignore") for end in ends)
+    encoded = printable.encode()
+    if len(encoded) <= MAX_NAME_BYTES:
+        return printable or "file"
+    kept_ends = encoded[: MAX_NAME_BYTES // 2], encoded[-(MAX_NAME_BYTES // 2 - 1) :]
+    return "_".join(end.decode(errors="ignore") for end in kept_ends)

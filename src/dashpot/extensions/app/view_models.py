@@ -84,12 +84,12 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-_SEPARATE_PLACES = ("response", "base", "bench", "level", "judged", "part")
+_SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
 """Places of the page where a file is no part of a job, or not of one only."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
-EQ5 = Pen("ref", 1.6, (2, 3))
-SHORT = {
+EQ5_PEN = Pen("ref", 1.6, (2, 3))
+SHORT_LABELS = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
@@ -101,7 +101,7 @@ SHORT = {
     "stable in frequency and damping": "stable in damping",
 }  # fmt: skip
 """What the key calls a mark where the title has said the rest."""
-OF_STIFFNESS = {
+STIFFNESS_LABELS = {
     "relaxation fit": "valid band", "relaxation fit, extrapolated": "extrapolated",
     "fit, extrapolated": "extrapolated", "fit": "valid band",
     "95 % interval of the parameters": "95 % interval",
@@ -111,23 +111,23 @@ OF_STIFFNESS = {
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
 HIDDEN_SIZE = (400.0, 180.0)
-"""Of one that is not shown yet, px."""
-AT_ITS_LINE = {"displacement", "coherence"}
+"""Size of a panel one that is not shown yet, px."""
+LABELLED_AT_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
-NARROWEST, NARROW = 160.0, 480.0
-"""Of a drawing, px; below which two peaks are named and no third."""
-SHARE = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
-"""Of the height of a drawing, to each of its panels."""
-PULSE, PART = (88, 26), 0.1
+LEAST_WIDTH, NARROW_WIDTH = 160.0, 480.0
+"""Least width of a drawing, px; below which two peaks are named and no third."""
+HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
+"""Shares of the height of a drawing, to each of its panels."""
+PULSE_SIZE, PULSE_EDGE = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 MAX_SAME_TAU_FACTOR = 3.0
 """Factor within which the arms of two solids stand for the same."""
-SINGLE = 8
+MOST_LISTED_ARMS = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
 MIN_PLOT_HEIGHT = 44.0
-"""Of a plot, px: below it no curve can be read."""
+"""Least height of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
-"""Of a curve that follows a handle: more than a panel has px across a bend."""
+"""Points of a curve that follows a handle: more than a panel has px across a bend."""
 
 
 def render_template(name: str, **values: Any) -> str:
@@ -152,93 +152,98 @@ def render_panels(
 ) -> str:
     """Panels as the page has them: the key, then the drawing at the size of its place.
 
-    Of several, one below the other, the first is as high as `SHARE` of them. A `title` replaces
-    what stands over the place; a `note` stands in place of the key.
+    Of several, one below the other, the first is as high as `HEIGHT_SHARES` of them. A `title`
+    replaces what stands over the place; a `note` stands in place of the key.
     """
     width, height = sizes.get(name, HIDDEN_SIZE)
-    strip_of = panels if isinstance(panels, tuple) else (panels,)
+    panel_strip = panels if isinstance(panels, tuple) else (panels,)
     without_titles = bool(title)
-    around = (
-        2 * ROW + 6 + len(strip_of) * (4 + ROW * (not without_titles)) + 10 * (len(strip_of) - 1)
+    frame_height = (
+        2 * ROW
+        + 6
+        + len(panel_strip) * (4 + ROW * (not without_titles))
+        + 10 * (len(panel_strip) - 1)
     )
-    margin = max(height - around, MIN_PLOT_HEIGHT * len(strip_of))
-    shares = SHARE[len(strip_of)]
-    strip_of = tuple(
+    plot_height = max(height - frame_height, MIN_PLOT_HEIGHT * len(panel_strip))
+    shares = HEIGHT_SHARES[len(panel_strip)]
+    panel_strip = tuple(
         replace(
             panel,
-            height=part * margin,
+            height=share * plot_height,
             without_y_label=without_titles,
             title="",
             note="" if without_titles else panel.note,
         )
-        for panel, part in zip(strip_of, shares, strict=True)
+        for panel, share in zip(panel_strip, shares, strict=True)
     )
-    key = [] if note else [item for item in Picture(name, "", (strip_of,)).key
-                           if item.label not in AT_ITS_LINE]  # fmt: skip
-    samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
-    svg = strip(strip_of, name=name, width=max(width, NARROWEST), kind="figure")
+    key_marks = [] if note else [item for item in Picture(name, "", (panel_strip,)).key
+                           if item.label not in LABELLED_AT_LINE]  # fmt: skip
+    samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key_marks)]
+    svg = strip(panel_strip, name=name, width=max(width, LEAST_WIDTH), kind="figure")
     return render_template("figure", key=samples, svg=svg, title=title, note=note)
 
 
-def test_panels(
+def render_test_panels(
     fit: Fit,
     prepared: RampHold,
     by_eq5: Fit | None,
     sizes: Sizes,
-    whole: RampHold | None,
+    full_test: RampHold | None,
 ) -> dict[str, str]:
     """Ramp, hold with its residual, and arms of a fit, in the colour of its solid.
 
-    Of a hold that is cut the `whole` test stays in sight: its handle goes both ways.
+    Of a hold that is cut the `full_test` test stays in sight: its handle goes both ways.
     """
-    chosen = _shown_fit(fit, prepared)
-    other = None
+    plotted_fit = _make_plotted_fit(fit, prepared)
+    eq5_fit = None
     if by_eq5 is not None and fit.method != "hold":
-        other = relaxation.PlottedFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
-    ramp, hold, rest = relaxation_panels.upon_panels(chosen, prepared, second=other, whole=whole)
-    force, remainder = (panel.y.label.rpartition(", ")[2] for panel in (hold, rest))
-    text = _format_noise_comparison(rest.note, prepared, remainder)
+        eq5_fit = relaxation.PlottedFit(by_eq5, EQ5_PEN, *relaxation.fitted_force(by_eq5, prepared))
+    ramp, hold, residual_panel = relaxation_panels.make_fit_panels(
+        plotted_fit, prepared, comparison_fit=eq5_fit, full_test=full_test
+    )
+    force, residual_unit = (panel.y.label.rpartition(", ")[2] for panel in (hold, residual_panel))
+    noise_note = _format_noise_comparison(residual_panel.note, prepared, residual_unit)
     arms = _label_arms(plot.spectrum(fit).panels[0], fit)
     return {
         "ramp": render_panels("ramp", _shorten_key(ramp), sizes, title=f"Ramp, {force}"),
         "hold": render_panels(
-            "hold", (_shorten_key(hold), _shorten_key(rest)), sizes,
-            title=f"Hold, {force}; residual, {remainder}", note=text,
+            "hold", (_shorten_key(hold), _shorten_key(residual_panel)), sizes,
+            title=f"Hold, {force}; residual, {residual_unit}", note=noise_note,
         ),
         "spectrum": render_panels(
-            "spectrum", _recolour_panel(_shorten_key(arms), _ink(fit)), sizes,
+            "spectrum", _recolour_panel(_shorten_key(arms), _get_solid_colour(fit)), sizes,
             title=f"{'Arms' if fit.family == 'maxwell' else 'Spectrum'}, "
             f"{arms.y.label.rpartition(', ')[2]}",
         ),
     }  # fmt: skip
 
 
-def _format_noise_comparison(remainder: str, prepared: RampHold, unit: str) -> str:
+def _format_noise_comparison(residual_text: str, prepared: RampHold, unit: str) -> str:
     """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
-    noise, of = unit_of(np.array([prepared.force_noise]), "N")
-    scatter = round_to_error(of * prepared.force_noise, digits=2)
-    text = f"{remainder.removesuffix(noise).rstrip()}, noise {scatter}"
-    return text if noise == unit else f"{text} {noise}"
+    force_unit, factor = unit_of(np.array([prepared.force_noise]), "N")
+    noise_text = round_to_error(factor * prepared.force_noise, digits=2)
+    text = f"{residual_text.removesuffix(force_unit).rstrip()}, noise {noise_text}"
+    return text if force_unit == unit else f"{text} {force_unit}"
 
 
-def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
+def render_record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
     """Ramp and hold as they were recorded, where they will stand upon their fit."""
-    ramp, hold = map(_shorten_key, relaxation_panels.record_panels(prepared))
-    rest = Panel(hold.x, Scale("residual", (0.0, 1.0), unnumbered=True), ())
+    ramp, hold = map(_shorten_key, relaxation_panels.make_record_panels(prepared))
+    empty_residual = Panel(hold.x, Scale("residual", (0.0, 1.0), unnumbered=True), ())
     unit = ramp.y.label.rpartition(", ")[2]
     return {
         "ramp": render_panels("ramp", ramp, sizes, title=f"Ramp, {unit}"),
-        "hold": render_panels("hold", (hold, rest), sizes, title=f"Hold, {unit}"),
+        "hold": render_panels("hold", (hold, empty_residual), sizes, title=f"Hold, {unit}"),
     }
 
 
-def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.PlottedFit:
+def _make_plotted_fit(fit: Fit, prepared: RampHold) -> relaxation.PlottedFit:
     """Return a fit with its curve, in the colour of its solid."""
-    chosen = relaxation.make_plotted_fits(fit, (), prepared)[0]
-    return chosen._replace(pen=replace(chosen.pen, colour=_ink(fit)))
+    plotted_fit = relaxation.make_plotted_fits(fit, (), prepared)[0]
+    return plotted_fit._replace(pen=replace(plotted_fit.pen, colour=_get_solid_colour(fit)))
 
 
-def _ink(fit: Fit) -> str:
+def _get_solid_colour(fit: Fit) -> str:
     """Return the colour of the solid: of the relaxation test alone, or of both tests."""
     return "fit" if fit.method in get_choice_values(Method) else "joint-ink"
 
@@ -265,7 +270,7 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
     tags = [
         Tag(tau, tip, f"{symbol(f'tau_{j}')} {duration(tau)}", "fit", "filled")
         for j, (tau, tip) in enumerate(tips, 1)
-    ] if len(tips) <= SINGLE else []  # fmt: skip
+    ] if len(tips) <= MOST_LISTED_ARMS else []  # fmt: skip
     marks = (
         replace(mark, label="") if isinstance(mark, Line) and mark.label else mark
         for mark in panel.marks
@@ -278,13 +283,13 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
     )
 
 
-def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT) -> Panel:
+def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT_LABELS) -> Panel:
     """Return the panel with a key of one line: beside its title each mark needs a word."""
     marks: list[Mark] = []
     for mark in panel.marks:
         if not isinstance(mark, Tag) and mark.label:
-            plain = "fit" if mark.label.startswith("fit, ") else mark.label
-            mark = replace(mark, label=words.get(plain, plain))  # noqa: PLW2901
+            short_label = "fit" if mark.label.startswith("fit, ") else mark.label
+            mark = replace(mark, label=words.get(short_label, short_label))  # noqa: PLW2901
         marks.append(mark)
     return replace(panel, marks=tuple(marks))
 
@@ -292,10 +297,10 @@ def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT) -> Panel:
 def format_response_title(job: Job, quantity: Kind) -> str:
     """Return what the panel of the response shows: the title of its place."""
     name = quantity.value.replace("_", " ").capitalize()
-    return f"{name} of {weight(job)}, {DISPLAY_UNITS[quantity][0]}"
+    return f"{name} of {format_load(job)}, {DISPLAY_UNITS[quantity][0]}"
 
 
-def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
+def render_response(predicted: FRF, sizes: Sizes, title: str) -> str:
     """Return the predicted response before anything bounds it."""
     if predicted.quantity is Kind.TRANSMISSIBILITY:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
@@ -303,7 +308,7 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
     return render_panels("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
 
 
-def stiffness_panel(
+def render_stiffness(
     fit: Fit,
     sizes: Sizes,
     *,
@@ -313,40 +318,47 @@ def stiffness_panel(
     """Return storage stiffness and loss factor of one seal, with their interval and their bound."""
     from dashpot.plot.solid import stiffness
 
-    drawn = stiffness(fit, parameters=parameters, unresolved_bounds=unresolved_bounds)
-    storage, _, factor = (panel for (panel,) in drawn.strips)
-    unit = storage.y.label.rpartition(", ")[2]
+    picture = stiffness(fit, parameters=parameters, unresolved_bounds=unresolved_bounds)
+    storage_panel, _, loss_panel = (panel for (panel,) in picture.strips)
+    unit = storage_panel.y.label.rpartition(", ")[2]
     modulus = "E′" if fit.unit == "Pa" else "K′"
-    both = tuple(_shorten_key(panel, OF_STIFFNESS) for panel in (storage, factor))
+    shortened_panels = tuple(
+        _shorten_key(panel, STIFFNESS_LABELS) for panel in (storage_panel, loss_panel)
+    )
     title = f"{modulus} of one seal, {unit}; loss factor"
-    return render_panels("frf", both, sizes, title=title) + render_template("give_mass")
+    return render_panels("frf", shortened_panels, sizes, title=title) + render_template("give_mass")
 
 
-def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
+def render_study_panel(study: Study, sizes: Sizes, title: str, *, with_phase: bool = False) -> str:
     """Return the response of the mass, with all that is known of it.
 
     Without a mass it is the stiffness of one seal.
 
     Of a study of both tests the solid of both is held against the hammer, and that of the
-    relaxation test alone stands dotted beside it. With the `phase` it is drawn below, and the
+    relaxation test alone stands dotted beside it. With the `with_phase` it is drawn below, and the
     coherence.
     """
     if study.prediction is None:
         parameters = study.parameters if study.joint is None else None
-        return stiffness_panel(
+        return render_stiffness(
             study.fit, sizes, parameters=parameters, unresolved_bounds=study.unmeasured
         )
-    curves, limits = _responses(study)
-    if sizes.get("frf", HIDDEN_SIZE)[0] < NARROW:
+    curves, limits = _make_response_curves(study)
+    if sizes.get("frf", HIDDEN_SIZE)[0] < NARROW_WIDTH:
         curves = [replace(curve, peak=None) if curve.pen is REF else curve for curve in curves]
     panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
-    below: tuple[Panel, ...] = ()
-    if phase:
-        below = (phase_panel(curves, panel.x.limits), *_coherence(study, panel.x))
-    return render_panels("frf", tuple(map(_shorten_key, (panel, *below))), sizes, title=title)
+    lower_panels: tuple[Panel, ...] = ()
+    if with_phase:
+        lower_panels = (
+            phase_panel(curves, panel.x.limits),
+            *_make_coherence_panels(study, panel.x),
+        )
+    return render_panels(
+        "frf", tuple(map(_shorten_key, (panel, *lower_panels))), sizes, title=title
+    )
 
 
-def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
+def _make_coherence_panels(study: Study, frequency: Scale) -> tuple[Panel, ...]:
     if study.measured is None:
         return ()
     return tuple(
@@ -358,24 +370,24 @@ def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
     )  # fmt: skip
 
 
-def _responses(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
+def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
     """Return the curves of the tab's solid, the hammer's, and what the prediction leaves open."""
     joint, comparison = study.joint_comparison, study.comparison
     if joint is None or comparison is None or study.prediction is None:
-        return _predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
+        return _make_predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
     failed = study.joint is not None and study.joint.verdict.use == "do not use"
-    measured, relaxed, both = curves_of(comparison, joint, failed=failed)
-    if both.pen is JOINT:
-        both = replace(both, label="joint model")
-    return [measured, both, replace(relaxed, label="relaxation alone", pen=REF)], ()
+    measured, relaxation_curve, joint_curve = curves_of(comparison, joint, failed=failed)
+    if joint_curve.pen is JOINT:
+        joint_curve = replace(joint_curve, label="joint model")
+    return [measured, joint_curve, replace(relaxation_curve, label="relaxation alone", pen=REF)], ()
 
 
-def _predicted_curves(study: Study) -> list[Curve]:
+def _make_predicted_curves(study: Study) -> list[Curve]:
     """Return the prediction from the relaxation test, as the figure of a resonance has it."""
     return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
 
 
-def base_panel(prediction: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
+def render_base_response(prediction: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
     """Return the transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(prediction.frf, name, pen, prediction.peak)], tagged=True)
@@ -385,14 +397,14 @@ def base_panel(prediction: Prediction, joint: bool, sizes: Sizes, title: str) ->
     return render_panels("frf", panel, sizes, title=title)
 
 
-def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
-    """The pulses of the hits of a study and what they show, as :func:`pulse_panels` has them."""
+def render_hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
+    """Return the panels of the hits of a study, as :func:`render_pulse_panels` draws them."""
     if study.impact is None or study.measured is None:
         return {}
-    return pulse_panels(study.impact, study.measured, chart_of(study), sizes)
+    return render_pulse_panels(study.impact, study.measured, chart_of(study), sizes)
 
 
-def pulse_panels(
+def render_pulse_panels(
     impact: ImpactTest, frf: FRF, chart: Picture | None, sizes: Sizes
 ) -> dict[str, str]:
     """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
@@ -406,7 +418,7 @@ def pulse_panels(
     }
 
 
-def hammer_line(study: Study) -> str:
+def format_hammer_line(study: Study) -> str:
     """Return what the list of files says of a hammer test once it was averaged."""
     if study.measured is None or not study.measured.hits:
         return ""
@@ -431,74 +443,82 @@ class LiveCurves(NamedTuple):
     residual_note: str = ""
 
 
-def live_test(
+def compute_live_test(
     fit: Fit,
     prepared: RampHold,
     by_eq5: Fit | None,
     *,
     unit: str = "N",
-    since: float | None = None,
+    time_origin: float | None = None,
 ) -> LiveCurves:
     """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers.
 
-    The axes of the hold stand as they were drawn: they count from `since` on the record's clock, s.
+    The axes of the hold stand as they were drawn: they count from `time_origin` on the record's
+    clock, s.
     """
-    plotted_fit = _shown_fit(fit, prepared)
-    when, residual = relaxation_panels.mean_residual(plotted_fit, prepared)
-    ramp, hold = ((line.x, line.y) for line in relaxation_panels.fit_lines(plotted_fit, prepared))
-    later = 0.0 if since is None else prepared.ramp_end - since
+    plotted_fit = _make_plotted_fit(fit, prepared)
+    residual_time, residual = relaxation_panels.compute_mean_residual(plotted_fit, prepared)
+    ramp, hold = (
+        (line.x, line.y) for line in relaxation_panels.make_fit_lines(plotted_fit, prepared)
+    )
+    time_shift = 0.0 if time_origin is None else prepared.ramp_end - time_origin
     curves = {
         "ramp/fit": ramp,
-        "hold/fit": (hold[0] + later, hold[1]),
-        "hold/mean": (when + later, convert_to_unit(residual, unit)),
+        "hold/fit": (hold[0] + time_shift, hold[1]),
+        "hold/mean": (residual_time + time_shift, convert_to_unit(residual, unit)),
     }
     arrays: dict[str, FloatArray] = {}
     for name, (x, y) in curves.items():
         keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
         arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
-    rest = _format_noise_comparison(
+    residual_note = _format_noise_comparison(
         relaxation.residual_panel(plotted_fit, prepared).note, prepared, unit
     )
     return LiveCurves(
-        arrays, render_template("beside", rows=make_parameter_rows(fit, by_eq5)), rest
+        arrays, render_template("beside", rows=make_parameter_rows(fit, by_eq5)), residual_note
     )
 
 
 def format_end_stiffness(fit: Fit, prepared: RampHold) -> tuple[str, str]:
     """What the stiffness of one seal at the end of the hold is called, and how large it is."""
-    word, after = get_display_unit(fit.unit), duration(prepared.hold_time).replace(".0 ", " ")
-    k = convert_to_unit(float(fit.solid.relaxation(prepared.hold_time)), word)
-    return f"k after {after}", f"{round_to_error(k, digits=4)} {word}"
+    unit, hold_time_text = (
+        get_display_unit(fit.unit),
+        duration(prepared.hold_time).replace(".0 ", " "),
+    )
+    k = convert_to_unit(float(fit.solid.relaxation(prepared.hold_time)), unit)
+    return f"k after {hold_time_text}", f"{round_to_error(k, digits=4)} {unit}"
 
 
 def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
-    there = {}
+    eq5_values = {}
     if by_eq5 is not None and fit.family != "fractional":
-        there = {fact.name: fact.cells.value for fact in list_known_values(by_eq5)}
+        eq5_values = {fact.name: fact.cells.value for fact in list_known_values(by_eq5)}
     return [
-        (fact.symbol, fact.cells.value, there.get(fact.name, ""), fact.word)
+        (fact.symbol, fact.cells.value, eq5_values.get(fact.name, ""), fact.word)
         for fact in list_known_values(fit)
         if fact.name[0] != "b" and fact.name != "k_end"
     ]
 
 
-def live_response(predicted: FRF) -> LiveCurves:
+def compute_live_response(predicted: FRF) -> LiveCurves:
     """Return the predicted response while the mass moves."""
-    size = np.abs(predicted.value)
-    top = int(size.argmax())
-    words = (
-        f"{round_to_error(float(predicted.frequency[top]), digits=4)} Hz, "
-        f"{round_to_error(float(size[top]))} "
+    magnitude = np.abs(predicted.value)
+    peak_index = int(magnitude.argmax())
+    peak_text = (
+        f"{round_to_error(float(predicted.frequency[peak_index]), digits=4)} Hz, "
+        f"{round_to_error(float(magnitude[peak_index]))} "
         f"{DISPLAY_UNITS[predicted.quantity][0]}"
     )
-    return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
+    return LiveCurves(
+        {"frf/predicted/x": predicted.frequency, "frf/predicted/y": magnitude}, peak_text
+    )
 
 
 # -- pieces of the page ---------------------------------------------------------------------------
 
 
-def verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "") -> str:
+def render_verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "") -> str:
     """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
     return render_template(
         "verdict",
@@ -509,19 +529,20 @@ def verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "
     )
 
 
-def mass_that_explains(study: Study) -> str:
+def find_explaining_mass(study: Study) -> str:
     """The mass, g, of the best explanation of both tests; of a gross error that of the FRF."""
-    best = next(iter(study.joint.evidence.explanations), None) if study.joint else None
-    if best is not None and best.is_sufficient:
-        single = best.name.split(" and ")[0] == "mass"
+    best_explanation = next(iter(study.joint.evidence.explanations), None) if study.joint else None
+    if best_explanation is not None and best_explanation.is_sufficient:
+        is_mass_alone = best_explanation.name.split(" and ")[0] == "mass"
         return (
             round_to_error(
-                convert_to_unit(best.value, "g"), convert_to_unit(best.standard_error, "g")
+                convert_to_unit(best_explanation.value, "g"),
+                convert_to_unit(best_explanation.standard_error, "g"),
             )
-            if single
+            if is_mass_alone
             else ""
         )
-    shown = next(
+    mass_check = next(
         (
             check
             for check in study.verdict_checks
@@ -532,18 +553,18 @@ def mass_that_explains(study: Study) -> str:
     if (
         study.mass is None
         or study.mass_inferred
-        or shown is None
-        or shown.value is None
-        or shown.value <= -1
+        or mass_check is None
+        or mass_check.value is None
+        or mass_check.value <= -1
     ):
         return ""
-    return round_to_error(convert_to_unit(study.mass * (1 + shown.value), "g"), digits=4)
+    return round_to_error(convert_to_unit(study.mass * (1 + mass_check.value), "g"), digits=4)
 
 
 def make_fit_indicators(fit: Fit) -> tuple[Light, ...]:
     """Return what is known before the hammer is compared, or the limits are sought."""
     return (
-        first_screen.test_light(fit.checks),
+        first_screen.make_test_light(fit.checks),
         *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
     )
 
@@ -561,17 +582,17 @@ class Term(NamedTuple):
     """What is hidden behind value, low and high, so that points stand below each other."""
 
 
-def terms(fit: Fit) -> list[Term]:
+def make_terms(fit: Fit) -> list[Term]:
     """Return every parameter of the solid, the stiffness at the end of the hold first."""
     # b = k tau says of an arm what k and tau say
-    return [term(fact) for fact in list_known_values(fit) if not fact.name.startswith("b_")]
+    return [make_term(fact) for fact in list_known_values(fit) if not fact.name.startswith("b_")]
 
 
-def term(fact: ReportedValue) -> Term:
+def make_term(fact: ReportedValue) -> Term:
     """Return a number with the ends of its interval, and whether it is determined."""
-    half = (fact.high - fact.low) / 2
+    half_width = (fact.high - fact.low) / 2
     # known to half of itself is seen; beyond, it is not determined
-    mark = "good" if 0 < half < 0.5 * abs(fact.value) else "care"
+    mark = "good" if 0 < half_width < 0.5 * abs(fact.value) else "care"
     return Term(fact.symbol, *fact.cell_texts, fact.word, mark)
 
 
@@ -591,55 +612,55 @@ def _is_near_any(tau: float, values: Iterable[float]) -> bool:
     return any(1 / MAX_SAME_TAU_FACTOR < tau / value < MAX_SAME_TAU_FACTOR for value in values)
 
 
-def arms_table(fit: Fit, *, single: Fit | None = None) -> str:
+def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
     """The solid of one seal, one row an arm; those that no test `single` shows are the hammer's.
 
     A solid without arms, or with too many to read, is shown by its parameters.
     """
-    if fit.family != "maxwell" or fit.model.arms > SINGLE:
-        return solid_table(fit)
+    if fit.family != "maxwell" or fit.model.arms > MOST_LISTED_ARMS:
+        return render_solid(fit)
     reported_values = {fact.name: fact for fact in list_known_values(fit)}
-    pairs = [("k∞", "k_inf", "")]
-    pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
+    row_parameters = [("k∞", "k_inf", "")]
+    row_parameters += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
     if "b" in reported_values:
-        pairs.append((f"dashpot, {reported_values['b'].word}", "b", ""))
+        row_parameters.append((f"dashpot, {reported_values['b'].word}", "b", ""))
     rows = []
-    for name, *of in pairs:
-        facts = [reported_values[text] for text in of if text in reported_values]
-        cells = [text for fact in facts for text in (fact.cell_texts[0], _plus_minus(fact))]
-        marks = [term(fact).mark for fact in facts]
-        new = (
+    for name, *parameter_names in row_parameters:
+        facts = [reported_values[text] for text in parameter_names if text in reported_values]
+        cells = [text for fact in facts for text in (fact.cell_texts[0], _format_error(fact))]
+        marks = [make_term(fact).mark for fact in facts]
+        is_new = (
             len(facts) > 1
             and single is not None
             and not _is_near_any(facts[1].value, single.model.tau)
         )
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
-        mark = max(marks, key=first_screen.ORDER.index)
-        rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
+        mark = max(marks, key=first_screen.MARK_ORDER.index)
+        rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if is_new else ""))
     unit = reported_values["k_inf"].word
     return render_template("arms", rows=rows, unit=unit, of=fit._identity)
 
 
-def _plus_minus(fact: ReportedValue) -> str:
+def _format_error(fact: ReportedValue) -> str:
     """Return the standard error of a number; its highest value where that is all that is known."""
     if fact.is_at_most or fact.is_upper_bound:
         return f"≤ {fact.cell_texts[2]}"
     return "not known" if fact.cells.error == UNKNOWN else fact.cells.error
 
 
-def solid_table(fit: Fit) -> str:
+def render_solid(fit: Fit) -> str:
     """Return the solid of one seal, each term with its interval and a mark."""
-    new_terms, more = terms(fit), ""
-    if fit.family == "maxwell" and fit.model.arms > SINGLE:
-        new_terms = [new_term for new_term in new_terms if new_term.name == symbol("k_inf")]
-        more = (
+    shown_terms, spectrum_note = make_terms(fit), ""
+    if fit.family == "maxwell" and fit.model.arms > MOST_LISTED_ARMS:
+        shown_terms = [new_term for new_term in shown_terms if new_term.name == symbol("k_inf")]
+        spectrum_note = (
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
             f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
         )
-    return term_table("Model of one seal", new_terms, more, subject=fit._identity)
+    return render_terms("Model of one seal", shown_terms, spectrum_note, subject=fit._identity)
 
 
-def term_table(title: str, terms: Sequence[Term], more: str = "", *, subject: str = "") -> str:
+def render_terms(title: str, terms: Sequence[Term], note: str = "", *, subject: str = "") -> str:
     """Terms by unit, each with its interval and a mark, and what else is to be said of them.
 
     `subject` is the identity of the fit, by which a deck is requested.
@@ -647,62 +668,63 @@ def term_table(title: str, terms: Sequence[Term], more: str = "", *, subject: st
     groups = []
     for unit in dict.fromkeys(term.unit for term in terms):
         rows = [term for term in terms if term.unit == unit]
-        columns = [_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
+        columns = [_make_pads(texts) for texts in zip(*(row[1:4] for row in rows), strict=True)]
         groups.append(
             (unit, [row._replace(pads=pads) for row, *pads in zip(rows, *columns, strict=True)])
         )
-    return render_template("solid", title=title, groups=groups, more=more, of=subject)
+    return render_template("solid", title=title, groups=groups, more=note, of=subject)
 
 
-def _pads(texts: Sequence[str]) -> list[str]:
+def _make_pads(texts: Sequence[str]) -> list[str]:
     """Return what each number lacks behind its point to be as long as the longest."""
-    behind = [len(text.partition(".")[2]) for text in texts]
+    decimal_counts = [len(text.partition(".")[2]) for text in texts]
     return [
-        "." * (not short and max(behind) > 0) + "0" * (max(behind) - short)
+        "." * (not decimals and max(decimal_counts) > 0) + "0" * (max(decimal_counts) - decimals)
         if text[-1:].isdigit()
         else ""
-        for text, short in zip(texts, behind, strict=True)
+        for text, decimals in zip(texts, decimal_counts, strict=True)
     ]
 
 
-def check_list(checks: Sequence[Check]) -> str:
+def render_checks(checks: Sequence[Check]) -> str:
     """Return what failed, the gravest first, and how many were judged, each grade apart."""
     distinct = list(dict.fromkeys(checks))
     failed = [
-        (GRADE_MARKS[check.grade], *_split(check), check.message_with_remedy)
+        (GRADE_MARKS[check.grade], *_split_finding(check), check.message_with_remedy)
         for check in distinct
         if check.failed
     ]
-    failed.sort(key=lambda row: -first_screen.ORDER.index(row[0]))
+    failed.sort(key=lambda row: -first_screen.MARK_ORDER.index(row[0]))
     passed = sum(check.passed is True for check in distinct)
     grades = [
         (mark, f"{count} {grade}{'' if count == 1 else 's'}")
         for grade, mark in reversed(GRADE_MARKS.items())
-        if (count := sum(names[0] == mark for names in failed))
+        if (count := sum(failed_row[0] == mark for failed_row in failed))
     ]
-    grades.sort(key=lambda pair: -first_screen.ORDER.index(pair[0]))
+    grades.sort(key=lambda pair: -first_screen.MARK_ORDER.index(pair[0]))
     return render_template(
         "checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades
     )
 
 
-def _split(check: Check) -> tuple[str, str]:
+def _split_finding(check: Check) -> tuple[str, str]:
     """Return what was found, in one sentence, and what to do about it."""
     return sentences(check.message)[0], check.remedy.words if check.remedy else ""
 
 
 def list_values(study: Study, recommendation: Recommendation) -> str:
     """Return the numbers that one came for, of the solid of the tab."""
-    title, rows = first_screen.under_mass(study, recommendation)
-    every: list[tuple[str, list[Row]]] = []
+    title, rows = first_screen.make_mass_rows(study, recommendation)
+    value_groups: list[tuple[str, list[Row]]] = []
     if rows:
         pairs = zip(recommendation.under_mass, rows, strict=True)
-        every.append((title, [_shorter(*pair) for pair in pairs]))
+        value_groups.append((title, [_shorten_name(*pair) for pair in pairs]))
     pairs = zip(recommendation.one_seal, first_screen.rows(recommendation.one_seal), strict=True)
-    every.append(("One seal", [_shorter(*pair) for pair in pairs]))
-    measured = study.comparison is not None
+    value_groups.append(("One seal", [_shorten_name(*pair) for pair in pairs]))
+    has_measurement = study.comparison is not None
     return render_template(
-        "answers", groups=every, measured=measured, ranged=True, told="Numbers", note=""
+        "answers", groups=value_groups, measured=has_measurement, ranged=True, told="Numbers",
+        note=""
     )  # fmt: skip
 
 
@@ -715,70 +737,76 @@ def format_next_test(study: Study, checks: Sequence[Check]) -> str:
     return render_template("more", remedy=end.remedy, told=end.format_limits(study.fit.unit))
 
 
-def groups(groups: Sequence[Group], text: str, note: str) -> str:
+def render_groups(groups: Sequence[Group], text: str, note: str) -> str:
     """Return the table of a result of a kind: value, from and to of each number."""
-    every = [(group.title, group.rows) for group in groups if group.rows]
-    measured = any(row.measured for _, rows in every for row in rows)
-    ranged = any(row.low or row.high for _, rows in every for row in rows)
+    value_groups = [(group.title, group.rows) for group in groups if group.rows]
+    has_measurement = any(row.measured for _, rows in value_groups for row in rows)
+    has_interval = any(row.low or row.high for _, rows in value_groups for row in rows)
     return render_template(
-        "answers", groups=every, measured=measured, ranged=ranged, told=text, note=note
+        "answers", groups=value_groups, measured=has_measurement, ranged=has_interval, told=text,
+        note=note
     )  # fmt: skip
 
 
-def _shorter(value: RecommendedValue, row: Row) -> Row:
+def _shorten_name(value: RecommendedValue, row: Row) -> Row:
     """Return a number under a name that does not wrap beside its five cells."""
-    return row._replace(name=short_name(value))
+    return row._replace(name=get_short_name(value))
 
 
-def short_name(value: RecommendedValue) -> str:
+def get_short_name(value: RecommendedValue) -> str:
     """Return a number's name that does not wrap beside its cells."""
-    at = "" if value.at is None else round_to_error(value.at)
+    frequency_text = "" if value.at is None else round_to_error(value.at)
     return {
         "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
-        "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
+        "end of hold": f"k after {frequency_text.removesuffix('.0')} s",
+        "dynamic stiffness": f"K′ at {frequency_text} Hz",
         "loss factor": "Loss factor",
     }[value.quantity]  # fmt: skip
 
 
-def weight(job: Job) -> str:
+def format_load(job: Job) -> str:
     """Return what rests on how many seals."""
-    on = "the mass" if job.mass is None else format_with_error(job.mass, "g", digits=4)
-    return f"{on} on {seals(job.seals)}"
+    mass_text = "the mass" if job.mass is None else format_with_error(job.mass, "g", digits=4)
+    return f"{mass_text} on {seals(job.seals)}"
 
 
-def hit_table(impact: ImpactTest | None, frf: FRF | None, selection: HitSelection | None) -> str:
+def render_hits(impact: ImpactTest | None, frf: FRF | None, selection: HitSelection | None) -> str:
     """Return every hit with its pulse and its verdict, and which to keep; nothing without hits."""
     if frf is None or not frf.hits:
         return ""
-    off = {} if selection is None else selection.deviations
+    deviations = {} if selection is None else selection.deviations
     return render_template(
-        "hits", hits=frf.hits, pulses=_pulses(impact), size=PULSE,
-        off={name: f"{round_to_error(100 * value, digits=2)} %" for name, value in off.items()},
+        "hits", hits=frf.hits, pulses=_draw_pulses(impact), size=PULSE_SIZE,
+        off={name: f"{round_to_error(100 * value, digits=2)} %" for name,
+        value in deviations.items()},
         message="" if selection is None else selection.message,
         keep=",".join(selection.keep) if selection is not None and selection.drop else "",
     )  # fmt: skip
 
 
-def _pulses(impact: ImpactTest | None) -> dict[str, str]:
+def _draw_pulses(impact: ImpactTest | None) -> dict[str, str]:
     """Return the path of each hit's pulse by its name, all to one scale."""
     if impact is None:
         return {}
-    (width, height), blocks = PULSE, cut_hits([impact])
-    longest = max(max(block.width(PART), 8 / block.rate) for block in blocks)
-    top = max(float(block.force.max()) for block in blocks)
+    (width, height), blocks = PULSE_SIZE, cut_hits([impact])
+    longest = max(max(block.width(PULSE_EDGE), 8 / block.rate) for block in blocks)
+    largest_force = max(float(block.force.max()) for block in blocks)
     entries = {}
     for hit_block in blocks:
         time = (np.arange(len(hit_block.force)) - hit_block.onset) / hit_block.rate
-        near = (time > -0.5 * longest) & (time < 2.5 * longest)
-        t, force = downsample_to_extremes(time[near], hit_block.force[near], bins=width)
-        x, y = width * (t / longest + 0.5) / 3, height * (1 - np.clip(force / top, -0.05, 1)) + 1
+        is_shown = (time > -0.5 * longest) & (time < 2.5 * longest)
+        t, force = downsample_to_extremes(time[is_shown], hit_block.force[is_shown], bins=width)
+        x, y = (
+            width * (t / longest + 0.5) / 3,
+            height * (1 - np.clip(force / largest_force, -0.05, 1)) + 1,
+        )
         entries[hit_block.name] = "M" + "L".join(
             f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True)
         )
     return entries
 
 
-def place_of(inspection: InspectedFile) -> str:
+def get_section(inspection: InspectedFile) -> str:
     """Return where the page takes a file; empty where it does not."""
     return KINDS[inspection.kind].app_section if inspection.kind in KINDS else ""
 
@@ -791,11 +819,11 @@ def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
 
 def file_row(inspection: InspectedFile) -> dict[str, Any]:
     """Return what the list of files says of one: its kind, one line, a mark."""
-    strange = _refusal(inspection) or _stranger(inspection)
-    mark = "care" if inspection.questions else "bad" if strange else "good"
+    is_unusable = _get_refusal(inspection) or _format_unplaced_kind(inspection)
+    mark = "care" if inspection.questions else "bad" if is_unusable else "good"
     return {
         "kind": inspection.kind,
-        "page": place_of(inspection),
+        "page": get_section(inspection),
         "line": format_for_page(_format_file_line(inspection)),
         "mark": mark,
         "simulated": inspection.simulated,
@@ -803,36 +831,36 @@ def file_row(inspection: InspectedFile) -> dict[str, Any]:
 
 
 def _format_file_line(inspection: InspectedFile) -> str:
-    ready = inspection.preparation
-    if ready is not None:
-        ramp, hold = round_to_error(ready.ramp_time), round_to_error(ready.hold_time)
-        return f"{format_cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
+    preparation = inspection.preparation
+    if preparation is not None:
+        ramp, hold = round_to_error(preparation.ramp_time), round_to_error(preparation.hold_time)
+        return f"{format_cell(preparation.depth, 'mm')} mm, {ramp} s, {hold} s"
     if inspection.questions:
         question = inspection.questions[0]
         unit = "a unit" if "--units" in question.option else "a column"
         return f"asks: {'a specimen' if question.answers else unit}"
-    if place_of(inspection) in _SEPARATE_PLACES:
-        return _refusal(inspection) or KINDS_OF_FILE[inspection.kind].label
+    if get_section(inspection) in _SEPARATE_SECTIONS:
+        return _get_refusal(inspection) or KINDS_OF_FILE[inspection.kind].label
     return inspection.refusal or inspection.reason
 
 
-def _refusal(inspection: InspectedFile) -> str:
+def _get_refusal(inspection: InspectedFile) -> str:
     """Why a file is not fitted; that loops are no ramp and hold is no reason."""
-    return "" if place_of(inspection) == "level" else inspection.refusal
+    return "" if get_section(inspection) == "level" else inspection.refusal
 
 
-def _heading(inspection: InspectedFile) -> str:
+def _format_heading(inspection: InspectedFile) -> str:
     if inspection.questions:
         return f"What does {inspection.file} hold?"
-    if _stranger(inspection):
+    if _format_unplaced_kind(inspection):
         return f"{inspection.file} is {KINDS_OF_FILE[inspection.kind].label}"
     return f"{inspection.file} was not read"
 
 
-def _stranger(inspection: InspectedFile) -> str:
+def _format_unplaced_kind(inspection: InspectedFile) -> str:
     """Return what to do with a file of a kind that this page has no place for, if it is one."""
-    place = place_of(inspection) or inspection.kind not in KINDS_OF_FILE
-    if inspection.questions or inspection.refusal or place:
+    has_place = get_section(inspection) or inspection.kind not in KINDS_OF_FILE
+    if inspection.questions or inspection.refusal or has_place:
         return ""
     advice = KINDS_OF_FILE[inspection.kind].use
     return (
@@ -860,13 +888,14 @@ def render_column_questions(
     The sampling rate, Hz, is asked for where no column is the time, or one was given; of several
     specimens one is to be chosen, or all.
     """
-    words: dict[str, list[str]] = {}
+    units_by_dimension: dict[str, list[str]] = {}
     for unit in units.TABLE.values():
         if unit.dimension in REQUESTED_DIMENSIONS:
-            words.setdefault(unit.dimension, []).append(unit.word)
+            units_by_dimension.setdefault(unit.dimension, []).append(unit.word)
     return render_template(
-        "asked", file=result, heading=_heading(result), stranger=_stranger(result), roles=ROLES,
-        units=words, consequences=consequences, on_page=format_for_page, rate=rate,
+        "asked", file=result, heading=_format_heading(result),
+        stranger=_format_unplaced_kind(result), roles=ROLES,
+        units=units_by_dimension, consequences=consequences, on_page=format_for_page, rate=rate,
         timeless=rate is not None or any(question.role == "time" for question in result.questions),
         rows=list(zip(*(column.first for column in result.columns), strict=False)),
         specimens=specimens,

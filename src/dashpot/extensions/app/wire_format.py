@@ -29,13 +29,13 @@ def encode_message(
     >>> decode_message(encode_message({"a": 1}, {"x": np.array([1.0, 2.0])}))[1]["x"].tolist()
     [1.0, 2.0]
     """
-    places, parts, at = {}, [], 0
+    positions, parts, position = {}, [], 0
     for name, values in (arrays or {}).items():
         part = np.asarray(values, dtype="<f4")
-        places[name] = [at, part.size]
+        positions[name] = [position, part.size]
         parts.append(part.tobytes())
-        at += part.size
-    text = json.dumps({**head, "arrays": places}, ensure_ascii=False, allow_nan=False).encode()
+        position += part.size
+    text = json.dumps({**head, "arrays": positions}, ensure_ascii=False, allow_nan=False).encode()
     # the numbers begin at a multiple of their own size
     text += b" " * (-len(text) % 4)
     return b"".join((_LENGTH.pack(len(text)), text, *parts))
@@ -59,6 +59,6 @@ FRAME_HEAD = 1 + _LENGTH.size
 """Bytes before the body of a frame."""
 
 
-def frame_head(head: bytes) -> tuple[str, int]:
+def parse_frame_head(head: bytes) -> tuple[str, int]:
     """Return kind and length of the frame that begins so."""
     return head[:1].decode(), _LENGTH.unpack(head[1:])[0]

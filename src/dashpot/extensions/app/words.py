@@ -6,7 +6,7 @@ import re
 
 _OPTION = re.compile(r"(?<![\w-])--[a-z]|\bPython\b|\bdashpot\.|\bpip install\b")
 _WORD = re.compile(r"""\s*(?<![\w-])--[a-z][\w-]*(?:[ =](?:"[^"]*"|[^\s,;.()]*=[^\s;()]*))?""")
-_BRACKETS = re.compile(r"\s*\([^()]*\)")
+_PARENTHESES = re.compile(r"\s*\([^()]*\)")
 _PARTS = re.compile(r"(; |: |\. )")
 
 
@@ -22,14 +22,16 @@ def format_for_page(sentence: str) -> str:
     """
     if not _OPTION.search(sentence):
         return sentence
-    bare = _BRACKETS.sub(lambda match: "" if _OPTION.search(match[0]) else match[0], sentence)
-    parts = _PARTS.split(bare)
-    retained, is_left_out = [parts[0]], False
+    without_brackets = _PARENTHESES.sub(
+        lambda match: "" if _OPTION.search(match[0]) else match[0], sentence
+    )
+    parts = _PARTS.split(without_brackets)
+    kept_parts, is_left_out = [parts[0]], False
     for sign, part in zip(parts[1::2], parts[2::2], strict=True):
         # what follows a colon is of what stands before it
         is_left_out = bool(_OPTION.search(part)) or (is_left_out and sign == ": ")
         if not is_left_out:
-            retained += [sign, part]
-    if _OPTION.search(retained[0]):
-        retained = retained[2:] or retained
-    return _WORD.sub(" the choice on this page", "".join(retained)).strip()
+            kept_parts += [sign, part]
+    if _OPTION.search(kept_parts[0]):
+        kept_parts = kept_parts[2:] or kept_parts
+    return _WORD.sub(" the choice on this page", "".join(kept_parts)).strip()

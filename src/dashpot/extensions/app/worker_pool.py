@@ -28,7 +28,7 @@ class WorkerProcess:
     Parameters
     ----------
     folder : Path
-        Of the files.
+        Folder of the files.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -105,7 +105,7 @@ class WorkerProcess:
         process.stdin.write(wire_format.encode_frame("q", question))
         await process.stdin.drain()
         while True:
-            kind, length = wire_format.frame_head(
+            kind, length = wire_format.parse_frame_head(
                 await process.stdout.readexactly(wire_format.FRAME_HEAD)
             )
             body = await process.stdout.readexactly(length)
@@ -121,11 +121,11 @@ class WorkerProcess:
 
     def cancel(self) -> bool:
         """End the computation with its process, and who reads for it; True if there was one."""
-        at_work = self.seconds is not None
-        if at_work:
+        is_running = self.seconds is not None
+        if is_running:
             self._cancelled = True
             self.end()
-        return at_work
+        return is_running
 
     def end(self) -> None:
         """End the worker, whatever it does."""

@@ -25,13 +25,13 @@ from dashpot.base.progress import set_progress_listener
 from dashpot.extensions.app import wire_format
 
 
-def stop_process_group(leader: int) -> None:
+def stop_process_group(process_id: int) -> None:
     """End a process that was started as the first of a session, and all that it started."""
     with suppress(ProcessLookupError):
         if sys.platform == "win32":
-            os.kill(leader, signal.SIGTERM)
+            os.kill(process_id, signal.SIGTERM)
         else:
-            os.killpg(leader, signal.SIGKILL)
+            os.killpg(process_id, signal.SIGKILL)
 
 
 def trim_memory(max_bytes: int) -> None:
@@ -92,7 +92,7 @@ def _wait_for_question(questions: queue.Queue[bytes]) -> bytes:
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:
     while len(head := source.read(wire_format.FRAME_HEAD)) == wire_format.FRAME_HEAD:
-        _, length = wire_format.frame_head(head)
+        _, length = wire_format.parse_frame_head(head)
         questions.put(source.read(length))
     shutil.rmtree(folder, ignore_errors=True)
     stop_process_group(os.getpid())

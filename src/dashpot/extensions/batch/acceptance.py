@@ -59,7 +59,7 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
     """
     seals = lot.seals(limits.quantity.column)
     deviation, freedom = _compute_pooled_deviation(seals)
-    operator_note = _between_operators(lot, limits.quantity.column)
+    operator_note = _compute_operator_share(lot, limits.quantity.column)
     decisions = []
     for item in seals:
         guard = None
@@ -67,7 +67,9 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
             value = math.hypot(deviation / math.sqrt(len(item.values)), operator_note)
             guard = t_quantile(2 * CONFORMITY_PROBABILITY - 1, freedom) * value
         decisions.append(
-            SealDecision(item.lot, item.name, _decision(limits, item.mean, guard), item.mean, guard)
+            SealDecision(
+                item.lot, item.name, _decide_acceptance(limits, item.mean, guard), item.mean, guard
+            )
         )
     items = {(seal.lot, seal.name) for seal in seals}
     missing_seals = (key for key in _find_tested_seals(lot) if key not in items)
@@ -83,7 +85,7 @@ def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
     return {(lot, seal or file): None for lot, seal, file, end in rows if seal or end == "fitted"}
 
 
-def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
+def _decide_acceptance(limits: Limits, value: float, guard: float | None) -> Decision:
     if limits.judge(value, value) == "missed":
         return "fail"
     band = guard or 0.0
@@ -97,7 +99,7 @@ def _compute_pooled_deviation(seals: Sequence[Seal]) -> tuple[float, int]:
     return (math.sqrt(squares / freedom) if freedom else 0.0), freedom
 
 
-def _between_operators(lot: Lot, name: str) -> float:
+def _compute_operator_share(lot: Lot, name: str) -> float:
     if lot.rows_in_statistics["operator"].n_unique() < 2:
         return 0.0
     try:

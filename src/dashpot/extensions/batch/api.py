@@ -85,9 +85,9 @@ def batch(what: Any, /, **options: Any) -> Any:
     machine : Machine, optional
         On which the tests were made.
     time, displacement : array
-        Of arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
+        For arrays: their clock, and the displacement of all; or `ramp`, depth and ramp time.
     units : str
-        Of arrays: ``"SI"``, or those of time, displacement and force: ``"s, mm, N"``.
+        For arrays: ``"SI"``, or those of time, displacement and force: ``"s, mm, N"``.
 
     Returns
     -------
@@ -171,13 +171,13 @@ def _fit_arrays(
 ) -> BatchFit:
     from dashpot.extensions.batch.arrays.fit_many import fit_many
 
-    t, x, F = _arrays_in_si(
+    t, x, F = _convert_arrays_to_si(
         units, time=(time, "time"), displacement=(displacement, "length"), force=(forces, "force")
     )
     return fit_many(t, F, displacement=x, ramp=ramp, arms=arms, method=method, errors=errors)
 
 
-def _arrays_in_si(units: str, **arrays: tuple[Any, Dimension]) -> list[Any]:
+def _convert_arrays_to_si(units: str, **arrays: tuple[Any, Dimension]) -> list[Any]:
     """Return arrays in SI, each given with what it is of; None stays None.
 
     Raises

@@ -23,7 +23,7 @@ MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
 
 
-def several(
+def convert_quantities(
     quantity_or_quantities: Quantity | Sequence[Quantity], dimension: Dimension
 ) -> tuple[float, ...]:
     """Return one quantity or several in SI."""
@@ -35,7 +35,9 @@ def several(
     return tuple(convert_to_si(quantity, dimension) for quantity in quantities)
 
 
-def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
+def _require_positive(
+    name: str, value: float, unit: str = "", *, expected: str = "a number"
+) -> None:
     if not 0 < value < math.inf:
         raise DataError(f"{name} = {value!r}{unit}; expected {expected} > 0")
 
@@ -59,22 +61,22 @@ class BatchOptions:
     quick : bool
         The optimum alone: no errors, no checks, no verdict.
     mass : float or None
-        Of the block on the seals, kg, where a test has none of its own.
+        Mass of the block on the seals, kg, where a test has none of its own.
     seals : float
         Under that mass.
     reading, reading_impact : ReadOptions
-        Of the tests, and of the hammer's files.
+        Options of the tests, and of the hammer's files.
     joint : bool
         Where a hammer is paired with a ramp and hold: one solid for both.
     at : tuple of float
         Frequencies, Hz, at which each row has storage and loss stiffness and loss factor.
     compression : tuple of float
-        Of the seals, m, for these and for the stiffness at the end of the hold; without any, the
-        depth of each test. The first is the nominal one of a load deflection record.
+        Compression of the seals, m, for these and for the stiffness at the end of the hold; without
+        any, the depth of each test. The first is the nominal one of a load deflection record.
     length : float or None
         Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float or None
-        Of an indenter's tip, m: a hit then has a modulus.
+        Radius of an indenter's tip, m: a hit then has a modulus.
     machine : Machine
         On which the tests were made, where the manifest gives a test none of its own.
     """
@@ -113,12 +115,12 @@ class BatchOptions:
         for name, unit in (("mass", " kg"), ("length", " m"), ("radius", " m"), ("seals", "")):
             value = getattr(self, name)
             if value is not None:
-                _positive(name, value, unit)
+                _require_positive(name, value, unit)
         for name in ("at", "compression"):
             results = tuple(dict.fromkeys(getattr(self, name)))
             object.__setattr__(self, name, results)
             for result in results:
-                _positive(name, result, expected="numbers")
+                _require_positive(name, result, expected="numbers")
         _refuse_unused_cable(self.machine, joint=self.joint)
         if self.joint and self.quick:
             raise DataError(

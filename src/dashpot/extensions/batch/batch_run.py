@@ -19,7 +19,7 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.machine import Machine
-from dashpot.extensions.batch.batch_options import BatchOptions, several
+from dashpot.extensions.batch.batch_options import BatchOptions, convert_quantities
 from dashpot.extensions.batch.executors import open_executor
 from dashpot.extensions.batch.input_files import LOG, Entry, find_entries
 from dashpot.extensions.batch.limits import Limits
@@ -30,14 +30,14 @@ from dashpot.extensions.batch.parquet_parts import (
     Task,
     build_row_frame,
     claim,
-    keys_done,
-    polars,
-    table,
-    tasks,
+    collect_table,
+    import_polars,
+    list_done_keys,
+    make_tasks,
     write_part,
 )
 from dashpot.extensions.batch.process_pool import Executor, Rows
-from dashpot.extensions.batch.table_row import row
+from dashpot.extensions.batch.table_row import make_row
 from dashpot.reading.read_options import ReadOptions
 
 CHUNK = SMALL_PART
@@ -71,8 +71,8 @@ class BatchJob:
     def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
         """Return the tests that are there now; where more are to come, none is no error."""
         return find_entries(
-            self.paths, manifest=self.manifest, by=self.by, pair=self.pair, without=self.output,
-            allow_none=allow_none,
+            self.paths, manifest=self.manifest, label_pattern=self.by, pair=self.pair,
+            output_folder=self.output, allow_none=allow_none,
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:
@@ -80,7 +80,7 @@ class BatchJob:
         send_progress("finding the files")
         entries = self.entries()
         send_progress(f"hashing the files of {len(entries)} tests")
-        return tasks(entries, self.choices)
+        return make_tasks(entries, self.choices)
 
 
 @dataclass(frozen=True)
@@ -150,17 +150,18 @@ def batch(
     quick : bool
         The optimum alone, without errors, checks and verdict; `arms` must then be a number.
     mass : float, optional
-        Of a block, kg, on so many `seals`: the table then has its frequency and damping ratio. The
-        manifest may give each test its own.
+        Mass of a block, kg, on so many `seals`: the table then has its frequency and damping ratio.
+        The manifest may give each test its own.
     at : float or sequence of float
         Frequencies, Hz: the table then has storage and loss stiffness and loss factor there.
     compression : float or sequence of float
-        Of the seals, m, for these and for the stiffness at the end of the hold: of small vibration
-        about it. By default each test's own depth. The first is the nominal one of load deflection.
+        Compression of the seals, m, for these and for the stiffness at the end of the hold: of
+        small vibration about it. By default each test's own depth. The first is the nominal one of
+        load deflection.
     length : float, optional
         Contact length of each specimen, m: load deflection is then per 100 mm.
     radius : float, optional
-        Of an indenter's tip, m; `mass` is then the indenter's.
+        Radius of an indenter's tip, m; `mass` is then the indenter's.
     machine : Machine, optional
         On which the tests were made; the manifest may give each test its own.
     by : str, optional
@@ -178,8 +179,8 @@ def batch(
     jobs : int, optional
         Processes side by side; by default as many as there are processors.
     scheduler : str, optional
-        Of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the rows: the
-        same dashpot is installed there, and the files have the same paths.
+        Address of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the
+        rows: the same dashpot is installed there, and the files have the same paths.
     options, impact_options : ReadOptions, optional
         What is known of the files of the tests, and of the hammer.
 
@@ -199,20 +200,20 @@ def batch(
         options or ReadOptions(),
         impact_options or ReadOptions(),
         joint,
-        several(at, "frequency"),
-        several(compression, "length"),
+        convert_quantities(at, "frequency"),
+        convert_quantities(compression, "length"),
         convert_to_si(length, "length"),
         convert_to_si(radius, "length"),
         machine or Machine(),
     )
     path_list = (paths,) if isinstance(paths, str | Path) else tuple(paths)
-    with _folder(output) as folder:
+    with _make_results_folder(output) as folder:
         return run_batch(BatchJob(path_list, folder, choices, by, manifest, pair, jobs, scheduler))
 
 
 def run_batch(job: BatchJob) -> Lot:
     """Make the rows of a batch that are missing, and return all."""
-    polars()
+    import_polars()
     open_executor(job.jobs, job.scheduler)  # refuses what makes no sense before anything is written
     tasks = job.tasks()
     with lock_results_folder(job.output):
@@ -229,13 +230,13 @@ def lock_results_folder(folder: Path) -> Iterator[None]:
 
 def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
     """Make of the rows asked for those that are missing, in a folder that is occupied."""
-    missing = _missing(tasks, job.output)
+    missing = _select_missing_tasks(tasks, job.output)
     if missing:
         try:
             with open_executor(job.jobs, job.scheduler) as executor:
                 _compute(missing, job.choices, job.output, executor)
         except (KeyboardInterrupt, OSError) as error:
-            made_now = len(missing) - len(_missing(missing, job.output))
+            made_now = len(missing) - len(_select_missing_tasks(missing, job.output))
             text = (
                 f"{made_now} of {len(missing)} rows are made and kept in {job.output}, and the "
                 "same command goes on from there"
@@ -243,9 +244,9 @@ def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
             if isinstance(error, OSError):
                 raise ExportError(f"{job.output}: {error.strerror or error}: {text}") from None
             raise KeyboardInterrupt(f"interrupted: {text}") from None
-    frame = table(job.output, (task.key for task in tasks))
+    frame = collect_table(job.output, (task.key for task in tasks))
     made_keys = [task.key for task in missing]
-    return Lot(frame, frame.filter(polars().col(KEY).is_in(made_keys)).height)
+    return Lot(frame, frame.filter(import_polars().col(KEY).is_in(made_keys)).height)
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:
@@ -256,11 +257,11 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     ReadError, DataError, ExportError
         As :func:`batch`.
     """
-    polars()
+    import_polars()
     executor, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
-    missing = _missing(tasks, job.output)
+    missing = _select_missing_tasks(tasks, job.output)
     with executor as making:
-        chunks = len(_chunks(missing, making.side))
+        chunks = len(_split_into_chunks(missing, making.side))
     value = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
     seconds = value * len(missing) / min(making.at_once, max(chunks, 1))
     return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
@@ -269,17 +270,17 @@ def plan_batch(job: BatchJob) -> BatchPlan:
 def _estimate_seconds_per_row(sample_tasks: Sequence[Task], choices: BatchOptions) -> float:
     if not sample_tasks:
         return 0.0
-    row(
+    make_row(
         sample_tasks[0].entry, sample_tasks[0].hashes, choices
     )  # what is imported once does not count
     start_time = time.perf_counter()
     for task in sample_tasks:
-        row(task.entry, task.hashes, choices)
+        make_row(task.entry, task.hashes, choices)
     return (time.perf_counter() - start_time) / len(sample_tasks)
 
 
 @contextmanager
-def _folder(output: str | Path | None) -> Iterator[Path]:
+def _make_results_folder(output: str | Path | None) -> Iterator[Path]:
     if output is not None:
         yield Path(output)
         return
@@ -287,12 +288,12 @@ def _folder(output: str | Path | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _missing(tasks: Sequence[Task], folder: Path) -> list[Task]:
-    done_keys = keys_done(folder) if folder.is_dir() else set()
+def _select_missing_tasks(tasks: Sequence[Task], folder: Path) -> list[Task]:
+    done_keys = list_done_keys(folder) if folder.is_dir() else set()
     return [task for task in tasks if task.key not in done_keys]
 
 
-def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
+def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
     """Smaller ones towards the end, so that no process waits long for the last of another."""
     task_groups: list[tuple[Task, ...]] = []
     first, chunk_limit = 0, max(1, len(missing) // jobs)
@@ -307,7 +308,7 @@ def _chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, ...]]:
 def _compute(
     missing: Sequence[Task], choices: BatchOptions, folder: Path, executor: Executor
 ) -> None:
-    chunks, done_count, start_time = _chunks(missing, executor.side), 0, time.monotonic()
+    chunks, done_count, start_time = _split_into_chunks(missing, executor.side), 0, time.monotonic()
     send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
     for number, (chunk, rows) in enumerate(executor.computed(chunks, choices), start=1):
@@ -315,7 +316,7 @@ def _compute(
         done_count += len(chunk)
         progress = done_count, max(time.monotonic() - start_time, 1e-6)
         first = progress if number == 1 else first
-        tests_per_second = rate(first, progress, number, min(executor.side, len(chunks)))
+        tests_per_second = estimate_rate(first, progress, number, min(executor.side, len(chunks)))
         text = f"{done_count} of {len(missing)} tests, {tests_per_second:.1f} tests/s"
         if done_count < len(missing):
             text += f", {(len(missing) - done_count) / tests_per_second:.0f} s left"
@@ -323,7 +324,7 @@ def _compute(
         append_log_line(folder, f"{path.name} {_format_outcome_counts(rows)}; {text}")
 
 
-def rate(
+def estimate_rate(
     first: tuple[int, float], progress: tuple[int, float], chunks: int, parallel_chunks: int
 ) -> float:
     """Return tests in a second, by how many were done, and after how many s, at two chunks.

@@ -18,13 +18,13 @@ MOST_DOUBTED = 0.5
 @criterion(
     "files without a fit", "<=", 0, "by definition", other_grade="stop where no file was fitted"
 )
-def files_fitted(without: int, files: int) -> Finding:
+def files_fitted(unfitted_count: int, files: int) -> Finding:
     """Every file of the batch is a test, and was fitted."""
     return Finding(
-        f"{files - without} of {files} files are tests that were fitted",
-        without,
+        f"{files - unfitted_count} of {files} files are tests that were fitted",
+        unfitted_count,
         remedy="Look up the reason of each other file in the table.",
-        grade="stop" if files and without == files else "limit",
+        grade="stop" if files and unfitted_count == files else "limit",
     )
 
 
@@ -55,13 +55,14 @@ def few_fits_doubted(doubtful_count: int, fitted: int) -> Finding:
 
 
 @criterion("hammer tests not compared", "<=", 0, "by definition")
-def hammers_compared(without: int, paired: int) -> Finding:
+def hammers_compared(uncompared_count: int, paired: int) -> Finding:
     """Every hammer test of the batch was compared with its relaxation test."""
     if not paired:
         return Finding("No test of the batch has a hammer test, so none is compared")
     return Finding(
-        f"{paired - without} of {paired} hammer tests were compared with their relaxation tests",
-        without,
+        f"{paired - uncompared_count} of {paired} hammer tests were compared with their relaxation "
+        "tests",
+        uncompared_count,
         remedy="Look up the reason of each other one in the table.",
     )
 

@@ -17,7 +17,7 @@ from dashpot.base.errors import DashpotError, DataError, ExportError
 from dashpot.base.serialisation import to_plain_value
 from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
-from dashpot.extensions.batch.cluster_worker import rows_of, stop_idle_workers
+from dashpot.extensions.batch.cluster_worker import make_rows, stop_idle_workers
 from dashpot.extensions.batch.process_pool import Chunk, Executor, Rows
 from dashpot.registry import format_install_command
 
@@ -28,7 +28,7 @@ _QUEUED_CHUNKS = 2
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Executor]:
+def connect_to_cluster(address: str) -> Iterator[Executor]:
     """The workers behind a scheduler.
 
     Raises
@@ -46,7 +46,7 @@ def cluster(address: str) -> Iterator[Executor]:
             "a cluster is one of dask.distributed, which is not installed; install it with: "
             f"{advice}"
         ) from None
-    with _silent(), closing(_open_client(distributed, address)) as client:
+    with _silence_dask(), closing(_open_client(distributed, address)) as client:
         thread_count = sum(client.nthreads().values())
         yield Executor(
             thread_count, thread_count, partial(_compute_chunks, distributed, client, address)
@@ -54,7 +54,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 @contextmanager
-def _silent() -> Iterator[None]:
+def _silence_dask() -> Iterator[None]:
     """Keep dask's log silent: an error is said in one sentence."""
     logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [log.level for log in logs]
@@ -108,7 +108,7 @@ def _compute_chunks(
 
     def send_chunk(chunk: Chunk) -> Any:
         tasks = json.dumps([task.packed for task in chunk])
-        future = client.submit(rows_of, tasks, **common, pure=False)
+        future = client.submit(make_rows, tasks, **common, pure=False)
         requested_tasks[future.key] = chunk
         return future
 
@@ -118,7 +118,7 @@ def _compute_chunks(
     try:
         for future in running:
             chunk = requested_tasks.pop(future.key)
-            yield chunk, _rows(future, address)
+            yield chunk, _get_rows(future, address)
             next_chunk = next(waiting, None)
             if next_chunk is not None:
                 running.add(send_chunk(next_chunk))
@@ -127,7 +127,7 @@ def _compute_chunks(
         client.cancel(list(running.futures))
 
 
-def _rows(future: Any, address: str) -> Rows:
+def _get_rows(future: Any, address: str) -> Rows:
     try:
         data: Rows = json.loads(future.result())
     except DashpotError:

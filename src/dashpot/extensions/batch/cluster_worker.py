@@ -24,7 +24,7 @@ _idle: list[tuple[tuple[str, str], Worker]] = []
 _lock = threading.Lock()
 
 
-def rows_of(tasks: str, *, choices: str, folder: str, version: str) -> str:
+def make_rows(tasks: str, *, choices: str, folder: str, version: str) -> str:
     """Return the rows of a chunk, as JSON.
 
     Raises

@@ -10,31 +10,31 @@ from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.input_files import LABELS, Entry
 from dashpot.registry import KINDS
 
-Where: TypeAlias = tuple[float | None, float | None]
+FrequencyAndCompression: TypeAlias = tuple[float | None, float | None]
 """A frequency and a compression."""
-TEXTS = (
+TEXT_COLUMNS = (
     "file", "part", "sha256", "hammer", *LABELS, "kind", "outcome", "verdict", "agreement",
     "reason", "failed_checks", "status", "method", "version", "origin",
 )  # fmt: skip
 """The columns of words; `outcome` is ``fitted``, ``refused``, ``other``, ``ignored``, or one of
-`AGAIN`.
+`RETRIED_OUTCOMES`.
 
 `part` is which of several specimens in its file a row is of, as ``--file-part`` takes it. `origin`
 is ``simulated`` where a file of the row says so.
 """
-LEADING = ("file", *LABELS, "kind", "outcome", "verdict", "reason")
+LEADING_COLUMNS = ("file", *LABELS, "kind", "outcome", "verdict", "reason")
 """The columns with which a written table begins."""
-TRAILING = (
+TRAILING_COLUMNS = (
     "failed_checks", "status", "method", "arms", "samples", "bytes", "origin", "version", "hammer",
     "sha256", "key",
 )  # fmt: skip
 """The columns with which a written table ends: what a file is, rather than what its test says."""
-ALWAYS = ("file", "kind", "outcome", "verdict", "reason")
+REQUIRED_COLUMNS = ("file", "kind", "outcome", "verdict", "reason")
 """The columns that are written even where they are empty."""
-AGAIN = ("died", "changed")
+RETRIED_OUTCOMES = ("died", "changed")
 """Outcomes that another run may mend: such a file is tried again."""
-COUNTS = ("bytes", "samples", "arms")
-_OF_THE_SOLID = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
+COUNT_COLUMNS = ("bytes", "samples", "arms")
+_STIFFNESS_SUFFIXES = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
 
 
 def format_stiffness_column(suffix: str, unit: str) -> str:
@@ -42,19 +42,20 @@ def format_stiffness_column(suffix: str, unit: str) -> str:
     return column(f"{'k' if unit == 'N/m' else 'E'}_{suffix}", unit)
 
 
-NUMBERS = (
+NUMBER_COLUMNS = (
     "temperature_K", "hammer_temperature_K", "mass_kg", "depth_m", "ramp_s", "hold_s",
     "force_noise_N",
-    *(format_stiffness_column(suffix, "N/m") for suffix in _OF_THE_SOLID), "rms_N", "band_low_Hz",
+    *(format_stiffness_column(suffix, "N/m") for suffix in _STIFFNESS_SUFFIXES), "rms_N",
+    "band_low_Hz",
     "band_high_Hz", "frequency_Hz", "damping_ratio",
     "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
     "measured_damping_ratio", "measured_damping_ratio_se", "peak_dB", "frac",
     *(name for kind in KINDS.values() for name in kind.columns),
-    *(format_stiffness_column(suffix, "Pa") for suffix in _OF_THE_SOLID),
+    *(format_stiffness_column(suffix, "Pa") for suffix in _STIFFNESS_SUFFIXES),
 )  # fmt: skip
 
 
-def arm_columns(arms: int) -> tuple[str, ...]:
+def list_arm_columns(arms: int) -> tuple[str, ...]:
     """Return the columns of the arms, and of their standard errors."""
     return tuple(
         name
@@ -70,14 +71,16 @@ def arm_columns(arms: int) -> tuple[str, ...]:
     )
 
 
-def build_requested_columns(choices: BatchOptions, unit: str) -> dict[Where, tuple[str, ...]]:
+def build_requested_columns(
+    choices: BatchOptions, unit: str
+) -> dict[FrequencyAndCompression, tuple[str, ...]]:
     """Return the columns of each frequency, Hz, and compression, m, that was asked for.
 
     Without a frequency, that of the stiffness at the end of the hold; without a compression, those
     at the depth of the test. A material (`unit` Pa) has no compression.
     """
     compressions = choices.compression if unit == "N/m" else ()
-    entries: dict[Where, tuple[str, ...]] = {
+    entries: dict[FrequencyAndCompression, tuple[str, ...]] = {
         (None, value): (
             format_stiffness_column(f"end_at_{convert_to_unit(value, 'mm'):g}mm", unit),
         )
@@ -96,24 +99,24 @@ def build_requested_columns(choices: BatchOptions, unit: str) -> dict[Where, tup
     return entries
 
 
-def chosen_columns(choices: BatchOptions) -> tuple[str, ...]:
+def list_chosen_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return the columns that depend on the choices, all of numbers."""
     requested = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
     names = (name for groups in requested for group in groups for name in group)
-    return (*arm_columns(choices.columns), *dict.fromkeys(names))
+    return (*list_arm_columns(choices.columns), *dict.fromkeys(names))
 
 
-def number_columns(choices: BatchOptions) -> tuple[str, ...]:
+def list_number_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return every column of numbers but the counts."""
-    return (*NUMBERS, *chosen_columns(choices))
+    return (*NUMBER_COLUMNS, *list_chosen_columns(choices))
 
 
-def empty(entry: Entry, sha256: str, choices: BatchOptions) -> dict[str, Any]:
+def make_empty_row(entry: Entry, sha256: str, choices: BatchOptions) -> dict[str, Any]:
     """Return the row of a file of which nothing is known yet."""
-    numbers = dict.fromkeys((*COUNTS, *number_columns(choices)))
+    numbers = dict.fromkeys((*COUNT_COLUMNS, *list_number_columns(choices)))
     entries = {name: getattr(entry, name) for name in ("file", *LABELS)}
     return (
-        dict.fromkeys(TEXTS, "")
+        dict.fromkeys(TEXT_COLUMNS, "")
         | numbers
         | entries
         | {

@@ -36,13 +36,13 @@ if TYPE_CHECKING:
   dashpot batch tests/ -o lot --limits limits.toml --strict
 
 A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
-    options.files("PATH...", "paths", least=0),
+    options.file_argument("PATH...", "paths", min_count=0),
     build_lot_options(
         opt("--watch", help="Go on as files are written; Ctrl-C ends it."),
         opt("--dry-run", help="Say what would be done."),
     ),
     build_fit_options(),
-    options.reading(),
+    options.reading_options(),
     group(
         RESULT,
         opt("--json", "as_json", help="Print one JSON document in SI units."),

@@ -14,7 +14,7 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.extensions.batch.lot import DEGREES, MAX_CONDITION_DIFFERENCE, Lot
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key
-from dashpot.extensions.batch.statistics.two_sample import SIGNIFICANCE, Difference, holm
+from dashpot.extensions.batch.statistics.two_sample import SIGNIFICANCE, Difference, adjust_holm
 
 _TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")
 _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
@@ -159,7 +159,7 @@ def open_lot(folder_name: str) -> tuple[str, Lot]:
     return Path(folder_name).resolve().name, lot
 
 
-def opened_both(names: Sequence[str]) -> list[tuple[str, Lot]]:
+def open_both_lots(names: Sequence[str]) -> list[tuple[str, Lot]]:
     """Return two lots, opened each; those of one name are called as they were named."""
     lots = [open_lot(name) for name in names]
     if len({name for name, _ in lots}) == 1:
@@ -192,7 +192,7 @@ def compare_two_lots(
     if not quantities:
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
     differences = [single_lot.compare(other, quantity.name) for quantity in quantities]
-    p_values = holm([difference.p_value for difference in differences])
+    p_values = adjust_holm([difference.p_value for difference in differences])
     unnamed = sum(int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (single_lot, other))
     shared_count = _count_shared_records(single_lot, other)
     tests = single_lot.rows_in_statistics.height + other.rows_in_statistics.height
@@ -203,7 +203,7 @@ def compare_two_lots(
             for item in zip(quantities, differences, p_values, strict=True)
         ),
         (
-            lots_tested_alike(tuple(_otherwise(single_lot, other))),
+            lots_tested_alike(tuple(_find_other_conditions(single_lot, other))),
             seals_named(unnamed, tests),
             records_distinct(shared_count, tests),
             *(
@@ -217,7 +217,7 @@ def compare_two_lots(
 
 def compare_folders(first: str, second: str, quantities: Sequence[str]) -> LotComparison:
     """Compare two lots; ``FOLDER:NAME`` is one lot of several."""
-    pair, other = opened_both((first, second))
+    pair, other = open_both_lots((first, second))
     return compare_two_lots(pair, other, tuple(quantities))
 
 
@@ -248,7 +248,7 @@ def _find_common_quantity(first: tuple[str, Lot], second: tuple[str, Lot], name:
     return quantity
 
 
-def _otherwise(single_lot: Lot, other: Lot) -> Iterator[str]:
+def _find_other_conditions(single_lot: Lot, other: Lot) -> Iterator[str]:
     """Conditions of the tests that differ between the lots, by their medians."""
     for name in _CONDITIONS:
         medians = [lot.rows_in_statistics[name].median() for lot in (single_lot, other)]

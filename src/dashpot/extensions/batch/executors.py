@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 
 from dashpot.base.errors import DataError
-from dashpot.extensions.batch.process_pool import Executor, processes
+from dashpot.extensions.batch.process_pool import Executor, open_process_pool
 
 
 def open_executor(jobs: int | None, scheduler: str | None) -> AbstractContextManager[Executor]:
@@ -19,9 +19,9 @@ def open_executor(jobs: int | None, scheduler: str | None) -> AbstractContextMan
     if jobs is not None and jobs < 1:
         raise DataError(f"jobs = {jobs}; expected a number of processes >= 1")
     if scheduler is None:
-        return processes(jobs)
+        return open_process_pool(jobs)
     if jobs is not None:
         raise DataError("--jobs are processes of this machine; a cluster (--scheduler) has its own")
-    from dashpot.extensions.batch.cluster import cluster  # dask takes a second to import
+    from dashpot.extensions.batch.cluster import connect_to_cluster  # dask takes a second to import
 
-    return cluster(scheduler)
+    return connect_to_cluster(scheduler)

@@ -11,7 +11,13 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
+from dashpot.extensions.batch.seals import (
+    Charts,
+    LotCharts,
+    Seal,
+    average_seals,
+    split_seals_by_lot,
+)
 from dashpot.extensions.batch.statistics.control_chart import Chart
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.plot.picture import Area, Dots, Line, Mark, Panel, Pen, Picture, Ring, Rule, Scale, Tag
@@ -48,13 +54,13 @@ def control_picture(
     positions = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
     scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
     x = np.arange(1.0, len(seals) + 1)
-    y = quantity.scale * seal_means(seals)
+    y = quantity.scale * average_seals(seals)
     areas: list[Mark] = []
     marks: list[Mark] = [Line(x, y, _THREAD)]
     titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
     for name, chart in charts.items():
         at = np.array([positions[seal.lot, seal.name] for seal in chart.seals])
-        end_positions = _ends(at)
+        end_positions = _get_axis_limits(at)
         lower_line, centre, upper_line = (
             quantity.scale * value * np.ones(2)
             for value in (chart.means.lower[0], chart.means.centre, chart.means.upper[0])
@@ -70,14 +76,14 @@ def control_picture(
     limits = quantity.scale * np.array(requested)
     marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
-    low, high = _limits(quantity, charts, seals, requested)
+    low, high = _make_value_axis(quantity, charts, seals, requested)
     marks += [Tag(at, high, text, "soft") for at, text in titles]
     upper = Panel(scale, Scale(quantity.title, (low, high)), (*areas, *marks), height=CHART)
-    panels = (upper, *_scatter(scale, quantity, spans))
+    panels = (upper, *_make_scatter_panel(scale, quantity, spans))
     return Picture("chart", f"{quantity.title}: seals of each lot", (panels,))
 
 
-def _scatter(
+def _make_scatter_panel(
     scale: Scale, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
 ) -> Iterator[Panel]:
     """The panel of repeats or neighbours, unless there are none; each lot with its places."""
@@ -90,7 +96,7 @@ def _scatter(
             continue
         values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
         marks += [
-            Line(_ends(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
+            Line(_get_axis_limits(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
             Line(at, ceiling, _CEILING, "its upper control limit"),
             Dots(at, values, "measured", size=4.0),
             *_make_signal_tags(item.seals, chart, at, quantity.scale),
@@ -102,28 +108,30 @@ def _scatter(
         yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
-def _ends(at: FloatArray) -> FloatArray:
-    return np.array([at[0] - 0.5, at[-1] + 0.5])
+def _get_axis_limits(positions: FloatArray) -> FloatArray:
+    return np.array([positions[0] - 0.5, positions[-1] + 0.5])
 
 
 def _make_signal_tags(
-    seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float
+    seals: Sequence[Seal], chart: Chart, positions: FloatArray, scale: float
 ) -> list[Tag]:
     """Return the names of the seals that break a rule."""
     return [
-        Tag(float(at[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow")
+        Tag(
+            float(positions[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow"
+        )
         for i in dict.fromkeys(signal.point for signal in chart.signals)
     ]
 
 
-def _limits(
+def _make_value_axis(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    requested: Sequence[float],
+    limits: Sequence[float],
 ) -> tuple[float, float]:
     """The upright axis that chart and histogram share: seals, control limits, what is asked."""
-    edges = [quantity.scale * seal_means(seals), quantity.scale * np.array(requested)]
+    edges = [quantity.scale * average_seals(seals), quantity.scale * np.array(limits)]
     for chart in charts.values():
         edges += [quantity.scale * chart.means.lower, quantity.scale * chart.means.upper]
     low, high = compute_padded_limits(np.concatenate(edges))
@@ -135,10 +143,10 @@ def histogram_picture(
     quantity: Quantity,
     charts: Mapping[str, Charts],
     seals: Sequence[Seal],
-    requested: Sequence[float] = (),
+    required_limits: Sequence[float] = (),
 ) -> Picture:
     """Return the means of all seals as a histogram that lies on the axis of their chart."""
-    means = quantity.scale * seal_means(seals)
+    means = quantity.scale * average_seals(seals)
     counts, edges = np.histogram(
         means, bins=max(_BARS, min(_MOST_BARS, int(1.5 * len(means) ** 0.5)))
     )
@@ -148,7 +156,7 @@ def histogram_picture(
              tint=0.5)
         for low, high, count in zip(edges[:-1], edges[1:], counts.tolist(), strict=True) if count
     ]  # fmt: skip
-    limits = _limits(quantity, charts, seals, requested)
+    limits = _make_value_axis(quantity, charts, seals, required_limits)
     mean, top = float(means.mean()), float(counts.max())
     deviation = float(means.std(ddof=1)) if len(means) > 1 else 0.0
     if deviation > 0:
@@ -157,7 +165,7 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in requested]
+    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in required_limits]
     marks += [Rule(mean, _MEAN, across=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
@@ -166,7 +174,7 @@ def histogram_picture(
     return Picture("histogram", f"{quantity.title}: all seals", ((panel,),))
 
 
-def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> Picture:
+def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) -> Picture:
     """Return the Cpk of each lot with its interval, the lowest first."""
     ranked = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
     at = np.arange(1.0, len(ranked) + 1)
@@ -181,9 +189,9 @@ def cpk_picture(capabilities: Sequence[Capability], requested: float | None) -> 
         Line(cpk, at, Pen("measured", 1.8), "Cpk"),
     ]
     interval = [low, high]
-    if requested is not None:
-        marks.append(Rule(requested, _ASKED, "asked"))
-        interval.append(np.array([requested]))
+    if required_cpk is not None:
+        marks.append(Rule(required_cpk, _ASKED, "asked"))
+        interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
     vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
     panel = Panel(horizontal, vertical, tuple(marks), height=70, without_y_label=True)
@@ -195,14 +203,15 @@ def lots_picture(
     charts: Mapping[str, Charts],
     lots: LotCharts | None,
     seals: Sequence[Seal],
-    requested: Sequence[float] = (),
+    required_limits: Sequence[float] = (),
 ) -> Picture:
     """Return each lot as a dot, the middle 90 % and all of its seals, and the scatter of repeats.
 
     Control limits are those of the means of lots; what breaks a rule has a ring.
     """
     entries = {
-        name: quantity.scale * seal_means(seal) for name, seal in split_seals_by_lot(seals).items()
+        name: quantity.scale * average_seals(seal)
+        for name, seal in split_seals_by_lot(seals).items()
     }
     names, at = list(entries), np.arange(1.0, len(entries) + 1)
     scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
@@ -216,30 +225,39 @@ def lots_picture(
         edges = quantity.scale * lots.mean.lower, quantity.scale * lots.mean.upper
         marks.append(Area(at, *edges, "fit", "control limits of lot means"))
         marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
-    marks.append(_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
-    marks.append(_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals"))
-    marks += [Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in requested]
+    marks.append(_make_error_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
+    marks.append(
+        _make_error_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals")
+    )
+    marks += [
+        Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in required_limits
+    ]
     marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
         signalling = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
         marks.insert(
             -1, Dots(at[signalling], means[signalling], "care", "signal", size=10.0, hollow=True)
         )
-    limits = _limits(quantity, charts, seals, requested)
-    marks += _groups(names, means, limits[1])
+    limits = _make_value_axis(quantity, charts, seals, required_limits)
+    marks += _group_lots(names, means, limits[1])
     upper = Panel(scale, Scale(quantity.title, limits), tuple(marks), height=CHART)
-    panels = (upper, *_repeats_of_lots(scale, quantity, names, charts))
+    panels = (upper, *_make_repeats_panel(scale, quantity, names, charts))
     return Picture("chart", f"{quantity.title}: every lot", (panels,))
 
 
-def _bars(at: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str) -> Line:
+def _make_error_bars(
+    positions: FloatArray, low: FloatArray, high: FloatArray, pen: Pen, label: str
+) -> Line:
     """Upright strokes as one line that breaks between them."""
-    gap = np.full(len(at), np.nan)
-    x, y = np.column_stack([at, at, gap]).ravel(), np.column_stack([low, high, gap]).ravel()
+    gap = np.full(len(positions), np.nan)
+    x, y = (
+        np.column_stack([positions, positions, gap]).ravel(),
+        np.column_stack([low, high, gap]).ravel(),
+    )
     return Line(x, y, pen, label)
 
 
-def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
+def _group_lots(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
     """Lots that are named alike but for a number: where each group begins, and its mean.
 
     Of lots that are one group, or of no group, some are named.
@@ -259,7 +277,7 @@ def _groups(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mar
         yield Tag(i + 1.0, top, names[i], "soft")
 
 
-def _repeats_of_lots(
+def _make_repeats_panel(
     scale: Scale, quantity: Quantity, names: Sequence[str], charts: Mapping[str, Charts]
 ) -> Iterator[Panel]:
     """The standard deviations of repeats, a column of dots a lot; those beyond are named."""
@@ -297,7 +315,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = 
     """Return the relaxation of the solid of every row, from 10 ms to the end of its hold."""
     longest = max((float(row["hold_s"] or 0.0) for row in rows), default=0.0)
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
-    curves = [_relaxation(row, time) for row in rows]
+    curves = [_compute_relaxation(row, time) for row in rows]
     marks = tuple(
         Line(time, k, _ODD if row["file"] in outliers else _CURVE,
              "stands out" if row["file"] in outliers else "model of each test")
@@ -310,7 +328,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = 
     return Picture("curves", "relaxation of every model", ((Panel(*axes, marks, height=170),),))
 
 
-def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
+def _compute_relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
     k = np.full(len(time), float(row["k_inf_N_per_m"]))
     for j in range(1, int(row["arms"]) + 1):
         k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])

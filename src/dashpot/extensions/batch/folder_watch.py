@@ -19,7 +19,7 @@ from dashpot.extensions.batch.batch_run import (
 from dashpot.extensions.batch.executors import open_executor
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash, refuse_senseless
 from dashpot.extensions.batch.lot import Lot
-from dashpot.extensions.batch.parquet_parts import Task, tasks
+from dashpot.extensions.batch.parquet_parts import Task, make_tasks
 
 UNCHANGED_SECONDS = 2.0
 """Seconds without a change after which a file is taken to be whole."""
@@ -131,7 +131,7 @@ class _Watched:
         return all(list(map(self._is_unchanged, (entry.file, *entry.hammer))))
 
     def _is_unchanged(self, file: str) -> bool:
-        current, state = self._clock(), _state(file)
+        current, state = self._clock(), _get_file_state(file)
         if state is None:
             self._since.pop(file, None)
             return False
@@ -142,11 +142,11 @@ class _Watched:
         return current - unchanged_since >= UNCHANGED_SECONDS
 
     def _tasks(self, entries: list[Entry]) -> tuple[Task, ...]:
-        return tasks(entries, self._job.choices, hashed=self._compute_hash)
+        return make_tasks(entries, self._job.choices, hashed=self._compute_hash)
 
     def _compute_hash(self, file: str) -> str:
         """Return the hash of its contents, computed once while it stays as it is."""
-        state = _state(file)
+        state = _get_file_state(file)
         pair = self._hashes.get(file)
         if pair is not None and pair[0] == state:
             return pair[1]
@@ -192,12 +192,12 @@ def _scan_states(folder: str, results: Path) -> Iterator[tuple[object, ...]]:
                 continue
             yield item.name, *_pick_state(item.stat(follow_symlinks=False))
             if item.is_symlink():
-                yield os.path.realpath(item.path), *(_state(item.path) or ())
+                yield os.path.realpath(item.path), *(_get_file_state(item.path) or ())
     for path in paths:
         yield from _scan_states(path, results)
 
 
-def _state(file: str) -> _State | None:
+def _get_file_state(file: str) -> _State | None:
     try:
         return _pick_state(Path(file).stat())
     except (OSError, ValueError):

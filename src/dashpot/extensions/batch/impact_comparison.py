@@ -49,10 +49,10 @@ def compare_with_hammer(
         try:
             fit.at(entry.hammer_temperature)
         except DataError as error:
-            return fit, _resonance(frf) | origin | {"reason": f"hammer: {error}"}
+            return fit, _find_resonance(frf) | origin | {"reason": f"hammer: {error}"}
     mass_on_seals = MassOnSeals(mass, choices.seals)
     _, comparison = compare_with_measured(fit, frf, mass_on_seals)
-    numbers = _peaks(comparison) | origin
+    numbers = _compare_peaks(comparison) | origin
     if choices.joint and isinstance(record, RampHold):
         at = find_static_equilibrium(fit, mass_on_seals).point.compression
         from dashpot.fitting.identification.identify import identify
@@ -82,7 +82,7 @@ def read_hammer_resonance(
     _, frf = read_measured(
         (entry.file,), choices=HammerChoices(), options=choices.reading_impact, mass=mass
     )
-    return _resonance(frf) | make_origin_column(*frf.source)
+    return _find_resonance(frf) | make_origin_column(*frf.source)
 
 
 def make_origin_column(*files: Source) -> dict[str, Any]:
@@ -90,7 +90,7 @@ def make_origin_column(*files: Source) -> dict[str, Any]:
     return {"origin": SIMULATED} if any(file.simulated for file in files) else {}
 
 
-def _resonance(frf: FRF) -> dict[str, Any]:
+def _find_resonance(frf: FRF) -> dict[str, Any]:
     peak = find_peak(frf)
     return {
         "measured_Hz": peak.frequency,
@@ -100,7 +100,7 @@ def _resonance(frf: FRF) -> dict[str, Any]:
     }
 
 
-def _peaks(comparison: Comparison) -> dict[str, Any]:
+def _compare_peaks(comparison: Comparison) -> dict[str, Any]:
     """Return what the fit of the bench alone predicts, and what the hammer finds."""
     return {
         "predicted_Hz": comparison.predicted_hz,

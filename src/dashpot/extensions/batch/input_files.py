@@ -83,15 +83,15 @@ class Entry:
     lot, seal, repeat : str
         Which lot, which seal of it, and which test of that seal; empty where nobody said.
     temperature, mass : float or None
-        Of the test, K; of the block on the seal, kg.
+        Temperature of the test, K; of the block on the seal, kg.
     hammer : tuple of str
         The hammer's files, or an FRF, of the block on such seals.
     operator : str
         Who, or which rig, tested; empty where nobody said.
     hammer_temperature : float or None
-        Of the seals under the hammer, K; None where it is the test's.
+        Temperature of the seals under the hammer, K; None where it is the test's.
     date : str
-        Of the test, as it was said; empty where nobody did.
+        Date of the test, as it was said; empty where nobody did.
     machine : str
         On which it was made, as JSON; empty where nobody said.
     aside : str
@@ -138,9 +138,9 @@ def find_entries(
     paths: Sequence[str | Path],
     *,
     manifest: str | Path | None = None,
-    by: str | None = None,
+    label_pattern: str | None = None,
     pair: str | None = None,
-    without: Path,
+    output_folder: Path,
     allow_none: bool = False,
 ) -> tuple[Entry, ...]:
     """Return the tests that paths, folders and patterns name, each once, sorted by path.
@@ -148,18 +148,20 @@ def find_entries(
     Parameters
     ----------
     paths : sequence of path
-        Of a folder every file is taken, at any depth, but for hidden ones and for results that
-        dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not read:
+        Files; from a folder every file is taken, at any depth, but for hidden ones and for results
+        that dashpot wrote. A link that leads out of it, a device,
+        a pipe is an entry that is not read:
         it is read where it is named itself.
     manifest : path, optional
-        CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
-    by : str, optional
+        CSV or TOML; the files it lists are added to the paths, and its labels win over
+        `label_pattern`.
+    label_pattern : str, optional
         A regular expression whose groups, named or in this order, are lot, seal, repeat, operator
         and date.
     pair : str, optional
         The pattern of a test's hammer files, seen from its folder: ``"{stem}_hammer*.csv"``; it may
         hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
-    without : Path
+    output_folder : Path
         The folder of the results.
     allow_none : bool
         More files are to come: what fits none so far is no error.
@@ -171,8 +173,8 @@ def find_entries(
     DataError
         If the expression is none, or fits no file, or a pattern pairs nothing.
     """
-    manifest_entries = _manifest(manifest)
-    paths_found = (names for path in paths for names in _expand_path(str(path), without))
+    manifest_entries = _read_manifest(manifest)
+    paths_found = (names for path in paths for names in _expand_path(str(path), output_folder))
     entries = _build_entries_by_path((*paths_found, *((path, "") for path in manifest_entries)))
     if manifest is not None:
         entries.pop(os.path.realpath(manifest), None)
@@ -181,14 +183,16 @@ def find_entries(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
             "patterns such as 'tests/*.csv', or --manifest FILE"
         )
-    function = _labels(by, [entry.file for entry in entries.values()], allow_none=allow_none)
+    function = _parse_labels(
+        label_pattern, [entry.file for entry in entries.values()], allow_none=allow_none
+    )
     for path_key, item in entries.items():
         entries[path_key] = replace(item, **function(item.file))
     for path, record in manifest_entries.items():
         path_key = os.path.realpath(path)
         entries[path_key] = replace(entries[path_key], **record)
     sorted_entries = sorted(entries.values(), key=lambda entry: entry.file)
-    return _tests(_add_hammer_files(sorted_entries, pair, allow_none=allow_none))
+    return _select_tests(_add_hammer_files(sorted_entries, pair, allow_none=allow_none))
 
 
 def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
@@ -216,20 +220,20 @@ def _validate_path_encoding(path: str) -> str:
     return path
 
 
-def refuse_senseless(by: str | None, pair: str | None) -> None:
+def refuse_senseless(label_pattern: str | None, pair: str | None) -> None:
     """Refuse an expression and a pattern that are none, before there are files to try them on.
 
     Raises
     ------
     DataError
     """
-    if by is not None:
-        _groups(by)
+    if label_pattern is not None:
+        _parse_label_pattern(label_pattern)
     if pair is not None:
-        _names(pair)
+        _expand_braces(pair)
 
 
-def _tests(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+def _select_tests(entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """Return all but the files that are another's hammer."""
     hammers = {os.path.realpath(path) for entry in entries for path in entry.hammer}
     return tuple(entry for entry in entries if os.path.realpath(entry.file) not in hammers)
@@ -241,14 +245,14 @@ def _add_hammer_files(
     """Return the entries with their hammers, but for those whose manifest names some."""
     if pair is None:
         return all_entries
-    names = _names(pair)
+    names = _expand_braces(pair)
     entries = [
-        entry if entry.hammer else replace(entry, hammer=_hammers(entry, pair))
+        entry if entry.hammer else replace(entry, hammer=_find_hammer_files(entry, pair))
         for entry in all_entries
     ]
     if not allow_none:
         _refuse_unpaired(entries, pair, names)
-    if entries and not _tests(entries):
+    if entries and not _select_tests(entries):
         raise DataError(
             f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
             "hammer's files alone"
@@ -266,7 +270,7 @@ def _refuse_unpaired(entries: Sequence[Entry], pair: str, names: set[str]) -> No
         raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
 
 
-def _names(pair: str) -> set[str]:
+def _expand_braces(pair: str) -> set[str]:
     """Return what a pattern holds in braces."""
     try:
         names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
@@ -285,17 +289,17 @@ def _format_pair_pattern(entry: Entry, pair: str) -> str:
     return pair.format(**{name: glob.escape(value) for name, value in entries.items()})
 
 
-def _hammers(entry: Entry, pair: str) -> tuple[str, ...]:
+def _find_hammer_files(entry: Entry, pair: str) -> tuple[str, ...]:
     folder = Path(entry.file).parent
     pattern = Path(glob.escape(str(folder))) / _format_pair_pattern(entry, pair)
     names = glob.glob(str(pattern), recursive=True)  # noqa: PTH207 -- it may be absolute
     return tuple(sorted(path for path in names if Path(path).is_file()))
 
 
-def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
+def _expand_path(path: str, output_folder: Path) -> Iterator[tuple[str, str]]:
     """The files of a path, each with the reason why it is not read, if there is one."""
     if Path(path).is_dir():
-        yield from _scan_folder(Path(path), without)
+        yield from _scan_folder(Path(path), output_folder)
     elif Path(path).exists():
         yield path, ""
     elif glob.has_magic(path):
@@ -303,14 +307,14 @@ def _expand_path(path: str, without: Path) -> Iterator[tuple[str, str]]:
         if not matches:
             raise ReadError(f"{path}: the pattern fits no file; give another")
         for name in matches:
-            yield from _expand_path(name, without)
+            yield from _expand_path(name, output_folder)
     else:
         raise ReadError(missing(path))
 
 
-def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
-    results, root = without.resolve(), folder.resolve()
-    for parent, folders, files in os.walk(folder, onerror=_unreadable):
+def _scan_folder(folder: Path, output_folder: Path) -> Iterator[tuple[str, str]]:
+    results, root = output_folder.resolve(), folder.resolve()
+    for parent, folders, files in os.walk(folder, onerror=_refuse_unreadable_folder):
         folders[:] = sorted(
             folder
             for folder in folders
@@ -318,14 +322,14 @@ def _scan_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
         )
         for file in sorted(files):
             path = Path(parent) / file
-            ignored_reason = "" if file.startswith(".") else _aside(path, root)
+            ignored_reason = "" if file.startswith(".") else _get_skip_reason(path, root)
             if ignored_reason:
                 yield str(path), ignored_reason
-            elif not file.startswith(".") and path.is_file() and not _result(path):
+            elif not file.startswith(".") and path.is_file() and not _is_dashpot_result(path):
                 yield str(path), NO_TABLE if _is_prose(path) else ""
 
 
-def _aside(path: Path, folder: Path) -> str:
+def _get_skip_reason(path: Path, folder: Path) -> str:
     """Why what stands in a folder is not read; empty of a file of its own, and of what went."""
     if path.is_symlink() and not path.resolve().is_relative_to(folder):
         return "a link that leads out of the folder is not followed; name it to read it"
@@ -364,7 +368,7 @@ def _may_be_row(line: str) -> bool:
     return numbers > 1 and 2 * numbers > len(words)
 
 
-def _unreadable(error: OSError) -> None:
+def _refuse_unreadable_folder(error: OSError) -> None:
     """Refuse a folder whose tests would be left out unsaid; one that went has none."""
     if not isinstance(error, FileNotFoundError):
         raise ReadError(
@@ -373,7 +377,7 @@ def _unreadable(error: OSError) -> None:
         )
 
 
-def _result(path: Path) -> bool:
+def _is_dashpot_result(path: Path) -> bool:
     """Return whether dashpot wrote it as a result, not as a simulated record.
 
     Parts and logs of a batch bear no byline; tests may lie beside them.
@@ -390,13 +394,13 @@ def _result(path: Path) -> bool:
     return is_ours(head) and not is_record(head)
 
 
-def _labels(
+def _parse_labels(
     label_pattern: str | None, files: Sequence[str], *, allow_none: bool
 ) -> Callable[[str], dict[str, Any]]:
     """Return what an expression says of a file."""
     if label_pattern is None:
         return lambda _: {}
-    pattern, group_names = _groups(label_pattern)
+    pattern, group_names = _parse_label_pattern(label_pattern)
 
     def parse_labels(file: str) -> dict[str, Any]:
         match = pattern.search(Path(file).as_posix())
@@ -411,7 +415,7 @@ def _labels(
     return parse_labels
 
 
-def _groups(label_pattern: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
+def _parse_label_pattern(label_pattern: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     """Return a regular expression, and which label each of its groups is."""
     try:
         pattern = re.compile(label_pattern)
@@ -434,20 +438,20 @@ def _groups(label_pattern: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     return pattern, group_names
 
 
-def _rows_of(content: bytes, *, toml: bool) -> Any:
+def _parse_rows(content: bytes, *, toml: bool) -> Any:
     if toml:
         return parsed_toml(content).get("test")
     return list(csv.DictReader(content.decode("utf-8-sig").splitlines()))
 
 
-def _manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
+def _read_manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
     """Return the entries of a manifest by path; a path in it starts from its own folder."""
     if text is None:
         return {}
     path = Path(text)
     raw = open_raw(path)
     try:
-        rows = _rows_of(raw.head(_MANIFEST), toml=path.suffix.lower() == ".toml")
+        rows = _parse_rows(raw.head(_MANIFEST), toml=path.suffix.lower() == ".toml")
     except (ReadError, UnicodeDecodeError, csv.Error) as error:
         raise ReadError(f"{path}: not a manifest: {error}; expected CSV or TOML, UTF-8") from None
     if not isinstance(rows, list) or not rows:

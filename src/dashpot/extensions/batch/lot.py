@@ -25,18 +25,18 @@ from dashpot.extensions.batch.checks import (
     records_distinct,
     tests_alike,
 )
-from dashpot.extensions.batch.columns import ALWAYS, LEADING, TRAILING
-from dashpot.extensions.batch.parquet_parts import join_frames, polars, read_parts
+from dashpot.extensions.batch.columns import LEADING_COLUMNS, REQUIRED_COLUMNS, TRAILING_COLUMNS
+from dashpot.extensions.batch.parquet_parts import import_polars, join_frames, read_parts
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key, quantity
 from dashpot.extensions.batch.seals import (
     Charts,
     LotCharts,
     Seal,
+    average_seals,
     make_control_charts,
-    seal_means,
     split_seals_by_lot,
 )
-from dashpot.extensions.batch.statistics.control_chart import means_and_deviations
+from dashpot.extensions.batch.statistics.control_chart import chart_means_and_deviations
 from dashpot.extensions.batch.statistics.gauge_rr import Gauge, gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability, capability
 from dashpot.extensions.batch.statistics.two_sample import Difference, difference
@@ -44,7 +44,7 @@ from dashpot.extensions.batch.statistics.variance_components import (
     SHORT_HOLD,
     Component,
     components,
-    stands_out,
+    find_outlier_distances,
 )
 from dashpot.workflow.dataframes import library
 
@@ -63,7 +63,7 @@ DEGREES = 3.0
 """Largest difference of its temperature, K."""
 
 
-def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
+def _list_levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
     """Return lot and seal of every test, each level only where it repeats."""
     tests = [seal for seal in seals for _ in seal.files]
     lots = {seal.lot for seal in seals}
@@ -154,7 +154,7 @@ class Lot:
     @cached_property
     def fitted_rows(self) -> pl.DataFrame:
         """Rows with a fit whose verdict is not "do not use"."""
-        column = polars().col
+        column = import_polars().col
         return self.table.filter(
             (column("outcome") == "fitted") & (column("verdict") != "do not use")
         )
@@ -188,7 +188,7 @@ class Lot:
     def rows_in_statistics(self) -> pl.DataFrame:
         """The `fitted_rows` without `dissimilar` ones and copies."""
         left_out = [*self.dissimilar, *self.copies]
-        return self.fitted_rows.filter(~polars().col("file").is_in(left_out))
+        return self.fitted_rows.filter(~import_polars().col("file").is_in(left_out))
 
     @cached_property
     def copies(self) -> dict[str, str]:
@@ -197,10 +197,14 @@ class Lot:
         if "sha256" not in self.table.columns:
             return {}
         comparable_rows = self.fitted_rows.filter(
-            ~polars().col("file").is_in(list(self.dissimilar))
+            ~import_polars().col("file").is_in(list(self.dissimilar))
         )
-        parts = "part" if "part" in comparable_rows.columns else polars().lit("").alias("part")
-        rows = comparable_rows.filter(polars().col("sha256") != "").select("file", "sha256", parts)
+        parts = (
+            "part" if "part" in comparable_rows.columns else import_polars().lit("").alias("part")
+        )
+        rows = comparable_rows.filter(import_polars().col("sha256") != "").select(
+            "file", "sha256", parts
+        )
         pairs = (
             (file, first.setdefault((sha256, part), file))
             for file, sha256, part in rows.iter_rows()
@@ -227,7 +231,7 @@ class Lot:
             r"cld_(per_100mm|force|slope|hysteresis|softening|set)|indent_modulus|restitution|"
             r"loop_(storage|loss|softening)"
         )
-        names = self.table.select(polars().col(f"^({pattern}).*$")).columns
+        names = self.table.select(import_polars().col(f"^({pattern}).*$")).columns
         column_names = [
             name for name in names if not any(end in name for end in ("_se_", "_low_", "_high_"))
         ]
@@ -272,7 +276,7 @@ class Lot:
             If there is no such column, or nothing that repeats.
         """
         seals = self.seals(name)
-        levels = _levels(seals)
+        levels = _list_levels(seals)
         if not levels:
             raise DataError(
                 "the scatter has no sources to separate: say which lot, seal and repeat each "
@@ -283,7 +287,7 @@ class Lot:
         return components(
             np.concatenate([seal.values for seal in seals]),
             levels,
-            within="repeat" if any(len(seal.files) > 1 for seal in seals) else "seal",
+            innermost_name="repeat" if any(len(seal.files) > 1 for seal in seals) else "seal",
             errors=None if None in errors else np.array(errors),
         )
 
@@ -325,7 +329,7 @@ class Lot:
         lots = split_seals_by_lot(self.seals(name))
         if len(lots) < 2 or max(map(len, lots.values())) < 2:
             return None
-        charts = means_and_deviations([seal_means(seals) for seals in lots.values()])
+        charts = chart_means_and_deviations([average_seals(seals) for seals in lots.values()])
         return LotCharts(tuple(lots), *charts)
 
     def capability(
@@ -333,7 +337,7 @@ class Lot:
     ) -> dict[str, Capability]:
         """Return Cp and Cpk of the seals of each lot that has two, between limits in SI, by lot."""
         return {
-            lot: capability(seal_means(seals), lower, upper)
+            lot: capability(average_seals(seals), lower, upper)
             for lot, seals in split_seals_by_lot(self.seals(name)).items()
             if len(seals) > 1
         }
@@ -346,7 +350,7 @@ class Lot:
         DataError
             If there are fewer than two seals of either.
         """
-        return difference(seal_means(self.seals(name)), seal_means(other.seals(name)))
+        return difference(average_seals(self.seals(name)), average_seals(other.seals(name)))
 
     def only(self, name: str) -> Lot:
         """Return one lot of several.
@@ -359,18 +363,18 @@ class Lot:
         lots = sorted(set(self.table["lot"]), key=make_natural_sort_key)
         if name not in lots:
             raise DataError(f"there is no lot '{name}'; there are {', '.join(filter(None, lots))}")
-        return Lot(self.table.filter(polars().col("lot") == name), 0)
+        return Lot(self.table.filter(import_polars().col("lot") == name), 0)
 
     def outliers(self, name: str = "k_end") -> tuple[tuple[str, float], ...]:
         """Return the outliers of each lot: file, and distance in robust deviations.
 
         From the median of the lot, in 1.4826 times its median absolute deviation; the limit is
-        :func:`~dashpot.extensions.batch.statistics.variance_components.stands_out`'s, 3.5 in a
-        large lot.
+        :func:`~dashpot.extensions.batch.statistics.variance_components.find_outlier_distances`'s,
+        3.5 in a large lot.
         """
         column, pairs = self.quantity(name).column, []
         for rows in self._groups(self.rows_in_statistics.drop_nulls(column), "lot"):
-            is_outlying = stands_out(rows[column].to_numpy())
+            is_outlying = find_outlier_distances(rows[column].to_numpy())
             pairs += [
                 (str(file), float(value))
                 for file, value in zip(rows["file"], is_outlying, strict=True)
@@ -381,7 +385,7 @@ class Lot:
     @property
     def short_holds(self) -> tuple[str, ...]:
         """Files with a hold below 95 % of the median of their kind and lot."""
-        column = polars().col
+        column = import_polars().col
         shortest_expected = SHORT_HOLD * column("hold_s").median().over("lot", "kind")
         return tuple(self.table.filter(column("hold_s") < shortest_expected)["file"])
 
@@ -398,7 +402,7 @@ class Lot:
 
     def escape_formulas(self) -> pl.DataFrame:
         """Return the table with texts escaped that a spreadsheet takes for formulas."""
-        library = polars()
+        library = import_polars()
         texts = [
             library.Series(column.name, [escape_formula(text) for text in column])
             for column in self.table.select(library.col(library.String)).iter_columns()
@@ -428,7 +432,7 @@ class Lot:
     def checks(self) -> tuple[Check, ...]:
         """Checks: every file fitted, every fit usable, tests of a lot under the same conditions."""
         fitted = self.outcomes.get("fitted", 0)
-        paired = self.table.filter(polars().col("hammer") != "").height
+        paired = self.table.filter(import_polars().col("hammer") != "").height
         return (
             files_fitted(self.record_count - fitted, self.record_count),
             fits_usable(self.verdicts.get("do not use", 0), fitted),
@@ -450,9 +454,10 @@ def _arrange_columns(rows: pl.DataFrame) -> pl.DataFrame:
     filled = [
         name
         for name in rows.columns
-        if name in ALWAYS or (rows[name].drop_nulls().cast(polars().String) != "").any()
+        if name in REQUIRED_COLUMNS
+        or (rows[name].drop_nulls().cast(import_polars().String) != "").any()
     ]
-    leading = [name for name in LEADING if name in filled]
-    values = [name for name in filled if name not in {*LEADING, *TRAILING}]
-    end = [name for name in TRAILING if name in filled]
+    leading = [name for name in LEADING_COLUMNS if name in filled]
+    values = [name for name in filled if name not in {*LEADING_COLUMNS, *TRAILING_COLUMNS}]
+    end = [name for name in TRAILING_COLUMNS if name in filled]
     return rows.select(*leading, *values, *end)

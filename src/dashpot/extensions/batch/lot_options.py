@@ -55,13 +55,13 @@ def build_fit_options() -> list[CommandOption]:
     return group(
         _EACH,
         build_options(
-            BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", into="choices"
+            BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", argument="choices"
         ),
         mark_advanced(
             build_options(
-                BatchOptions, "method", "compression", "length", "radius", into="choices"
+                BatchOptions, "method", "compression", "length", "radius", argument="choices"
             ),
-            _options.machine(),
+            _options.machine_option(),
         ),
     )
 
@@ -71,7 +71,7 @@ def build_job(
     *,
     output: str | None,
     choices: BatchOptions,
-    by: str | None,
+    label_pattern: str | None,
     manifest: str | None,
     pair: str | None,
     jobs: int | None,
@@ -85,7 +85,7 @@ def build_job(
     from dashpot.extensions.batch.batch_run import (
         BatchJob,  # polars and all are not needed for --help
     )
-    from dashpot.extensions.batch.columns import number_columns
+    from dashpot.extensions.batch.columns import list_number_columns
     from dashpot.extensions.batch.limits import read_limits
     from dashpot.extensions.batch.quantities import quantity
 
@@ -98,11 +98,20 @@ def build_job(
         reading_impact=options.select_fields(("units", *OF_HAMMER)),
         machine=machine,
     )
-    columns = number_columns(choices)
+    columns = list_number_columns(choices)
     main = quantity(quantities[-1], columns).name if quantities else ""
     requested_limits = () if limits is None else read_limits(limits, columns)
     return BatchJob(
-        paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, requested_limits
+        paths,
+        Path(output),
+        choices,
+        label_pattern,
+        manifest,
+        pair,
+        jobs,
+        scheduler,
+        main,
+        requested_limits,
     )
 
 

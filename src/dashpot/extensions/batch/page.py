@@ -27,13 +27,13 @@ from dashpot.extensions.batch.figures import (
 from dashpot.extensions.batch.input_files import LABELS
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Seal, seal_means, split_seals_by_lot
+from dashpot.extensions.batch.seals import Seal, average_seals, split_seals_by_lot
 from dashpot.extensions.batch.statistics.control_chart import BEYOND, MIN_POINTS
 from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
 from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
 from dashpot.plot.picture import Picture
 from dashpot.report.figures import PAPER, RenderedFigure, render_figure
-from dashpot.report.first_screen import ORDER
+from dashpot.report.first_screen import MARK_ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
 ROWS = 50
@@ -70,19 +70,19 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     """
     found = found or summary(lot)
     shared = frame()
-    style = f"{shared['style']}\n{_part('lot.css')}"
-    script = _part("lot.js")
+    style = f"{shared['style']}\n{_read_page_part('lot.css')}"
+    script = _read_page_part("lot.js")
     verdict, main = found.verdict, found.main
     quantities = _select_other_quantities(lot, main)
     # a lot of an earlier version has no date
     names = [name for name in LABELS if name in lot.table.columns]
     labels = [name for name in names if (lot.table[name].fill_null("") != "").any()]
-    tests, by_lots = _tests(found, labels), len(main.seals) > BY_SEALS
+    tests, by_lots = _make_test_rows(found, labels), len(main.seals) > BY_SEALS
     signals, weighs = (
-        list(_signals(main)),
-        sorted(_weighs(found), key=lambda entry: -ORDER.index(entry["mark"])),
+        list(_make_signal_rows(main)),
+        sorted(_list_findings(found), key=lambda entry: -MARK_ORDER.index(entry["mark"])),
     )
-    seals = _seals(found, quantities)
+    seals = _make_seal_rows(found, quantities)
     return str(
         environment("dashpot.extensions.batch")
         .get_template("lot.html")
@@ -103,26 +103,26 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
                 }
                 for light in found.indicators
             ],
-            counts=_counts(lot, main),
+            counts=_count_outcomes(lot, main),
             simulated=[format_count(lot.simulated_count, "file")] if lot.simulated_count else [],
             quantity=main.quantity,
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
             what=_format_chart_points(main, by_lots=by_lots),
-            chart=_chart(main, by_lots=by_lots),
+            chart=_make_chart(main, by_lots=by_lots),
             by_lots=by_lots,
-            histogram=_histogram(main),
-            points=json.dumps(_points(main, by_lots=by_lots)),
+            histogram=_make_histogram(main),
+            points=json.dumps(_list_points(main, by_lots=by_lots)),
             few=[name for name, chart in main.charts.items() if len(chart.seals) < MIN_POINTS],
             enough=MIN_POINTS,
-            curves=_curves(lot, found),
+            curves=_make_curves(lot, found),
             curves_most=CURVES,
-            capability=_capability(main),
+            capability=_make_capability_row(main),
             capable=[(name, *capability.cells) for name, capability in main.capabilities.items()],
-            cpks=_cpks(main),
-            lots=_lots(main),
-            scatter=_scatter(main),
-            gauge=_gauge(main),
+            cpks=_format_cpks(main),
+            lots=_make_lot_rows(main),
+            scatter=_make_scatter_rows(main),
+            gauge=_make_gauge_rows(main),
             weighs=weighs[:MAX_FLAGS],
             remarks=len(weighs),
             checked=[
@@ -133,7 +133,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             signals=signals,
             further=quantities,
             seals=seals,
-            decisions=_decisions(seals),
+            decisions=_count_decisions(seals),
             judged=bool(main.judged),
             labels=labels,
             tests=tests,
@@ -158,7 +158,7 @@ def _mark(check: Check) -> str:
 
 
 @cache
-def _part(name: str) -> str:
+def _read_page_part(name: str) -> str:
     return (
         resources.files("dashpot.extensions.batch")
         .joinpath("templates", name)
@@ -176,7 +176,7 @@ def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFig
     return render_figure(picture, width=width, low=total_height if width > PAPER else None)
 
 
-def _chart(main: QuantitySummary, *, by_lots: bool) -> RenderedFigure | None:
+def _make_chart(main: QuantitySummary, *, by_lots: bool) -> RenderedFigure | None:
     if not main.seals:
         return None
     if by_lots:
@@ -192,14 +192,14 @@ def _get_limit_ends(main: QuantitySummary) -> tuple[float, ...]:
     return () if main.limits is None else main.limits.ends
 
 
-def _histogram(main: QuantitySummary) -> RenderedFigure | None:
+def _make_histogram(main: QuantitySummary) -> RenderedFigure | None:
     if not main.seals:
         return None
     picture = histogram_picture(main.quantity, main.charts, main.seals, _get_limit_ends(main))
     return _render_picture(picture, SIDE_WIDTH)
 
 
-def _cpks(main: QuantitySummary) -> RenderedFigure | None:
+def _format_cpks(main: QuantitySummary) -> RenderedFigure | None:
     """Return the sentence on lots beyond those of the table."""
     if len(main.capabilities) <= FEW_LOTS:
         return None
@@ -207,14 +207,14 @@ def _cpks(main: QuantitySummary) -> RenderedFigure | None:
     return _render_picture(cpk_picture(list(main.capabilities.values()), cpk), SIDE_WIDTH)
 
 
-def _points(main: QuantitySummary, *, by_lots: bool) -> list[tuple[str, str]]:
+def _list_points(main: QuantitySummary, *, by_lots: bool) -> list[tuple[str, str]]:
     """Return the lot and seal of each point of the chart."""
     if by_lots:
         return [(lot, "") for lot in split_seals_by_lot(main.seals)]
     return [(seal.lot, f"seal {seal.name}") for seal in main.seals]
 
 
-def _curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
+def _make_curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
     rows = lot.rows_in_statistics.drop_nulls("k_end_N_per_m")
     files = [flag.file for flag in summary.flags if flag.file and flag.weighty]
     for chart in summary.main.charts.values():
@@ -229,7 +229,7 @@ def _curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
     )
 
 
-def _capability(main: QuantitySummary) -> dict[str, Any] | None:
+def _make_capability_row(main: QuantitySummary) -> dict[str, Any] | None:
     if main.lowest is None or main.limits is None:
         return None
     worst, capability = main.lowest
@@ -259,7 +259,7 @@ def _has_repeats(main: QuantitySummary) -> bool:
     return any(len(seal.values) > 1 for seal in main.seals)
 
 
-def _counts(lot: Lot, main: QuantitySummary) -> str:
+def _count_outcomes(lot: Lot, main: QuantitySummary) -> str:
     lots = {seal.lot for seal in main.seals}
     sentences = [
         format_count(lot.table.height, "file"),
@@ -274,7 +274,7 @@ def _counts(lot: Lot, main: QuantitySummary) -> str:
     return ", ".join(filter(None, sentences))
 
 
-def _scatter(main: QuantitySummary) -> list[dict[str, Any]]:
+def _make_scatter_rows(main: QuantitySummary) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
     rows, at = [], 0.0
     for item, (reported_value, share) in zip(main.components, main.sources, strict=True):
@@ -288,7 +288,7 @@ def _scatter(main: QuantitySummary) -> list[dict[str, Any]]:
     return rows
 
 
-def _gauge(main: QuantitySummary) -> dict[str, Any] | None:
+def _make_gauge_rows(main: QuantitySummary) -> dict[str, Any] | None:
     study = main.gauge
     if study is None:
         return None
@@ -317,7 +317,7 @@ def _gauge(main: QuantitySummary) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def _signals(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
+def _make_signal_rows(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
     """Lot, seal and rule, and the lots that stand out of all."""
     for name, charts in main.charts.items():
         for at, rule in charts.means.signals:
@@ -329,11 +329,11 @@ def _signals(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
                 yield names[at], "", f"{statistic} is {rule} of all lots"
 
 
-def _lots(main: QuantitySummary) -> list[tuple[str, ...]]:
+def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
     """Lot, seals, mean, standard deviation, control limits, Cpk and its ends, causes of alarms."""
     rows: list[tuple[str, ...]] = []
     for name, seals in split_seals_by_lot(main.seals).items():
-        values = seal_means(seals)
+        values = average_seals(seals)
         format_value, charts = main.quantity.format_value, main.charts.get(name)
         capability = main.capability.get(name)
         deviation = float(np.std(values, ddof=1)) if len(values) > 1 else None
@@ -373,7 +373,7 @@ def _select_other_quantities(
     return [(quantity, means) for quantity, means in pairs if not seal_keys.isdisjoint(means)]
 
 
-def _seals(
+def _make_seal_rows(
     summary: Summary, other_columns: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
 ) -> list[dict[str, Any]]:
     """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
@@ -403,12 +403,12 @@ def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
     return {"tests": len(seal.files), "value": quantity.format_value(seal.mean), "sd": sd}
 
 
-def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
+def _count_decisions(seals: Sequence[Mapping[str, Any]]) -> str:
     counts = Counter(str(seal["word"]) for seal in seals)
     return ", ".join(f"{count} {word}" for word, count in counts.most_common())
 
 
-def _causes(main: QuantitySummary) -> Iterator[dict[str, Any]]:
+def _list_causes(main: QuantitySummary) -> Iterator[dict[str, Any]]:
     """The runs of lots that set off an alarm."""
     lots = main.lots
     if lots is None:
@@ -430,7 +430,7 @@ def _causes(main: QuantitySummary) -> Iterator[dict[str, Any]]:
                                         f"{_join_lot_names(names, len(run))}",
                 "filter": names[0],
                 "message": f"{'lies' if single else 'lie'} {side_name}: "
-                f"{_ends(main, values[side_values])}, all lots {centre_text}.",
+                f"{_format_range(main, values[side_values])}, all lots {centre_text}.",
             }  # fmt: skip
 
 
@@ -442,7 +442,7 @@ def _join_lot_names(names: Sequence[str], run: int) -> str:
     return f"{', '.join(other_names)} and {last}" if other_names else last
 
 
-def _ends(main: QuantitySummary, values: FloatArray) -> str:
+def _format_range(main: QuantitySummary, values: FloatArray) -> str:
     """Return the value of a lot, or the least and the largest of several."""
     low, high = (
         main.quantity.format_value(float(values.min())),
@@ -451,7 +451,7 @@ def _ends(main: QuantitySummary, values: FloatArray) -> str:
     return high if len(values) == 1 else f"{low} to {high}"
 
 
-def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
+def _list_findings(summary: Summary) -> Iterator[dict[str, Any]]:
     """Findings by severity: the failed checks, causes of alarms, then single seals and files.
 
     Each may name what finds its tests.
@@ -464,7 +464,7 @@ def _weighs(summary: Summary) -> Iterator[dict[str, Any]]:
             "filter": None,
             "message": check.message_with_remedy,
         }
-    yield from _causes(summary.main)
+    yield from _list_causes(summary.main)
     for flag in summary.flags:
         location = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
         yield {
@@ -514,7 +514,7 @@ def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
     return reasons
 
 
-def _tests(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
+def _make_test_rows(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
     """Every file: those that were not fitted first, then what stands out, then the others."""
     quantity = summary.main.quantity
     gravity = {"do not use": 1, "use with care": 2}

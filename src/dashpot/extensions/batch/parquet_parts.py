@@ -17,7 +17,12 @@ from dashpot.base.file_writing import PART, validate_path, write_atomic
 from dashpot.base.serialisation import to_plain_value
 from dashpot.base.version import __version__
 from dashpot.extensions.batch.batch_options import BatchOptions
-from dashpot.extensions.batch.columns import AGAIN, COUNTS, TEXTS, number_columns
+from dashpot.extensions.batch.columns import (
+    COUNT_COLUMNS,
+    RETRIED_OUTCOMES,
+    TEXT_COLUMNS,
+    list_number_columns,
+)
 from dashpot.extensions.batch.input_files import Entry, compute_file_hash
 from dashpot.registry import format_install_command
 
@@ -75,7 +80,7 @@ class Task:
         return words
 
 
-def tasks(
+def make_tasks(
     entries: Iterable[Entry],
     choices: BatchOptions,
     *,
@@ -93,7 +98,7 @@ def tasks(
     return tuple(map(task, entries))
 
 
-def polars() -> Any:
+def import_polars() -> Any:
     """Return polars, or say how to get it."""
     try:
         import polars as pl
@@ -105,12 +110,12 @@ def polars() -> Any:
     return pl
 
 
-def schema(choices: BatchOptions) -> dict[str, Any]:
+def get_schema(choices: BatchOptions) -> dict[str, Any]:
     """Return the columns of the table and their types."""
-    kind = polars()
-    numbers = number_columns(choices)
-    texts = dict.fromkeys((*TEXTS, KEY), kind.String)
-    return texts | dict.fromkeys(COUNTS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
+    kind = import_polars()
+    numbers = list_number_columns(choices)
+    texts = dict.fromkeys((*TEXT_COLUMNS, KEY), kind.String)
+    return texts | dict.fromkeys(COUNT_COLUMNS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
 
 
 def write_part(folder: Path, rows: pl.DataFrame) -> Path:
@@ -125,42 +130,45 @@ def write_part(folder: Path, rows: pl.DataFrame) -> Path:
 
 def build_row_frame(rows: Sequence[Mapping[str, Any]], choices: BatchOptions) -> pl.DataFrame:
     """Return rows as a table."""
-    return cast("pl.DataFrame", polars().DataFrame(rows, schema=schema(choices)))
+    return cast("pl.DataFrame", import_polars().DataFrame(rows, schema=get_schema(choices)))
 
 
 def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
     """Yield the parts in a folder; what cannot be read is left out, as if it were not there."""
     for path in sorted(folder.glob(PARTS)):
         try:
-            frame = polars().read_parquet(path.read_bytes())
-        except (OSError, polars().exceptions.PolarsError):
+            frame = import_polars().read_parquet(path.read_bytes())
+        except (OSError, import_polars().exceptions.PolarsError):
             continue
         if {KEY, "outcome", "file"} <= set(frame.columns):
             yield path, frame
 
 
 def join_frames(
-    frames: Iterable[pl.DataFrame], how: Literal["vertical", "diagonal"] = "vertical"
+    frames: Iterable[pl.DataFrame], direction: Literal["vertical", "diagonal"] = "vertical"
 ) -> pl.DataFrame:
     """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
     frames_joined: list[pl.DataFrame] = []
     frame_iterator = iter(frames)
     while batch_of_frames := list(islice(frame_iterator, SMALL_PART)):
-        frames_joined.append(polars().concat(batch_of_frames, how=how, rechunk=True))
-    return cast("pl.DataFrame", polars().concat(frames_joined or [polars().DataFrame()], how=how))
+        frames_joined.append(import_polars().concat(batch_of_frames, how=direction, rechunk=True))
+    return cast(
+        "pl.DataFrame",
+        import_polars().concat(frames_joined or [import_polars().DataFrame()], how=direction),
+    )
 
 
-def keys_done(folder: Path) -> set[str]:
+def list_done_keys(folder: Path) -> set[str]:
     """Return the keys of the rows that need not be made again."""
     return {
         key
         for _, frame in read_parts(folder)
         for key, outcome in frame.select(KEY, "outcome").iter_rows()
-        if outcome not in AGAIN
+        if outcome not in RETRIED_OUTCOMES
     }
 
 
-def table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
+def collect_table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
     """Leave in the folder what is wanted, and return it, sorted by file.
 
     An old row goes, one that is there twice, a half-written file. Rows that stay are written
@@ -174,7 +182,7 @@ def table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
     part_files = set(folder.glob(PARTS))
     # where the first row of a part is sorted, all are after most runs, and sorting takes two copies
     parts = {
-        path: (bool(frame["outcome"].is_in(AGAIN).any()), frame["file"][0])
+        path: (bool(frame["outcome"].is_in(RETRIED_OUTCOMES).any()), frame["file"][0])
         for path, frame in read_parts(folder)
         if frame.height
     }
@@ -199,11 +207,13 @@ def _extract_missing_rows(
 ) -> Iterator[pl.DataFrame]:
     """Yield of each part the rows that are still missing; leave no others in the folder."""
     for path in parts:
-        frame = polars().read_parquet(path.read_bytes())
+        frame = import_polars().read_parquet(path.read_bytes())
         kept_keys = missing.intersection(frame[KEY])
         missing -= kept_keys
         is_whole = len(kept_keys) == frame.height
-        kept_rows = frame if is_whole else frame.filter(polars().col(KEY).is_in(list(kept_keys)))
+        kept_rows = (
+            frame if is_whole else frame.filter(import_polars().col(KEY).is_in(list(kept_keys)))
+        )
         if kept_keys:
             yield kept_rows
         if not kept_keys or (

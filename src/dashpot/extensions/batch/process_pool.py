@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 from dashpot.base.serialisation import to_plain_value
 from dashpot.base.subprocesses import get_long_lived_env, interpreter
 from dashpot.extensions.batch.batch_options import BatchOptions
-from dashpot.extensions.batch.columns import empty
+from dashpot.extensions.batch.columns import make_empty_row
 from dashpot.extensions.batch.parquet_parts import KEY, Task
 
 Chunk: TypeAlias = tuple[Task, ...]
@@ -25,7 +25,7 @@ LIVES = 3
 """Workers that a file may cost before it is given up."""
 
 
-def processors() -> int:
+def count_processors() -> int:
     """Return how many this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
@@ -51,11 +51,13 @@ class Executor(NamedTuple):
 
 
 @contextmanager
-def processes(jobs: int | None) -> Iterator[Executor]:
+def open_process_pool(jobs: int | None) -> Iterator[Executor]:
     """Yield an executor of processes of this machine; by default as many as processors."""
-    process_count = jobs or processors()
+    process_count = jobs or count_processors()
     yield Executor(
-        process_count, min(process_count, processors()), partial(_compute_chunks, process_count)
+        process_count,
+        min(process_count, count_processors()),
+        partial(_compute_chunks, process_count),
     )
 
 
@@ -70,7 +72,9 @@ def _compute_chunks(
     workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
     stop_event = threading.Event()
     threads = [
-        threading.Thread(target=_serve, args=(worker, waiting, results, stop_event), daemon=True)
+        threading.Thread(
+            target=_run_worker, args=(worker, waiting, results, stop_event), daemon=True
+        )
         for worker in workers
     ]
     for thread in threads:
@@ -89,7 +93,7 @@ def _compute_chunks(
             worker.end()  # what the thread had just begun to start
 
 
-def _serve(
+def _run_worker(
     worker: Worker,
     waiting: queue.SimpleQueue[Chunk],
     results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
@@ -122,7 +126,7 @@ class Worker:
                 data: Rows = json.loads(reply)
                 return [row | {KEY: task.key} for row in data]
             self.end()
-        died = empty(task.entry, task.hashes[0], self._choices) | {
+        died = make_empty_row(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
             "reason": f"the process that read it died {LIVES} times: it may need more memory than "
             "there is; run it again with fewer --jobs, or look at it with dashpot inspect",

@@ -23,7 +23,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     # whatever a library prints is no row
     os.dup2(2, 1)
-    threading.Thread(target=_listen, args=(source, questions), daemon=True).start()
+    threading.Thread(target=_read_questions, args=(source, questions), daemon=True).start()
     import msgspec  # noqa: F401 -- what is imported once and reads every file faster
 
     from dashpot.extensions.batch.batch_options import (
@@ -40,7 +40,7 @@ def main() -> None:
         answers.flush()
 
 
-def _listen(source: BinaryIO, questions: queue.Queue[bytes]) -> None:
+def _read_questions(source: BinaryIO, questions: queue.Queue[bytes]) -> None:
     while line := source.readline():
         questions.put(line)
     os._exit(0)

@@ -13,8 +13,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.statistics.control_chart import (
     Chart,
-    individuals,
-    means_and_deviations,
+    chart_individuals,
+    chart_means_and_deviations,
 )
 
 
@@ -27,7 +27,7 @@ class Seal(Serialisable):
     lot, name : str
     files : tuple of str
     values : array, shape (n,)
-        Of a quantity, SI.
+        Values of a quantity, SI.
     """
 
     _keys = ("lot", Key("seal", "name"), "tests", "mean", "repeats_sd")
@@ -61,7 +61,7 @@ def split_seals_by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
     return dict(lots)
 
 
-def seal_means(seals: Sequence[Seal]) -> FloatArray:
+def average_seals(seals: Sequence[Seal]) -> FloatArray:
     """Return the mean of each seal, shape (n,)."""
     return np.array([seal.mean for seal in seals])
 
@@ -95,8 +95,8 @@ class LotCharts(NamedTuple):
 
 def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
-    points, moving = individuals(seal_means(seals))
+    points, moving = chart_individuals(average_seals(seals))
     groups = [seal.values for seal in seals]
     has_several_repeats = sum(len(group) > 1 for group in groups) > 1
-    repeats = means_and_deviations(groups)[1] if has_several_repeats else None
+    repeats = chart_means_and_deviations(groups)[1] if has_several_repeats else None
     return Charts(tuple(seals), points, moving, repeats)

@@ -35,14 +35,20 @@ from dashpot.extensions.batch.checks import (
 from dashpot.extensions.batch.limits import Limits
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
-from dashpot.extensions.batch.seals import Charts, LotCharts, Seal, seal_means, split_seals_by_lot
+from dashpot.extensions.batch.seals import (
+    Charts,
+    LotCharts,
+    Seal,
+    average_seals,
+    split_seals_by_lot,
+)
 from dashpot.extensions.batch.statistics.control_chart import BEYOND, Chart
 from dashpot.extensions.batch.statistics.gauge_rr import Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import (
     Component,
+    find_outlier_distances,
     robust_distance,
-    stands_out,
 )
 
 _FILES = frozenset(
@@ -64,7 +70,7 @@ class Flag(NamedTuple):
     Attributes
     ----------
     lot, seal, file : str
-        Of which; `file` is empty where it is the seal.
+        Names of what it is about; which; `file` is empty where it is the seal.
     message : str
     weighty : bool
         Whether it changes the statistics, or would.
@@ -145,7 +151,7 @@ class QuantitySummary(Serialisable):
     quantity : Quantity
     seals : tuple of Seal
     charts : dict
-        Of each lot with two seals.
+        Charts of each lot with two seals.
     lots : LotCharts or None
         The X-bar and s charts of the lots.
     components : tuple of Component
@@ -154,9 +160,9 @@ class QuantitySummary(Serialisable):
         None where no seal was tested twice.
     limits : Limits or None
     capability : dict
-        Of each lot with two seals, where there are limits.
+        Capability of each lot with two seals, where there are limits.
     judged : tuple of SealDecision
-        Of each seal, where there are limits.
+        Judgements of each seal, where there are limits.
     """
 
     _keys = (
@@ -259,9 +265,9 @@ class Summary(HasChecks, Serialisable):
     ----------
     lot : Lot
     main : QuantitySummary
-        Of the quantity that the page shows.
+        Results of the quantity that the page shows.
     others : tuple of QuantitySummary
-        Of the further quantities that have limits.
+        Results of the further quantities that have limits.
     flags : tuple of Flag
     checks : tuple of Check
     """
@@ -299,10 +305,10 @@ class Summary(HasChecks, Serialisable):
         main = self.main
         if len(main.seals) < 2:
             return count_text
-        mean = main.quantity.read(float(seal_means(main.seals).mean()))
+        mean = main.quantity.read(float(average_seals(main.seals).mean()))
         return (
             f"{count_text}. {sentence(main.quantity.words)[:-1]}: mean {mean} of {len(main.seals)} "
-            f"seals. {_alarms(main).capitalize()}"
+            f"seals. {_list_alarms(main).capitalize()}"
         )
 
     @property
@@ -345,7 +351,9 @@ class Summary(HasChecks, Serialisable):
     @property
     def lines(self) -> list[str]:
         """Lines of text on each quantity: seals, gauge, capability, decisions."""
-        return [line for quantity_summary in self.quantities for line in _lines(quantity_summary)]
+        return [
+            line for quantity_summary in self.quantities for line in _format_lines(quantity_summary)
+        ]
 
     @property
     def dissimilar(self) -> tuple[ExcludedFile, ...]:
@@ -368,8 +376,8 @@ def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ())
         _compute_quantity_summary(lot, quantity, requested_limits.get(quantity.column))
         for quantity in (main, *(limit.quantity for limit in limits if limit.quantity != main))
     ]
-    flags = tuple(_flags(lot, first))
-    checks = (*_checks(lot, (first, *other_summaries), flags), *lot.checks)
+    flags = tuple(_flag_seals(lot, first))
+    checks = (*_run_checks(lot, (first, *other_summaries), flags), *lot.checks)
     return Summary(lot, first, tuple(other_summaries), flags, checks)
 
 
@@ -395,7 +403,7 @@ def _compute_quantity_summary(
 # -- what to look at ------------------------------------------------------------------------------
 
 
-def _flags(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
+def _flag_seals(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
     for name, chart in quantity.charts.items():
         yield from _list_outlier_seals(name, chart, quantity.quantity)
     yield from _list_outlier_repeats(quantity)
@@ -414,14 +422,16 @@ def _flags(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
 def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterator[Flag]:
     """Yield flags of outlying seals of a lot, then of seals whose repeats scatter."""
     distances, is_outlier = (
-        robust_distance(seal_means(charts.seals)),
-        stands_out(seal_means(charts.seals)),
+        robust_distance(average_seals(charts.seals)),
+        find_outlier_distances(average_seals(charts.seals)),
     )
     outside = {at for at, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
         if is_outlier[i] or i in outside:
-            message = _far(quantity, seal, float(distances[i])) + f", {BEYOND}" * (i in outside)
-            yield Flag(name, seal.name, _only(seal), message)
+            message = _format_distance(quantity, seal, float(distances[i])) + f", {BEYOND}" * (
+                i in outside
+            )
+            yield Flag(name, seal.name, _get_single_value(seal), message)
     if charts.repeats is None:
         return
     typical_text = quantity.read(charts.repeats.centre, digits=2)
@@ -431,18 +441,17 @@ def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterat
                    f"others by {typical_text}: was it mounted anew?")  # fmt: skip
 
 
-def _only(seal: Seal) -> str:
+def _get_single_value(seal: Seal) -> str:
     return seal.files[0] if len(seal.files) == 1 else ""
 
 
-def _far(quantity: Quantity, seal: Seal, distance: float) -> str:
+def _format_distance(quantity: Quantity, seal: Seal, distance: float) -> str:
     distance_text = f"{abs(distance):.1f} robust deviations " if isfinite(distance) else ""
-    return (
-        f"{quantity.read(seal.mean)}, {distance_text}{_side(distance)} the median seal of its lot"
-    )
+    side = _format_side(distance)
+    return f"{quantity.read(seal.mean)}, {distance_text}{side} the median seal of its lot"
 
 
-def _side(distance: float) -> str:
+def _format_side(distance: float) -> str:
     return "above" if distance > 0 else "below"
 
 
@@ -457,11 +466,11 @@ def _list_outlier_repeats(quantity: QuantitySummary) -> Iterator[Flag]:
     ])  # fmt: skip
     files = [(seal, file) for seal in repeated_seals for file in seal.files]
     for (seal, file), distance_of_test, is_outlier in zip(
-        files, robust_distance(standardised), stands_out(standardised), strict=True
+        files, robust_distance(standardised), find_outlier_distances(standardised), strict=True
     ):
         if is_outlier and isfinite(distance_of_test):
             message = (
-                f"{abs(distance_of_test):.1f} robust deviations {_side(distance_of_test)} "
+                f"{abs(distance_of_test):.1f} robust deviations {_format_side(distance_of_test)} "
                 "the other tests of its seal"
             )
             yield Flag(seal.lot, seal.name, file, message)
@@ -470,7 +479,7 @@ def _list_outlier_repeats(quantity: QuantitySummary) -> Iterator[Flag]:
 # -- checks ---------------------------------------------------------------------------------------
 
 
-def _checks(
+def _run_checks(
     lot: Lot, summaries: Sequence[QuantitySummary], flags: Sequence[Flag]
 ) -> Iterator[Check]:
     for quantity_summary in summaries:
@@ -489,7 +498,7 @@ def _checks(
     if normal:
         least_normal = min(normal, key=lambda component: component.normal or 0.0)
         yield scatter_normal(least_normal.source, least_normal.normal)
-    entries = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
+    entries = {frequency: _count_out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if entries:
         requested = [frequency for frequency, count in entries.items() if count]
         yield frequencies_in_band(requested, max(entries.values()))
@@ -513,7 +522,7 @@ def _frequencies(lot: Lot) -> tuple[float, ...]:
     return tuple(sorted({float(text) for text in texts}))
 
 
-def _out_of_band(lot: Lot, frequency: float) -> int:
+def _count_out_of_band(lot: Lot, frequency: float) -> int:
     """Return how many tests in the statistics have a frequency, Hz, outside their valid band."""
     bands = lot.rows_in_statistics.select("band_low_Hz", "band_high_Hz").drop_nulls().iter_rows()
     return sum(not low <= frequency <= high for low, high in bands)
@@ -575,22 +584,22 @@ def _format_limits(quantity: QuantitySummary) -> str:
 # -- for people and programs -----------------------------------------------------------------------
 
 
-def _alarms(quantity_summary: QuantitySummary) -> str:
+def _list_alarms(quantity_summary: QuantitySummary) -> str:
     causes = quantity_summary.signals.causes
     alarms = f"{format_count(causes, 'cause')} of control-chart alarms"
     return alarms if causes else "no control-chart alarm"
 
 
-def _lines(quantity_summary: QuantitySummary) -> Iterator[str]:
+def _format_lines(quantity_summary: QuantitySummary) -> Iterator[str]:
     if len(quantity_summary.seals) < 2:
         return
     mean = ascii_only(
-        quantity_summary.quantity.read(float(seal_means(quantity_summary.seals).mean()))
+        quantity_summary.quantity.read(float(average_seals(quantity_summary.seals).mean()))
     )
     yield (
         f"{quantity_summary.quantity.words}: mean {mean} of {len(quantity_summary.seals)} seals in "
         f"{format_count(len(split_seals_by_lot(quantity_summary.seals)), 'lot')}; "
-        f"{_alarms(quantity_summary)}"
+        f"{_list_alarms(quantity_summary)}"
     )
     if quantity_summary.gauge is not None:
         yield f"  gauge R&R   {ascii_only(quantity_summary.gauge.summary)}"

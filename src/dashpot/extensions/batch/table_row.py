@@ -20,7 +20,11 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.batch.batch_options import BatchOptions, find_test_machine
-from dashpot.extensions.batch.columns import build_requested_columns, empty, format_stiffness_column
+from dashpot.extensions.batch.columns import (
+    build_requested_columns,
+    format_stiffness_column,
+    make_empty_row,
+)
 from dashpot.extensions.batch.impact_comparison import (
     compare_with_hammer,
     make_origin_column,
@@ -48,7 +52,7 @@ if TYPE_CHECKING:
     from dashpot.workflow.bench_tests import Record
 
 
-def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str, Any]:
+def make_row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str, Any]:
     """Return the row of one test; whatever is wrong with its files is said in it.
 
     Parameters
@@ -58,7 +62,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
         What the contents of its file, and of its hammer's, hashed to when the batch began.
     choices : BatchOptions
     """
-    entries = empty(entry, "", choices)
+    entries = make_empty_row(entry, "", choices)
     if entry.mass is None:
         entries["mass_kg"] = choices.mass
     cells: dict[str, Any]
@@ -85,7 +89,7 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str,
         with suppress(OSError):  # gone, by now
             cells["bytes"] = Path(entry.file).stat().st_size
     entries |= cells | {"sha256": hashes[0]}
-    return {name: _finite(value) for name, value in entries.items()}
+    return {name: _replace_non_finite(value) for name, value in entries.items()}
 
 
 def build_rows(
@@ -94,9 +98,9 @@ def build_rows(
     """Return the row of one test, or a row for each of several specimens in its file.
 
     How each is chosen, and its name, stand behind the name of the file. Where the seal was named,
-    the specimen's name is added to it. The arguments are those of :func:`row`.
+    the specimen's name is added to it. The arguments are those of :func:`make_row`.
     """
-    single_row = row(entry, hashes, choices)
+    single_row = make_row(entry, hashes, choices)
     # only the record of one specimen shows of which test strain and stress are
     told_by_record = find_handler("record rule", single_row.get("kind", "")) is not None
     unclear = single_row["outcome"] == "refused" or told_by_record
@@ -239,7 +243,7 @@ def _build_fit_row(
     except DashpotError as error:
         sentences.append(str(error))
     try:
-        numbers |= _under_mass(fit, mass, choices.seals)
+        numbers |= _compute_mode_under_mass(fit, mass, choices.seals)
     except DashpotError as error:
         sentences.append(f"under the mass: {error}")
     reasons = "; ".join(filter(None, (numbers.get("reason", ""), *sentences)))
@@ -281,7 +285,7 @@ def _build_fit_columns(fit: Fit, hold: float | None, space: int) -> dict[str, An
     if fit.estimate.residual.unit == "N":
         entries["rms_N"] = fit.estimate.residual.rms
     return entries | {
-        _column(reported_value): reported_value.value
+        _get_column_name(reported_value): reported_value.value
         for reported_value in _select_arm_facts(fit, space)
     }
 
@@ -300,7 +304,8 @@ def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
             format_stiffness_column("end_high", unit): high,
         }
     return entries | {
-        _column(reported_value, "_se"): reported_value.error for reported_value in reported_values
+        _get_column_name(reported_value, "_se"): reported_value.error
+        for reported_value in reported_values
     }
 
 
@@ -322,7 +327,7 @@ def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
     return islice(arm_values, 1 + 2 * space)
 
 
-def _column(reported_value: ReportedValue, suffix: str = "") -> str:
+def _get_column_name(reported_value: ReportedValue, suffix: str = "") -> str:
     """Return the column of a number of a solid, or of what is known of it."""
     kind, _, index_text = reported_value.name.partition("_")
     if kind == "k":
@@ -349,7 +354,7 @@ def _compute_requested_columns(
     return entries
 
 
-def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
+def _compute_mode_under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
     """Return the mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
     if mass is None or fit.unit != "N/m":
         return {}
@@ -360,5 +365,5 @@ def _under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
     }
 
 
-def _finite(value: Any) -> Any:
+def _replace_non_finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -14,7 +14,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.plain_text import escape_formula
 from dashpot.base.version import byline
 from dashpot.extensions.batch.lot import Lot
-from dashpot.extensions.batch.parquet_parts import polars
+from dashpot.extensions.batch.parquet_parts import import_polars
 from dashpot.extensions.batch.summary import Summary
 from dashpot.registry import format_install_command
 
@@ -55,17 +55,17 @@ def workbook(summary: Summary) -> bytes:
     }
     with Workbook(buffer, workbook_options) as workbook_file:
         workbook_file.set_properties({"comments": byline("lot"), "created": _MADE})
-        for name, frame in (("tests", _tests(summary.lot)), *_sheets(summary)):
+        for name, frame in (("tests", _make_test_rows(summary.lot)), *_make_sheets(summary)):
             if frame.height:
                 _write(workbook_file, name, frame)
-    return _byline_first(buffer)
+    return _put_byline_first(buffer)
 
 
-def _tests(lot: Lot) -> pl.DataFrame:
+def _make_test_rows(lot: Lot) -> pl.DataFrame:
     if lot.table.height <= _SHEET_ROWS:
         return lot.written_table()
     message = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
-    return _frame([{"tests": message}])
+    return _make_frame([{"tests": message}])
 
 
 def _write(workbook_file: Any, name: str, frame: pl.DataFrame) -> None:
@@ -84,7 +84,7 @@ def _write(workbook_file: Any, name: str, frame: pl.DataFrame) -> None:
 _CORE = "docProps/core.xml"
 
 
-def _byline_first(workbook: BytesIO) -> bytes:
+def _put_byline_first(workbook: BytesIO) -> bytes:
     """The archive with its properties first and plain: a file of ours is known by its head."""
     buffer = BytesIO()
     with ZipFile(workbook) as old, ZipFile(buffer, "w") as new:
@@ -113,36 +113,38 @@ _HEADS = {
 }  # fmt: skip
 
 
-def _sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
+def _make_sheets(summary: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
     document = summary.to_dict()
     for sheet, (part, names) in _SHEETS.items():
         rows = (
             {"quantity": statistics["quantity"]}
             | {_HEADS.get(name, name): row.get(name) for name in names.split()}
             for statistics in document["statistics"]
-            for row in map(_flat, (statistics | (statistics["gauge"] or {})).get(part, ()))
+            for row in map(
+                _flatten_intervals, (statistics | (statistics["gauge"] or {})).get(part, ())
+            )
         )
-        yield sheet, _frame(rows)
-    yield "flags", _frame(document["flags"])
+        yield sheet, _make_frame(rows)
+    yield "flags", _make_frame(document["flags"])
     checks = (
         {"check": check.name, "passed": check.passed, "message": check.message}
         for check in summary.checks
     )
-    yield "checks", _frame(checks)
+    yield "checks", _make_frame(checks)
 
 
-def _flat(row: dict[str, Any]) -> dict[str, Any]:
+def _flatten_intervals(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row whose intervals are two cells each."""
     for name in [name for name, value in row.items() if isinstance(value, list)]:
         row[f"{name}_from"], row[f"{name}_to"] = row.pop(name)
     return row
 
 
-def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
+def _make_frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
     """Return a table of rows, in which no text is a formula."""
     cells = [
         {name: escape_formula(v) if isinstance(v, str) else v for name, v in row.items()}
         for row in rows
     ]
-    frame: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
+    frame: pl.DataFrame = import_polars().DataFrame(cells, infer_schema_length=None)
     return frame

@@ -42,7 +42,7 @@ class BlankTest(EqualByValue, HasSummary):
         What was pressed; by default the record shows it.
     source : Source or None
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -93,7 +93,7 @@ class BlankCurve(EqualByValue, Serialisable):
     reason : str
         What shows the role.
     time, displacement, force, fitted : array, shape (m,)
-        Of some of the samples, s, m and N; `fitted` is the force by the rig's model.
+        Values of some of the samples, s, m and N; `fitted` is the force by the rig's model.
     """
 
     _keys = (EVERY_FIELD,)

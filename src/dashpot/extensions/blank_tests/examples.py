@@ -32,8 +32,8 @@ def _render_record(gap: float, depth: float, seed: int, part: Part) -> str:
     corners = (0.0, _REST, stop, stop + _HOLD, return_time, return_time + 2)
     time = np.arange(0.0, corners[-1], _STEP)
 
-    def move(at: FloatArray) -> FloatArray:
-        return np.interp(at, corners, (0.0, 0.0, gap + depth, gap + depth, 0.0, 0.0))
+    def move(time: FloatArray) -> FloatArray:
+        return np.interp(time, corners, (0.0, 0.0, gap + depth, gap + depth, 0.0, 0.0))
 
     delayed = time - _DELAY
     path = move(delayed) - gap + _CREEP * np.log1p(np.maximum(delayed - stop, 0.0) / _RAMP)

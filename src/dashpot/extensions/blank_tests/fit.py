@@ -57,7 +57,7 @@ def fit_blank_tests(
     ----------
     records : sequence of BlankTest
     spring_stiffness : float or str, optional
-        Of the spring, N/m or ``"1N/mm"``; without it there is no gain.
+        Stiffness of the spring, N/m or ``"1N/mm"``; without it there is no gain.
     spring_error : float or str, optional
         Its relative standard error, such as ``"0.1%"``, by default that.
 

@@ -27,7 +27,7 @@ def fit_blank_files(
     ----------
     files : sequence of path
     spring_stiffness, spring_error : float, optional
-        Of the spring, N/m, and its relative standard error.
+        Stiffness of the spring, N/m, and its relative standard error.
     roles : sequence of (str, str)
         Pattern of a file's name, empty for all, and what it pressed.
     options : ReadOptions, optional

@@ -11,7 +11,7 @@ from dashpot.extensions.blank_tests.machine_file import render_machine_file
 
 def run(request: FitRequest) -> CommandResult:
     """Fit a testing machine to its blank tests, and write the machine file."""
-    suffix = request.check_output_suffix(".toml", ".json", what="a machine")
+    suffix = request.check_output_suffix(".toml", ".json", result_name="a machine")
     fit = fit_blank_files(
         request.files, options=request.reading,
         **request.some("spring_stiffness", "spring_error", "roles"),
@@ -19,8 +19,10 @@ def run(request: FitRequest) -> CommandResult:
     if suffix == ".toml":
         request.draw(fit.plot)
         write_output(request.output or "", render_machine_file(fit, date=request.specimen.date))
-        follow = format_command("fit", "SEAL", "--machine", request.output)
-        return CommandResult.from_result(fit, follow=follow)
+        next_command = format_command("fit", "SEAL", "--machine", request.output)
+        return CommandResult.from_result(fit, next_command=next_command)
     json_options = request.get_option_words("as_json")
-    follow = format_command("fit", *request.files, *json_options, "-o", "rig.toml", why="keeps it")
-    return request.write_output(fit, follow=follow)
+    next_command = format_command(
+        "fit", *request.files, *json_options, "-o", "rig.toml", remark="keeps it"
+    )
+    return request.write_output(fit, next_command=next_command)

@@ -44,7 +44,7 @@ def render_machine_file(fit: MachineFit, *, date: str = "") -> str:
     ----------
     fit : MachineFit
     date : str
-        Of the blank tests, year-month-day; by default today.
+        Date of the blank tests, year-month-day; by default today.
     """
     machine = fit.machine
     calibration = machine.calibration or MachineCalibration()

@@ -106,9 +106,9 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
 
     Every passive relaxing solid is a positive sum of arms, whose storage and loss obey the
     Kramers-Kronig relations one by one. `misfit` is what the nearest of them all misses
-    (:func:`~dashpot.extensions.curves.relaxation_spectrum.passive_misfit`); what it misses without
-    scatter, the root of the residuals' product with their neighbours, is what the relations forbid,
-    unless white residuals of that size would show as much by chance.
+    (:func:`~dashpot.extensions.curves.relaxation_spectrum.compute_passive_misfit`); what it misses
+    without scatter, the root of the residuals' product with their neighbours, is what the relations
+    forbid, unless white residuals of that size would show as much by chance.
     """
     if misfit is None:
         return Finding(
@@ -171,7 +171,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
 def loss_positive(data: DynamicTest) -> Finding:
     """No loss is negative by more than its scatter."""
     part = data.loss / np.abs(data.value)
-    bad_indices = np.flatnonzero(part < -SCATTERED * _scatter_of_sweeps(data, part))
+    bad_indices = np.flatnonzero(part < -SCATTERED * _estimate_sweep_scatter(data, part))
     if not bad_indices.size:
         return Finding("No loss is below zero beyond scatter", 0.0)
     return Finding(
@@ -274,7 +274,7 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     )
 
 
-def plateau(
+def run_plateau_checks(
     model: GeneralizedMaxwell,
     se: float,
     end: EndOfHold | None,
@@ -376,7 +376,7 @@ def bands_overlap(dynamic: tuple[float, float], relaxation: tuple[float, float])
 # -- measures -------------------------------------------------------------------------------------
 
 
-def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
+def _estimate_sweep_scatter(data: DynamicTest, values: FloatArray) -> float:
     """The usual standard deviation of values of a sweep from their neighbours, 0 of few."""
     kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
     numbers = []

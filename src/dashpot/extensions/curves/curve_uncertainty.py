@@ -107,8 +107,8 @@ class CurveData:
         )
 
 
-def curve_data(
-    block: DataBlock, at: FloatArray, *, window: tuple[float, float], common: float = COMMON
+def weight_curve(
+    block: DataBlock, abscissa: FloatArray, *, window: tuple[float, float], common: float = COMMON
 ) -> CurveData:
     """Weight a curve by its residual about the nearest non-negative spectrum.
 
@@ -116,14 +116,14 @@ def curve_data(
     ----------
     block : DataBlock
         A row a value, in units in which the errors of each part of it are alike.
-    at : array, shape (n,)
+    abscissa : array, shape (n,)
         Times or frequencies, > 0, of each of its parts: one, or storage and loss.
     window : (float, float)
         Shortest and longest relaxation time of the spectra, s.
     common : float
         Common error of neighbouring values, relative, one standard deviation.
     """
-    n, low, high = len(at), *np.log(window)
+    n, low, high = len(abscissa), *np.log(window)
     grid = np.linspace(low, high, int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1)
     rows = block.evaluate(grid, False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
@@ -142,7 +142,9 @@ def curve_data(
         )
         weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
         effective += noise.effective
-    common_errors = common * np.kron(np.eye(len(fitted_curve) // n), _hat_functions(np.log10(at)))
+    common_errors = common * np.kron(
+        np.eye(len(fitted_curve) // n), _make_hat_functions(np.log10(abscissa))
+    )
     return CurveData(
         block.transform_rows(lambda part: (weight * part.T).T),
         window,
@@ -151,11 +153,11 @@ def curve_data(
     )
 
 
-def _hat_functions(at: FloatArray) -> FloatArray:
+def _make_hat_functions(abscissa: FloatArray) -> FloatArray:
     """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
-    count = int(np.ceil(KNOTS * float(np.ptp(at)))) + 1
-    knots = float(at.min()) + np.arange(count) / KNOTS
-    return np.asarray(np.maximum(1 - KNOTS * np.abs(at[:, None] - knots), 0.0))
+    count = int(np.ceil(KNOTS * float(np.ptp(abscissa)))) + 1
+    knots = float(abscissa.min()) + np.arange(count) / KNOTS
+    return np.asarray(np.maximum(1 - KNOTS * np.abs(abscissa[:, None] - knots), 0.0))
 
 
 # Where stiffness and loss factor are known, over every spectrum that a test does not reject.
@@ -185,7 +187,7 @@ MIN_EARLY_RELAXATION = 0.01
 DASHPOT_WEIGHT = 100.0
 
 
-def band_of_curve(
+def find_valid_band(
     spectra: AdmissibleSpectra,
     solid: Solid,
     band: tuple[float, float],
@@ -270,16 +272,16 @@ class BeforeCurve:
 AT_REST = 100.0
 
 
-def spectra_of_curve(
+def find_admissible_spectra(
     data: CurveData | BeforeCurve, *, time: float, extra: Sequence[float], level: float = 0.95
 ) -> AdmissibleSpectra:
-    """Return the spectra that a curve does not reject; the parameters of :func:`end_of_curve`."""
+    """Return the spectra that a curve does not reject; parameters as :func:`limit_end_of_curve`."""
     return AdmissibleSpectra(
         [data], fastest=1 / time, limit=deviance_limit(level, data.dof), extra=extra
     )
 
 
-def end_of_curve(
+def limit_end_of_curve(
     data: CurveData,
     curve_kind: Ended,
     *,
@@ -307,10 +309,10 @@ def end_of_curve(
     level : float
         Coverage of each limit, nearly.
     spectra : AdmissibleSpectra, optional
-        Those of :func:`spectra_of_curve`, where they are known already.
+        Those of :func:`find_admissible_spectra`, where they are known already.
     """
     if spectra is None:
-        spectra = spectra_of_curve(data, time=time, extra=extra, level=level)
+        spectra = find_admissible_spectra(data, time=time, extra=extra, level=level)
 
     def compute_limits(times: float) -> Interval:
         return _compute_curve_limits(spectra, curve_kind, times * time)

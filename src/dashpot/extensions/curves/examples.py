@@ -15,7 +15,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
 
-def _sweep() -> str:
+def _simulate_sweep() -> str:
     """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
     stiffness = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
@@ -27,7 +27,7 @@ def _sweep() -> str:
     return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
 
 
-def _curve() -> str:
+def _simulate_modulus() -> str:
     """A relaxation modulus of rubber over time, MPa, 0.2 % noisy."""
     time = np.geomspace(1e-3, 100.0, 61)
     modulus = BROAD.relaxation(time) * 1e-2
@@ -37,7 +37,7 @@ def _curve() -> str:
     return "\n".join([*head, *rows, ""])
 
 
-def _sweeps() -> str:
+def _simulate_sweeps() -> str:
     """Sweeps of a filled rubber at nine temperatures, 0.5 % noisy, MPa."""
     tau = np.logspace(-9, 3, 37)
     share = np.exp(-0.5 * ((np.log10(tau) + 4) / 2.2) ** 2)
@@ -63,10 +63,12 @@ SWEEPS: Mapping[str, Example] = MappingProxyType(
         "sweep.csv": Example(
             "dma",
             "storage and loss over frequency, as a dynamic testing machine writes them",
-            _sweep,
+            _simulate_sweep,
         ),
         "sweeps.csv": Example(
-            "dma", "such sweeps of a rubber at nine temperatures, for a master curve", _sweeps
+            "dma",
+            "such sweeps of a rubber at nine temperatures, for a master curve",
+            _simulate_sweeps,
         ),
     }
 )
@@ -74,7 +76,7 @@ SWEEPS: Mapping[str, Example] = MappingProxyType(
 
 CURVES: Mapping[str, Example] = MappingProxyType(
     {
-        "curve.csv": Example("modulus", "a relaxation modulus over time", _curve),
+        "curve.csv": Example("modulus", "a relaxation modulus over time", _simulate_modulus),
     }
 )
 """Curves over time."""

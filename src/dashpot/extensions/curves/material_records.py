@@ -39,7 +39,7 @@ _OTHER_MOTIONS = ("cld", "cyclic")
 _HELD = "its strain is held while its stress goes on"
 
 
-def holds_stress(file: OpenedFile) -> bool:
+def is_stress_record(file: OpenedFile) -> bool:
     """Return whether strain and stress are found, or are a question of which."""
     assignments = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
     return all(
@@ -65,7 +65,7 @@ def recognise_material_record(
     """
     if not (motion := record or rows):
         return None
-    if not record and _relaxes_in_holds(motion[0], *(signal[::-1] for signal in motion[1:])):
+    if not record and _has_relaxing_holds(motion[0], *(signal[::-1] for signal in motion[1:])):
         return "modulus", _HELD + ", from the last row to the first"
     time, strain, stress = motion
     is_harmonic = find_handler("record rule", "cyclic")
@@ -79,10 +79,10 @@ def recognise_material_record(
         return None
     is_at_rest = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
     is_held = record and np.mean(is_at_rest) >= _HELD_PART
-    return ("modulus", _HELD) if is_held or _relaxes_in_holds(time, strain, stress) else None
+    return ("modulus", _HELD) if is_held or _has_relaxing_holds(time, strain, stress) else None
 
 
-def _relaxes_in_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
+def _has_relaxing_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
     """Return whether holds after moves fill half of the record, and the stress falls in most.
 
     After an unloading it may rise, so only holds after a loading count.

@@ -124,15 +124,15 @@ def master_curve(
     t = increasing("time", samples("time", time, minimum=3))
     values = samples("modulus", modulus)
     same_length(time=t, modulus=values)
-    _all_positive("time", t)
-    _all_positive("modulus", values)
+    _require_positive("time", t)
+    _require_positive("modulus", values)
     # an arm faster than the second time would show in one sample only
-    grid = _grid(float(t[1]), float(t[-1]), per_decade)
+    grid = _make_grid(float(t[1]), float(t[-1]), per_decade)
     columns = np.concatenate((np.ones((len(t), 1)), np.exp(-t[:, None] / grid)), axis=1)
     result, _ = solve_linear(columns / values[:, None], np.ones(len(t)), positive=True)
     return MasterCurve(
-        _solid(result, grid),
-        (_misfit("modulus", columns @ result / values - 1.0, t),),
+        _make_solid(result, grid),
+        (_compute_misfit("modulus", columns @ result / values - 1.0, t),),
         tuple(grid.tolist()),
         (float(1 / (2 * np.pi * t[-1])), float(1 / (2 * np.pi * t[0]))),
     )
@@ -161,9 +161,9 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
         If a storage is not above 0.
     """
     w = data.omega
-    _all_positive("storage", data.storage)
-    scale = relative_scale(data)
-    grid = _grid(1 / (EDGE_FACTOR * float(w.max())), EDGE_FACTOR / float(w.min()), per_decade)
+    _require_positive("storage", data.storage)
+    scale = get_error_scale(data)
+    grid = _make_grid(1 / (EDGE_FACTOR * float(w.max())), EDGE_FACTOR / float(w.min()), per_decade)
     x = w[:, None] * grid
     storage = np.concatenate((np.ones((len(w), 1)), x * x / (1 + x * x)), axis=1)
     loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
@@ -173,10 +173,10 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     error = columns @ values - target
     n = len(w)
     return MasterCurve(
-        _solid(values, grid),
+        _make_solid(values, grid),
         (
-            _misfit("storage", error[:n], data.frequency),
-            _misfit("loss", error[n:], data.frequency),
+            _compute_misfit("storage", error[:n], data.frequency),
+            _compute_misfit("loss", error[n:], data.frequency),
         ),
         tuple(grid.tolist()),
         (float(data.frequency.min()), float(data.frequency.max())),
@@ -184,7 +184,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     )
 
 
-def relative_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
+def get_error_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
     """Return what errors of storage and loss are relative to, each its own size, (n,) and (n,)."""
     return (
         np.abs(data.storage),
@@ -192,7 +192,7 @@ def relative_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
+def compute_passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
     """Return what the nearest passive solid misses of storage and loss, relative, by frequency.
 
     None if a storage is not above 0, so that errors cannot be relative.
@@ -203,11 +203,11 @@ def passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
         return None
     order = np.argsort(data.frequency, kind="stable")
     error = dense_model.complex_stiffness(omega=data.omega) - data.value
-    storage, loss = relative_scale(data)
+    storage, loss = get_error_scale(data)
     return (error.real / storage)[order], (error.imag / loss)[order]
 
 
-def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
+def _make_grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
     if not 1 <= per_decade <= _FINEST:
         raise FitError(
             f"per_decade = {per_decade!r}; expected a number of relaxation times per decade, "
@@ -217,12 +217,12 @@ def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
     return np.geomspace(shortest, longest, count)
 
 
-def _solid(values: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
+def _make_solid(values: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
     k = values[1:]
     return GeneralizedMaxwell(float(values[0]), tuple(k[k > 0]), tuple(grid[k > 0]))
 
 
-def _misfit(curve: str, error: FloatArray, abscissa: FloatArray) -> Misfit:
+def _compute_misfit(curve: str, error: FloatArray, abscissa: FloatArray) -> Misfit:
     worst = int(np.argmax(np.abs(error)))
     return Misfit(
         curve,
@@ -233,7 +233,7 @@ def _misfit(curve: str, error: FloatArray, abscissa: FloatArray) -> Misfit:
     )
 
 
-def _all_positive(name: str, values: FloatArray) -> None:
+def _require_positive(name: str, values: FloatArray) -> None:
     bad_indices = np.flatnonzero(values <= 0)
     if bad_indices.size:
         i = int(bad_indices[0])
@@ -279,7 +279,7 @@ def dense_spectrum_if_needed(
     error : array, shape (n,)
         Its relative errors on every value of the curves.
     origin : Superposition or UnshiftedCurve
-        Of several temperatures: then :func:`shared_spectrum_if_needed`.
+        Origin; for several temperatures: then :func:`shared_spectrum_if_needed`.
     spectrum : callable
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check
@@ -293,7 +293,7 @@ def dense_spectrum_if_needed(
     dense = spectrum()
     if dense.rms > _MUCH_BETTER * misfit:
         return fit
-    return _dense(fit, (misfit, None), dense, len(error), of_data)
+    return _replace_by_dense(fit, (misfit, None), dense, len(error), of_data)
 
 
 def shared_spectrum_if_needed(
@@ -304,10 +304,14 @@ def shared_spectrum_if_needed(
     The parameters are those of :func:`dense_spectrum_if_needed`; `shared` is there already.
     """
     misfit, limit = float(np.sqrt(np.mean(error * error))), _AS_CLOSE * shared.rms
-    return fit if misfit < limit else _dense(fit, (misfit, limit), shared, len(error), of_data)
+    return (
+        fit
+        if misfit < limit
+        else _replace_by_dense(fit, (misfit, limit), shared, len(error), of_data)
+    )
 
 
-def _dense(
+def _replace_by_dense(
     fit: Fit,
     misfit_and_limit: tuple[float, float | None],
     dense: Dense,
@@ -344,10 +348,10 @@ def _dense(
     )
 
 
-def _convert_errors(error: BandError, other: Solid, fitted: Solid) -> BandError:
+def _convert_errors(error: BandError, target_solid: Solid, fitted: Solid) -> BandError:
     """Return errors about a solid as those about another."""
     omega = 2 * np.pi * np.array(error.frequency)
-    K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, other))
+    K, K_other = (solid.complex_stiffness(omega=omega) for solid in (fitted, target_solid))
     return replace(
         error,
         stiffness=_increase_errors(error.stiffness, np.abs(K), np.abs(K_other)),
@@ -358,9 +362,9 @@ def _convert_errors(error: BandError, other: Solid, fitted: Solid) -> BandError:
 
 
 def _increase_errors(
-    errors: tuple[float, ...], value: np.ndarray, other: np.ndarray
+    errors: tuple[float, ...], value: np.ndarray, other_value: np.ndarray
 ) -> tuple[float, ...]:
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.maximum(value / other, other / value)
+        factor = np.maximum(value / other_value, other_value / value)
     change = (1 + np.array(errors)) * np.where(np.isfinite(factor), factor, np.inf) - 1
     return tuple(change.tolist())

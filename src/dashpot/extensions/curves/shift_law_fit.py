@@ -98,9 +98,10 @@ class ShiftLawFit:
     parameters : tuple of str
         ``("c1", "c2")``, ``("energy",)`` or none.
     covariance : array, shape (p, p)
-        Of them; widened by D/dof where the law misses the shifts by more than their errors.
+        Covariance of them; widened by D/dof where the law misses the shifts by more than their
+        errors.
     scores : tuple of LawScore
-        Of every law that was tried, the best BIC first.
+        Scores of every law that was tried, the best BIC first.
     outlier : ShiftOutlier or None
         The one temperature off the law of all others; None if there is none, or too few others.
     """
@@ -158,7 +159,8 @@ def fit_shift_law(
     log10_shift : array_like, shape (n,)
         Decadic logarithm of each shift factor, 0 at the reference.
     covariance : array_like, shape (n, n)
-        Of them, as :class:`~dashpot.datamodel.shift_factors.TemperatureShifts` begins with it.
+        Covariance of them, as :class:`~dashpot.datamodel.shift_factors.TemperatureShifts` begins
+        with it.
     reference : float
         T_r, K.
     law : str
@@ -175,7 +177,7 @@ def fit_shift_law(
     free = FreeShifts(tuple(t), tuple(s), reference)
     is_not_reference = t != reference
     c = np.asarray(covariance, dtype=float)[np.ix_(is_not_reference, is_not_reference)]
-    shifts = _Shifts(t[is_not_reference], s[is_not_reference], _whitener(c), reference)
+    shifts = _Shifts(t[is_not_reference], s[is_not_reference], _compute_whitener(c), reference)
     n = int(is_not_reference.sum())
     entries: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
     bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
@@ -206,7 +208,7 @@ def fit_shift_law(
     scores.sort(key=lambda score: score.bic)
     kind = law
     if law == "auto":
-        best = _best(scores)
+        best = _choose_law(scores)
         kind = "free" if best.fails else best.kind
     if kind not in entries:
         raise FitError(
@@ -235,7 +237,7 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
             rest = np.delete(np.arange(n), i)
             part = _Shifts(
                 shifts.temperature[rest], shifts.log10[rest],
-                _whitener(covariance[np.ix_(rest, rest)]), shifts.reference,
+                _compute_whitener(covariance[np.ix_(rest, rest)]), shifts.reference,
             )  # fmt: skip
             if (without := lay(part)) is None:
                 continue
@@ -246,7 +248,7 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
     return outlier if share < _OUTLIER_SHARE else None
 
 
-def _best(scores: Sequence[LawScore]) -> LawScore:
+def _choose_law(scores: Sequence[LawScore]) -> LawScore:
     """Return the law, if any, that BIC takes: of two that are nearly even, the simpler."""
     laws = [score for score in scores if score.kind != "free"]
     if not laws:
@@ -259,7 +261,7 @@ def _best(scores: Sequence[LawScore]) -> LawScore:
 _PARAMETERS = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}
 
 
-def _whitener(covariance: FloatArray) -> FloatArray:
+def _compute_whitener(covariance: FloatArray) -> FloatArray:
     """Return W with W C W' = 1."""
     if not len(covariance):
         return np.empty((0, 0))
@@ -268,14 +270,14 @@ def _whitener(covariance: FloatArray) -> FloatArray:
     return np.asarray((vectors / np.sqrt(np.maximum(values, min_eigenvalue))).T)
 
 
-def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
+def _fit_arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
     column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
     best = require_optimum(Problem(lambda _: shifts.rows(column), positive=True))
     energy = float(best.beta[0])
     return _SolvedLaw(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
 
 
-def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
+def _fit_wlf(shifts: _Shifts) -> _SolvedLaw | None:
     """Return the law, unless the best is a straight line in T."""
     temperature_difference = shifts.temperature - shifts.reference
     min_c2 = max(0.0, -float(temperature_difference.min(initial=0.0)))
@@ -295,14 +297,17 @@ def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
     best = require_optimum(Problem(rows, [range_], positive=True), [start])
     if best.beta[0] <= 0 or best.theta[0] <= range_.low:
         return None
-    c1, c2 = _constants(best.values)
-    return _SolvedLaw(WLF(float(c1), float(c2), shifts.reference), best, _constants)
+    c1, c2 = _compute_constants(best.values)
+    return _SolvedLaw(WLF(float(c1), float(c2), shifts.reference), best, _compute_constants)
 
 
-def _constants(values: FloatArray) -> FloatArray:
+def _compute_constants(values: FloatArray) -> FloatArray:
     """C1 and C2 of u and beta."""
     u, beta = values
     return np.array([beta / u, 1 / u])
 
 
-_LAID: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {"arrhenius": _arrhenius, "wlf": _wlf}
+_LAID: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {
+    "arrhenius": _fit_arrhenius,
+    "wlf": _fit_wlf,
+}

@@ -126,7 +126,7 @@ def fit_depths(
         else (arms_enough(supported_by_holds(ordered, law.hold), law.model.arms, unit="N"),)
     )
     joint_fit = build_ramp_fit(
-        ordered, law, requested=requested, by_depth=by_depth, checks=(check, *arm_checks),
+        ordered, law, requested_arms=requested, by_depth=by_depth, checks=(check, *arm_checks),
         unmeasured=compute_rig_sensitivity(ramp_data, law.model),
     )  # fmt: skip
     return DepthLaw(law.law, by_depth, check, joint_fit)

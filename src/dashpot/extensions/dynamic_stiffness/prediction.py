@@ -39,7 +39,8 @@ class StiffnessPrediction(HasVerdict, Serialisable):
     frequencies : tuple of float
         Hz.
     values : tuple of ReportedValue
-        Of each frequency storage and loss, N/m of a seal or Pa of a material, and loss factor.
+        Values: at each frequency storage and loss, N/m of a seal or Pa of a material, and loss
+        factor.
     checks : tuple of Check
     """
 

@@ -82,7 +82,7 @@ def gather(
     ReadError
         If no two arrays, nor one wide array, could be a test.
     """
-    vectors = _vectors(arrays)
+    vectors = _list_vectors(arrays)
     if not vectors:
         raise ReadError(f"no numeric channels found in this {format_} file")
     counts = Counter(array.values.size for array in vectors)
@@ -97,7 +97,7 @@ def gather(
     factors, cautions = _stated_factors(arrays, named_arrays)
     return FileTable(
         format=format_,
-        columns=tuple(map(_column, named_arrays, factors)),
+        columns=tuple(map(_make_column, named_arrays, factors)),
         load=make_loader(np.column_stack([array.values for array in named_arrays])),
         notes=(
             *notes,
@@ -129,7 +129,7 @@ def _window_lines(arrays: Sequence[NamedArray]) -> list[str]:
     return [line for line in lines if line]
 
 
-def _column(array: NamedArray, factor: str) -> Column:
+def _make_column(array: NamedArray, factor: str) -> Column:
     name, unit = (array.name, array.unit) if array.unit else split_unit(array.name)
     return Column(name, unit, factor=factor)
 
@@ -231,7 +231,7 @@ def refuse_different_rates(arrays: Sequence[NamedArray]) -> None:
     ------
     ReadError
     """
-    rates = {float(f"{rate:.6g}") for array in arrays if (rate := _rate(array))}
+    rates = {float(f"{rate:.6g}") for array in arrays if (rate := _read_rate(array))}
     if len(rates) > 1:
         rates_text = ", ".join(f"{rate:g} Hz" for rate in sorted(rates)[:6])
         raise ReadError(
@@ -240,10 +240,10 @@ def refuse_different_rates(arrays: Sequence[NamedArray]) -> None:
         )
 
 
-def _vectors(arrays: Sequence[NamedArray]) -> list[NamedArray]:
+def _list_vectors(arrays: Sequence[NamedArray]) -> list[NamedArray]:
     """Vectors as they are; a matrix as one vector for each of its columns."""
     arrays_split = []
-    for array in chain.from_iterable(map(_parts, arrays)):
+    for array in chain.from_iterable(map(_split_parts, arrays)):
         values = np.squeeze(np.asarray(array.values, dtype=float))
         if values.ndim == 1:
             arrays_split.append(replace(array, values=values))
@@ -256,7 +256,7 @@ def _vectors(arrays: Sequence[NamedArray]) -> list[NamedArray]:
     return [array for array in arrays_split if array.values.size >= 2]
 
 
-def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
+def _split_parts(array: NamedArray) -> tuple[NamedArray, ...]:
     if not np.iscomplexobj(array.values):
         return (array,)
     real = np.asarray(np.real(array.values), dtype=float)
@@ -270,7 +270,7 @@ def _parts(array: NamedArray) -> tuple[NamedArray, ...]:
 def contradict_rate(arrays: Sequence[NamedArray], stated_rate: float | None) -> list[Caution]:
     """Note what single numbers say of the sampling rate otherwise than the user does."""
     stated_rates = (
-        {array.name: rate for array in arrays if (rate := _rate(array))} if stated_rate else {}
+        {array.name: rate for array in arrays if (rate := _read_rate(array))} if stated_rate else {}
     )
     return [
         Caution(
@@ -285,7 +285,7 @@ def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:
     """Return what single numbers say about the sampling rate, each rate once."""
     hints: dict[str, str] = {}
     for array in arrays:
-        rate = _rate(array)
+        rate = _read_rate(array)
         if rate > 0:
             value = float(np.squeeze(array.values))
             unit = f" {array.unit}" if array.unit else ""
@@ -297,7 +297,7 @@ def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:
     return tuple(hints.values())
 
 
-def _rate(array: NamedArray) -> float:
+def _read_rate(array: NamedArray) -> float:
     """The sampling rate, Hz, that a single number of this name states, 0 if it states none."""
     if np.size(array.values) != 1 or np.iscomplexobj(array.values):
         return 0.0
@@ -313,7 +313,7 @@ def stated_rate(name: str, value: float, unit: str | None = None) -> float:
     >>> stated_rate("sample_rate_kHz", 2.0), stated_rate("dt", 0.01), stated_rate("mass", 1.0)
     (2000.0, 100.0, 0.0)
     """
-    stem, inner = _parted_name(name)
+    stem, inner = _split_name_and_unit(name)
     word = "".join(c for c in stem.casefold() if c.isalpha())
     word = word.removeprefix("wf").removeprefix("ni")
     if word in _RATES and value > 0:
@@ -333,12 +333,13 @@ def names_start(name: str) -> bool:
     (True, True, False)
     """
     spelled = (
-        "".join(filter(str.isalnum, text.casefold())) for text in (name, _parted_name(name)[0])
+        "".join(filter(str.isalnum, text.casefold()))
+        for text in (name, _split_name_and_unit(name)[0])
     )
     return not _STARTS.isdisjoint(spelled)
 
 
-def _parted_name(name: str) -> tuple[str, str | None]:
+def _split_name_and_unit(name: str) -> tuple[str, str | None]:
     """Return the name of a rate or a step, and the unit behind it."""
     stem, inner = split_unit(name)
     if inner:
@@ -348,7 +349,7 @@ def _parted_name(name: str) -> tuple[str, str | None]:
     return (head, tail) if text else (name, None)
 
 
-def numbers(values: object) -> FloatArray | ComplexArray | None:
+def convert_to_floats(values: object) -> FloatArray | ComplexArray | None:
     """Return an array of numbers as floats, complex ones as such, or None for anything else."""
     array = np.asarray(values)
     if array.dtype.kind == "c":

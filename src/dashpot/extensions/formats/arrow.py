@@ -64,10 +64,10 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             frame = pl.read_ipc(stream) if start else pl.read_ipc_stream(stream)
     else:
         form = "Parquet"
-        schema_metadata = pl.read_parquet_metadata(_source(raw))
+        schema_metadata = pl.read_parquet_metadata(_get_polars_source(raw))
         schema = schema_metadata.pop("ARROW:schema", "")
         fields = read_schema_metadata(decode_parquet_schema(schema))[1] if schema else {}
-        lazy = pl.scan_parquet(_source(raw))
+        lazy = pl.scan_parquet(_get_polars_source(raw))
         rows = lazy.select(pl.len()).collect().item()
         check_value_count(rows * len(lazy.collect_schema()), "the columns hold")
         frame = lazy.collect()
@@ -136,6 +136,6 @@ def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
     ]
 
 
-def _source(raw: RawFile) -> Path | BytesIO:
+def _get_polars_source(raw: RawFile) -> Path | BytesIO:
     """Return what polars reads: the path of a large file, which is not held in memory."""
     return raw.path if raw.path is not None and not raw.content else BytesIO(raw.content)

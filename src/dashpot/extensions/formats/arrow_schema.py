@@ -22,12 +22,14 @@ def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict
     data = message[start:]
     try:
         root = struct.unpack_from("<I", data, 0)[0]
-        schema = _follow(data, _member(data, root, _SCHEMA_HEADER))
+        schema = _follow_offset(data, _find_member(data, root, _SCHEMA_HEADER))
         fields = {
-            _text(data, _member(data, field, _NAME)): _pairs(data, _member(data, field, _METADATA))
-            for field in _vector(data, _member(data, schema, _FIELDS))
+            _read_text(data, _find_member(data, field, _NAME)): _read_metadata_pairs(
+                data, _find_member(data, field, _METADATA)
+            )
+            for field in _list_vector_offsets(data, _find_member(data, schema, _FIELDS))
         }
-        return _pairs(data, _member(data, schema, _WHOLE)), fields
+        return _read_metadata_pairs(data, _find_member(data, schema, _WHOLE)), fields
     except (struct.error, IndexError):
         return {}, {}
 
@@ -37,7 +39,7 @@ def decode_parquet_schema(text: str) -> bytes:
     return base64.b64decode(text)
 
 
-def _member(data: bytes, table: int, member_index: int) -> int:
+def _find_member(data: bytes, table: int, member_index: int) -> int:
     """Return where a member of a table stands, 0 of one that is left out."""
     members = table - struct.unpack_from("<i", data, table)[0]
     size = struct.unpack_from("<H", data, members)[0]
@@ -46,30 +48,30 @@ def _member(data: bytes, table: int, member_index: int) -> int:
     return table + offset if offset else 0
 
 
-def _follow(data: bytes, offset: int) -> int:
+def _follow_offset(data: bytes, offset: int) -> int:
     return offset + int(struct.unpack_from("<I", data, offset)[0])
 
 
-def _vector(data: bytes, offset: int) -> list[int]:
+def _list_vector_offsets(data: bytes, offset: int) -> list[int]:
     """Return where the tables of a vector stand."""
     if not offset:
         return []
-    start = _follow(data, offset)
+    start = _follow_offset(data, offset)
     count = min(struct.unpack_from("<I", data, start)[0], _MOST)
-    return [_follow(data, start + 4 + 4 * i) for i in range(count)]
+    return [_follow_offset(data, start + 4 + 4 * i) for i in range(count)]
 
 
-def _pairs(data: bytes, offset: int) -> dict[str, str]:
+def _read_metadata_pairs(data: bytes, offset: int) -> dict[str, str]:
     """Return the keys and values of metadata."""
     return {
-        _text(data, _member(data, pair, 0)): _text(data, _member(data, pair, 1))
-        for pair in _vector(data, offset)
+        _read_text(data, _find_member(data, pair, 0)): _read_text(data, _find_member(data, pair, 1))
+        for pair in _list_vector_offsets(data, offset)
     }
 
 
-def _text(data: bytes, offset: int) -> str:
+def _read_text(data: bytes, offset: int) -> str:
     if not offset:
         return ""
-    start = _follow(data, offset)
+    start = _follow_offset(data, offset)
     size = struct.unpack_from("<I", data, start)[0]
     return data[start + 4 : start + 4 + size].decode("utf-8", "replace")

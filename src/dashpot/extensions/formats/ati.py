@@ -91,10 +91,10 @@ def read_calibration(path: str | Path) -> Calibration:
     content = open_raw(path).head(_LARGEST + 1)
     with add_name_to_errors(Path(path).name):
         root, sensor = _parse_calibration(content)
-        force = _factor(sensor.get("ForceUnits"), "force")
-        torque = _factor(sensor.get("TorqueUnits"), "torque")
+        force = _get_factor(sensor.get("ForceUnits"), "force")
+        torque = _get_factor(sensor.get("TorqueUnits"), "torque")
         si = np.repeat([force, torque], 3)
-        rows, limits, scaled = _rows(sensor)
+        rows, limits, scaled = _read_matrix(sensor)
         matrix = rows * si[:, None]
         return Calibration(
             serial=root.get("Serial", ""),
@@ -120,14 +120,14 @@ def _parse_calibration(content: bytes) -> tuple[ET.Element, ET.Element]:
     return root, sensor
 
 
-def _factor(word: str | None, dimension: units.Dimension) -> float:
+def _get_factor(word: str | None, dimension: units.Dimension) -> float:
     unit = units.find_unit(word or "", dimension)
     if unit is None:
         raise ReadError(f"'{word}' is no unit of {dimension} that dashpot knows")
     return unit.factor
 
 
-def _rows(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
+def _read_matrix(sensor: ET.Element) -> tuple[FloatArray, FloatArray, bool]:
     """Return the matrix in the file's units, the ranges, and whether it is the scaled form."""
     users = {entry.get("Name"): entry for entry in sensor.findall("UserAxis")}
     elements = users or {entry.get("Name"): entry for entry in sensor.findall("Axis")}
@@ -163,7 +163,7 @@ def _transform_to_tool_face(sensor: ET.Element, matrix: FloatArray) -> FloatArra
             f"BasicTransform turns the axes ({turn}), which a version 1.0 file does not "
             "define clearly; ask for a calibration file of version 1.1"
         )
-    shift = shift * _factor(sensor.get("DistUnits"), "length")
+    shift = shift * _get_factor(sensor.get("DistUnits"), "length")
     change = matrix.copy()
     change[3:] -= np.cross(shift, matrix[:3], axisb=0, axisc=0)
     return change
@@ -184,7 +184,7 @@ def add_calibrated_force(table: FileTable, raw: RawFile, options: ReadOptions) -
         raise ReadError(f"--calibration ...,axis={axis}: expected one of {', '.join(AXES)}")
     calibration = read_calibration(str(options.calibration))
     with add_name_to_errors(raw.name):
-        gauges, factor = _gauges(table)
+        gauges, factor = _find_gauge_columns(table)
     row, force_column = AXES.index(axis), len(table.columns)
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
@@ -192,7 +192,7 @@ def add_calibrated_force(table: FileTable, raw: RawFile, options: ReadOptions) -
             return table.load(indexes)
         plain_columns = [i for i in indexes if i != force_column]
         loaded_columns = table.load([*plain_columns, *gauges])
-        loads, notes = _loads(
+        loads, notes = _compute_loads(
             calibration, factor * loaded_columns.values[:, len(plain_columns) :].T, axis
         )
         column = dict(zip(plain_columns, loaded_columns.values.T, strict=False)) | {
@@ -206,7 +206,9 @@ def add_calibrated_force(table: FileTable, raw: RawFile, options: ReadOptions) -
     return replace(table, columns=(*hidden, column), load=load)
 
 
-def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[FloatArray, list[str]]:
+def _compute_loads(
+    calibration: Calibration, volts: FloatArray, axis: str
+) -> tuple[FloatArray, list[str]]:
     """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
     rest = max(1, int(_REST * volts.shape[1]))
     loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
@@ -226,7 +228,7 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
     ]
 
 
-def _gauges(table: FileTable) -> tuple[list[int], float]:
+def _find_gauge_columns(table: FileTable) -> tuple[list[int], float]:
     """Return the six gauge columns in the order of their numbers, and the factor to volts."""
     new_units = [units.find_unit(column.unit or "", "voltage") for column in table.columns]
     volts = {i: unit.factor for i, unit in enumerate(new_units) if unit is not None}

@@ -13,9 +13,9 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.array_table import (
     NamedArray,
+    convert_to_floats,
     gather,
     names_start,
-    numbers,
     stated_rate,
 )
 from dashpot.extensions.formats.attribute_factors import (
@@ -88,10 +88,10 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
                     f"{', '.join(islice(file, 10))}"
                 )
             group = inner
-        _walk(group, "", visitor)
+        _visit_node(group, "", visitor)
         limits.check_value_count(visitor.numbers, "the datasets hold")
         arrays = [
-            array for node, name in visitor.datasets for array in _dataset(node, name, visitor)
+            array for node, name in visitor.datasets for array in _read_dataset(node, name, visitor)
         ]
     matlab = raw.head(10) == b"MATLAB 7.3"
     form = "MAT 7.3" if matlab else "HDF5"
@@ -107,7 +107,7 @@ def _get_group_member(group: Any, key: str) -> Any:
     return group[key] if isinstance(link, h5py.HardLink) else None
 
 
-def _walk(node: Any, name: str, visitor: _Walked) -> None:
+def _visit_node(node: Any, name: str, visitor: _Walked) -> None:
     from h5py import Dataset, Group, h5o
 
     info = h5o.get_info(node.id)
@@ -115,17 +115,17 @@ def _walk(node: Any, name: str, visitor: _Walked) -> None:
         return
     visitor.visited.add((info.fileno, info.addr))
     if isinstance(node, Dataset):
-        _take(node, name, visitor)
+        _take_dataset(node, name, visitor)
     elif isinstance(node, Group):
         visitor.stated += _stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
                 inner = _get_group_member(node, key)
                 if inner is not None:
-                    _walk(inner, f"{name}.{key}".strip("."), visitor)
+                    _visit_node(inner, f"{name}.{key}".strip("."), visitor)
 
 
-def _take(node: Any, name: str, visitor: _Walked) -> None:
+def _take_dataset(node: Any, name: str, visitor: _Walked) -> None:
     """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
@@ -141,10 +141,10 @@ def _take(node: Any, name: str, visitor: _Walked) -> None:
         visitor.datasets.append((node, name))
 
 
-def _dataset(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
+def _read_dataset(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     """Return the numbers of one dataset, parted where its columns or fields have names."""
     if node.dtype.kind in _INSTANTS:
-        return _instants(node, name, visitor)
+        return _convert_instants(node, name, visitor)
     all_values = _columns_of(node, name, visitor)
     for array in all_values:
         visitor.stated += _stated_numbers(node, array.name, also_factors=False)
@@ -163,7 +163,7 @@ def _dataset(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
 def _columns_of(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     if node.dtype.names == _COMPLEX:
         raw_values = node[()]
-        return [NamedArray(name, raw_values["real"] + 1j * raw_values["imag"], _unit(node))]
+        return [NamedArray(name, raw_values["real"] + 1j * raw_values["imag"], _read_unit(node))]
     if node.dtype.names:
         packed_keys = [key for key in _CF if key in node.attrs]
         if packed_keys:
@@ -174,19 +174,19 @@ def _columns_of(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
         raw_values, fields = node[()], node.dtype.names
         pairs = zip(
             fields,
-            map(numbers, map(raw_values.__getitem__, fields)),
-            _units(node, len(fields)),
+            map(convert_to_floats, map(raw_values.__getitem__, fields)),
+            _read_units(node, len(fields)),
             strict=True,
         )
         return [NamedArray(field, value, unit) for field, value, unit in pairs if value is not None]
-    text = _word(node.attrs.get("MATLAB_class")) == "char"
-    values = None if text else numbers(node[()])
+    text = _convert_to_text(node.attrs.get("MATLAB_class")) == "char"
+    values = None if text else convert_to_floats(node[()])
     if values is None:
         return []
     values = _decode_cf_values(node, name, values, visitor)
-    unit = _unit(node)
+    unit = _read_unit(node)
     return _split_named_columns(node, name, values) or [
-        NamedArray(_stem(name) if unit else name, values, unit)
+        NamedArray(_get_struct_name(name) if unit else name, values, unit)
     ]
 
 
@@ -243,7 +243,7 @@ def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
     numbers = _numbers_of(value)
     if numbers:
         return numbers
-    word = _word(value)
+    word = _convert_to_text(value)
     try:
         return tuple(float(part) for part in (word or "").replace(",", " ").split())
     except ValueError:
@@ -278,7 +278,7 @@ def _start(node: Any) -> str:
     for holder in (node, node.parent):
         for key in filter(names_start, holder.attrs):
             value = holder.attrs[key]
-            word = _word(value)
+            word = _convert_to_text(value)
             text = (
                 word
                 if word is not None
@@ -303,14 +303,14 @@ def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedAr
     return arrays
 
 
-def _instants(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
+def _convert_instants(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
     if node.ndim != 1 or node.size < _LEAST:
         return []
     try:
         cells = node[()]
         if node.dtype.kind not in "Mm":
-            words = [_word(cell) or "" for cell in cells]
+            words = [_convert_to_text(cell) or "" for cell in cells]
             if not all(word[:1].isdigit() for word in words[:_LEAST]):
                 return []
             cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
@@ -329,20 +329,20 @@ def _split_named_columns(
     if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
     column_values = values if values.shape[1] == len(names) else values.T
-    pairs = zip(names, column_values.T, _units(node, len(names)), strict=True)
-    return [NamedArray(_word(n) or name, column, unit) for n, column, unit in pairs]
+    pairs = zip(names, column_values.T, _read_units(node, len(names)), strict=True)
+    return [NamedArray(_convert_to_text(n) or name, column, unit) for n, column, unit in pairs]
 
 
-def _stem(name: str) -> str:
+def _get_struct_name(name: str) -> str:
     """Return the struct that ``struct.data`` is the numbers of."""
     stem, _, last = name.rpartition(".")
     return stem if stem and last in _INNER else name
 
 
-def _unit(node: Any) -> str | None:
+def _read_unit(node: Any) -> str | None:
     for key in _UNIT:
         if key in node.attrs:
-            word = _word(node.attrs[key])
+            word = _convert_to_text(node.attrs[key])
             match = _SINCE.match(word or "")
             return match[1] if match else word
     for key in _UNIT:
@@ -350,18 +350,18 @@ def _unit(node: Any) -> str | None:
             _get_group_member(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
         )
         if 0 < (getattr(member, "size", None) or 0) < _TEXT and not member.is_virtual:
-            return _word(member[()])
+            return _convert_to_text(member[()])
     return None
 
 
-def _units(node: Any, count: int) -> list[str | None]:
+def _read_units(node: Any, count: int) -> list[str | None]:
     """Return the units of the columns or fields in an attribute, if it has one for each."""
     words: Any = next((node.attrs[key] for key in _UNIT if key in node.attrs), None)
     one_each = np.ndim(words) == 1 and len(words) == count
-    return [_word(word) or None for word in words] if one_each else [None] * count
+    return [_convert_to_text(word) or None for word in words] if one_each else [None] * count
 
 
-def _word(value: Any) -> str | None:
+def _convert_to_text(value: Any) -> str | None:
     """Text from what HDF5 and MATLAB keep it in: bytes, str, or an array of character codes."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
@@ -370,5 +370,5 @@ def _word(value: Any) -> str | None:
     if isinstance(value, np.ndarray) and value.size and value.dtype.kind == "u":
         return "".join(map(chr, value.ravel().tolist()))
     if isinstance(value, np.ndarray) and value.size == 1:
-        return _word(value.ravel()[0])
+        return _convert_to_text(value.ravel()[0])
     return None

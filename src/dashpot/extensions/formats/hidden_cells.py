@@ -24,7 +24,7 @@ _WORD = re.compile(rb"(?<![\w:-])([\w:-]{1,60}+)\s*+=\s*+\"([^\"]{0,1000})\"")
 _UNSEEN = {b"1", b"true", b"collapse", b"filter"}
 
 
-def hidden(stream: BinaryIO) -> dict[str, str]:
+def list_hidden_cells(stream: BinaryIO) -> dict[str, str]:
     """Return what is hidden by the name of the sheet, such as "rows 3, 4 and column D"."""
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
@@ -34,11 +34,11 @@ def hidden(stream: BinaryIO) -> dict[str, str]:
         names = set(archive.namelist())
         parts = list_sheet_parts(archive)
         for name, part in parts.items():
-            text = _format_hidden_cells(*_scan_xlsx_sheet(_tags(archive, part)))
+            text = _format_hidden_cells(*_scan_xlsx_sheet(_iterate_tags(archive, part)))
             if text:
                 tables[name] = text
         if not parts and "content.xml" in names:
-            tables = _scan_ods_tables(_tags(archive, "content.xml"))
+            tables = _scan_ods_tables(_iterate_tags(archive, "content.xml"))
     return tables
 
 
@@ -48,14 +48,14 @@ def list_sheet_parts(archive: zipfile.ZipFile) -> dict[str, str]:
     if "xl/workbook.xml" not in names:
         return {}
     links = dict(
-        _attributes(archive, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target")
+        _iterate_attributes(archive, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target")
     )
-    sheet_attributes = _attributes(archive, "xl/workbook.xml", b"sheet", "name", "id")
+    sheet_attributes = _iterate_attributes(archive, "xl/workbook.xml", b"sheet", "name", "id")
     parts = {name: links.get(link, "").removeprefix("/xl/") for name, link in sheet_attributes}
     return {name: f"xl/{part}" for name, part in parts.items() if f"xl/{part}" in names}
 
 
-def _attributes(
+def _iterate_attributes(
     archive: zipfile.ZipFile, part: str, tag: bytes, first: str, second: str
 ) -> Iterator[tuple[str, str]]:
     """Two attributes of every tag of a small part."""
@@ -64,12 +64,12 @@ def _attributes(
     with archive.open(part) as stream:
         text = stream.read(_CHUNK)
     for match in _LISTED.finditer(text):
-        words = _words(match[2])
+        words = _parse_attributes(match[2])
         if match[1] == tag and first in words and second in words:
             yield unescape(words[first], {"&quot;": '"'}), words[second]
 
 
-def _words(text: bytes) -> dict[str, str]:
+def _parse_attributes(text: bytes) -> dict[str, str]:
     """Return the attributes of a tag, without the prefixes of their names."""
     return {
         word.rpartition(b":")[2].decode(): value.decode("utf-8", "replace")
@@ -77,7 +77,7 @@ def _words(text: bytes) -> dict[str, str]:
     }
 
 
-def _tags(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str]]]:
+def _iterate_tags(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str]]]:
     """The tags of rows, columns and tables of a part, block by block."""
     rest = b""
     with archive.open(part) as stream:
@@ -86,9 +86,9 @@ def _tags(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, 
             cut = text.rfind(b"<")  # a tag may go on in the next block
             rest = text[cut:][:_TAG] if cut >= 0 else b""
             for match in _TAGS.finditer(text[:cut] if cut >= 0 else text):
-                yield match[1].decode(), _words(match[2])
+                yield match[1].decode(), _parse_attributes(match[2])
         for match in _TAGS.finditer(rest):
-            yield match[1].decode(), _words(match[2])
+            yield match[1].decode(), _parse_attributes(match[2])
 
 
 def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[int], list[int]]:
@@ -137,7 +137,7 @@ def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
     """Return what is hidden, in words; "" if nothing is."""
     parts = [
         _format_places("row", [str(row) for row in rows]),
-        _format_places("column", [_letters(column) for column in columns]),
+        _format_places("column", [_get_column_letters(column) for column in columns]),
     ]
     return " and ".join(filter(None, parts))
 
@@ -149,7 +149,7 @@ def _format_places(noun: str, names: list[str]) -> str:
     return f"{noun}{'s' * (len(names) > 1)} {', '.join(names[:_TOLD])}{more_text}"
 
 
-def _letters(column: int) -> str:
+def _get_column_letters(column: int) -> str:
     """Return the letters over a column of a sheet."""
     letters = ""
     while column > 0:

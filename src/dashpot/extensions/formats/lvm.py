@@ -91,27 +91,27 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     detected = options.encoding is None
     first = next(decode_blocks([raw.head(_HEAD)], encoding, detected=detected), "")
     lines = first.split("\n")
-    top = _top(lines)
+    top = _find_first_row(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
     decimal_mark = _mark(first, lines[top : top + 50], sign, options)
-    segments = _segments(
+    segments = _read_segments(
         decode_blocks(raw.blocks(), encoding, detected=detected), sign, decimal_mark
     )
-    names, clocks = _names(lines[top - 1], sign)
+    names, clocks = _read_column_names(lines[top - 1], sign)
     counted = not any(_has_clock_value(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(
         sign,
         decimal_mark,
-        _contents(names, clocks, lines[top : top + 200], sign, decimal_mark),
+        _classify_columns(names, clocks, lines[top : top + 200], sign, decimal_mark),
         top,
     )
     rows = _LvmRows(dialect, tuple(clocks), counted, tuple(segments))
-    columns = _columns(names, clocks, segments[0], dialect.contents)
+    columns = _make_columns(names, clocks, segments[0], dialect.contents)
 
     def blocks() -> Iterator[str]:
         return decode_blocks(raw.blocks(), encoding, detected=detected)
 
-    if _unlike(segments[0], len(columns)):
+    if _has_different_steps(segments[0], len(columns)):
         header = tuple(filter(str.strip, lines[: top - 2]))
         return replace(
             _resample(blocks, rows, columns, names, raw.patience),
@@ -119,7 +119,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             simulated="simulated" in "\n".join(header).casefold(),
         )
     asks = counted and options.rate is None
-    notes, questions = _rate(segments[0]) if asks else ((), ())
+    notes, questions = _note_rounded_step(segments[0]) if asks else ((), ())
 
     def load(indexes: Sequence[int]) -> LoadedColumns:
         return rows.load(blocks, indexes, raw.patience)
@@ -178,7 +178,7 @@ def _resample(
     )
 
 
-def _top(lines: Sequence[str]) -> int:
+def _find_first_row(lines: Sequence[str]) -> int:
     """Return the line of the first row: two below the end of the second header."""
     header_ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
     if len(header_ends) < 2 or header_ends[1] + 1 >= len(lines):
@@ -186,7 +186,7 @@ def _top(lines: Sequence[str]) -> int:
     return header_ends[1] + 2
 
 
-def _names(line: str, sign: str) -> tuple[list[str], list[int]]:
+def _read_column_names(line: str, sign: str) -> tuple[list[str], list[int]]:
     """Return the names of the columns, without the comment, and which are clocks."""
     names = cell.split(line, sign)
     if names and names[-1].casefold() == "comment":
@@ -204,9 +204,11 @@ def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Ma
     return "," if sign != "," and any("," in row and "." not in row for row in rows) else "."
 
 
-def _segments(blocks: Iterable[str], sign: str, decimal_mark: Mark) -> list[_LvmHead]:
+def _read_segments(blocks: Iterable[str], sign: str, decimal_mark: Mark) -> list[_LvmHead]:
     heads = [
-        _segment(header, decimal_mark) for header in _headers(blocks, sign) if "Channels" in header
+        _read_segment(header, decimal_mark)
+        for header in _read_headers(blocks, sign)
+        if "Channels" in header
     ]
     if len({segment.channels for segment in heads}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
@@ -223,7 +225,7 @@ def _segments(blocks: Iterable[str], sign: str, decimal_mark: Mark) -> list[_Lvm
     return heads
 
 
-def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
+def _read_headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
     """Return what each header says: the cells after its keys."""
     headers: list[dict[str, list[str]]] = [{}]
     with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
@@ -234,7 +236,7 @@ def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
     return headers
 
 
-def _segment(header: dict[str, list[str]], decimal_mark: Mark) -> _LvmHead:
+def _read_segment(header: dict[str, list[str]], decimal_mark: Mark) -> _LvmHead:
     def numbers(key: str) -> tuple[float, ...]:
         values = (cell.number(text, decimal_mark) for text in header.get(key, []) if text)
         return tuple(value for value in values if value is not None)
@@ -248,11 +250,11 @@ def _segment(header: dict[str, list[str]], decimal_mark: Mark) -> _LvmHead:
         units=tuple(header.get("Y_Unit_Label", [])),
         start=numbers("X0"),
         step=numbers("Delta_X"),
-        half_digit=_half_digit(step.replace(",", ".")),
+        half_digit=_get_half_digit(step.replace(",", ".")),
     )
 
 
-def _half_digit(text: str) -> float:
+def _get_half_digit(text: str) -> float:
     """Half of the last digit printed."""
     try:
         exponent = Decimal(text).as_tuple().exponent
@@ -261,7 +263,7 @@ def _half_digit(text: str) -> float:
     return 0.5 * 10.0**exponent if isinstance(exponent, int) and abs(exponent) < 300 else 0.0
 
 
-def _unlike(segment: _LvmHead, columns: int) -> bool:
+def _has_different_steps(segment: _LvmHead, columns: int) -> bool:
     """Return whether the channels that hold samples differ in their step."""
     filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
     return len(set(segment.step[:columns])) > 1 and len(filled) > 1
@@ -272,7 +274,7 @@ def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
     return bool(clocks) and clocks[0] < len(row) and bool(row[clocks[0]])
 
 
-def _contents(
+def _classify_columns(
     names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, decimal_mark: Mark
 ) -> tuple[Content, ...]:
     """Return what each column holds; one that is blank in every row holds nothing."""
@@ -286,7 +288,7 @@ def _contents(
     return tuple(contents)
 
 
-def _columns(
+def _make_columns(
     names: Sequence[str], clocks: Sequence[int], segment: _LvmHead, contents: Sequence[Content]
 ) -> list[Column]:
     """Names, and the unit labels, which stand over the channels."""
@@ -303,7 +305,7 @@ def _columns(
     return columns
 
 
-def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
+def _note_rounded_step(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
     """Return a note where the step is printed with so few digits that the rate is uncertain."""
     if not segment.step or segment.step[0] <= 0:
         message = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
@@ -326,7 +328,7 @@ def _round_sampling_rate(rate: float) -> int:
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 
 
-def _parts(
+def _list_parts(
     loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
 ) -> Iterator[tuple[int, int, _LvmHead]]:
     """First row, end and header of each part; what has no header of its own has the last."""
@@ -341,7 +343,7 @@ def _split_stacked_records(
     """Part each segment where it holds several records of ``Samples`` rows."""
     starts: list[int] = []
     notes = list(loaded_columns.notes)
-    for start, stop, segment in _parts(loaded_columns, segments):
+    for start, stop, segment in _list_parts(loaded_columns, segments):
         length = max(segment.samples, default=0)
         count = (stop - start) // length if length > 1 else 1
         if count > 1 and (stop - start) % length == 0:
@@ -356,7 +358,7 @@ def _split_stacked_records(
 def _compute_row_times(loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
     time = np.full(len(loaded_columns.values), np.nan)
-    for start, stop, segment in _parts(loaded_columns, segments):
+    for start, stop, segment in _list_parts(loaded_columns, segments):
         if segment.step:
             origin = segment.start[0] if segment.start else 0.0
             time[start:stop] = origin + segment.step[0] * np.arange(stop - start)

@@ -19,9 +19,9 @@ import numpy as np
 from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.array_table import (
     NamedArray,
+    convert_to_floats,
     gather,
     names_start,
-    numbers,
     stated_rate,
 )
 from dashpot.extensions.formats.attribute_factors import (
@@ -111,7 +111,7 @@ def _flatten(
         for key, entry in inner:
             _flatten(f"{name}.{key}", entry, arrays, notes, depth + 1)
     elif isinstance(value, int | float | complex | np.ndarray | np.number):
-        values = numbers(value)
+        values = convert_to_floats(value)
         if values is not None:
             arrays.append(NamedArray(name, values))
 
@@ -121,7 +121,7 @@ def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -
     by_lower_case = {str(key).casefold(): value for key, value in fields.items()}
     data = next((by_lower_case[key] for key in _DATA if key in by_lower_case), None)
     unit = next((by_lower_case[key] for key in _UNITS if key in by_lower_case), None)
-    values = None if data is None else numbers(data)
+    values = None if data is None else convert_to_floats(data)
     if values is None or not isinstance(unit, str):
         return None
     extras = {str(key): value for key, value in fields.items() if concerns_numbers(str(key))}
@@ -145,7 +145,7 @@ def check_elements(stream: BinaryIO) -> None:
         file = _MatFile(order)
         try:
             while stream.tell() < size:
-                _element(stream.read, file, size - stream.tell(), _VARIABLES, depth=0)
+                _read_element(stream.read, file, size - stream.tell(), _VARIABLES, depth=0)
         except (_Damaged, zlib.error, struct.error) as error:
             at = stream.tell()
             raise ReadError(
@@ -170,85 +170,89 @@ class _MatFile:
         limits.check_value_count(self.numbers, "the variables hold")
 
 
-def _element(take: Take, file: _MatFile, space: int, kinds: frozenset[int], *, depth: int) -> int:
+def _read_element(
+    take: Take, file: _MatFile, space: int, kinds: frozenset[int], *, depth: int
+) -> int:
     """Walk one element, of these kinds and at most `space` bytes; return how many it took."""
-    kind, size, short = _tag(take, file, space, kinds)
+    kind, size, short = _read_tag(take, file, space, kinds)
     if short is not None:
         return 8
     if kind == _COMPRESSED:
         _scan_compressed_element(take, file, size, depth=depth)
     elif kind == _MATRIX:
-        _array(take, file, size, depth=depth)
+        _read_array(take, file, size, depth=depth)
     else:
         size = min(-(-size // 8) * 8, space - 8)
         _skip_bytes(take, size)
     return 8 + size
 
 
-def _tag(
+def _read_tag(
     take: Take, file: _MatFile, space: int, kinds: frozenset[int]
 ) -> tuple[int, int, bytes | None]:
     """Kind and size of the next element, and its data if they stand in the tag."""
     if space < _TAG:
         raise _Damaged(f"an element where {max(space, 0)} bytes are left")
-    word: int = struct.unpack(file.order + "I", _exactly(take, 4))[0]
+    word: int = struct.unpack(file.order + "I", _read_exactly(take, 4))[0]
     kind, size = word & 0xFFFF, word >> 16
     if size:
         if kind not in kinds - _VARIABLES or size > 4:
             raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
-        return kind, size, _exactly(take, 4)[:size]
-    size = int(struct.unpack(file.order + "I", _exactly(take, 4))[0])
+        return kind, size, _read_exactly(take, 4)[:size]
+    size = int(struct.unpack(file.order + "I", _read_exactly(take, 4))[0])
     if kind not in kinds or size > space - 8:
         raise _Damaged(f"an element of type {kind} and {size} bytes, {space - 8} are left")
     return kind, size, None
 
 
-def _content(take: Take, file: _MatFile, space: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+def _read_content(
+    take: Take, file: _MatFile, space: int, kinds: frozenset[int]
+) -> tuple[int, bytes]:
     """Return how many bytes the next element took, and its data."""
-    _, size, short = _tag(take, file, space, kinds)
+    _, size, short = _read_tag(take, file, space, kinds)
     if short is not None:
         return 8, short
     padded = min(-(-size // 8) * 8, space - 8)
-    return 8 + padded, _exactly(take, padded)[:size]
+    return 8 + padded, _read_exactly(take, padded)[:size]
 
 
-def _array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
+def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """The elements of an array: class, dimensions, name, then as many as its class holds."""
     if not size:
         return
     if depth > _DEEPEST:
         raise _Damaged("arrays nested too deep")
-    kind, length, flags, _ = struct.unpack(file.order + "4I", _exactly(take, min(16, size)))
+    kind, length, flags, _ = struct.unpack(file.order + "4I", _read_exactly(take, min(16, size)))
     class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
     if (kind, length) != (_UINT32, 8):
         raise _Damaged("an array without a class")
     remaining = size - 16
-    read, dimensions = _content(take, file, remaining, _INT32)
+    read, dimensions = _read_content(take, file, remaining, _INT32)
     remaining -= read
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
-    shape = _integers(dimensions, file)
+    shape = _read_integers(dimensions, file)
     cells = 0 if class_ == _SPARSE else prod(abs(n) for n in shape)
     if cells > size:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     file.count(cells)
-    remaining -= _content(take, file, remaining, _NAME)[0]
+    remaining -= _read_content(take, file, remaining, _NAME)[0]
     read, kinds, parts = _read_element_layout(
         take, file, remaining, class_=class_, cells=cells, parts=parts
     )
     remaining -= read
     if class_ == _SPARSE:
-        remaining, parts = remaining - _indices(take, file, remaining, shape), parts - 2
+        remaining, parts = remaining - _read_indices(take, file, remaining, shape), parts - 2
     for _part in range(parts):
-        remaining -= _element(take, file, remaining, kinds, depth=depth + 1)
+        remaining -= _read_element(take, file, remaining, kinds, depth=depth + 1)
     _skip_bytes(take, remaining)
 
 
-def _indices(take: Take, file: _MatFile, space: int, shape: Sequence[int]) -> int:
+def _read_indices(take: Take, file: _MatFile, space: int, shape: Sequence[int]) -> int:
     """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
-    first, rows = _content(take, file, space, _INT32)
-    second, starts = _content(take, file, space - first, _INT32)
-    at, begins = _integers(rows, file), _integers(starts, file)
+    first, rows = _read_content(take, file, space, _INT32)
+    second, starts = _read_content(take, file, space - first, _INT32)
+    at, begins = _read_integers(rows, file), _read_integers(starts, file)
     if (
         len(shape) != 2
         or len(begins) != shape[1] + 1
@@ -266,11 +270,13 @@ def _read_element_layout(
 ) -> tuple[int, frozenset[int], int]:
     """Bytes that name the fields, and the kinds and number of the elements that follow them."""
     if class_ in {_STRUCT, _OBJECT}:
-        bytes_left = space - (_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0)
-        read, longest = _content(take, file, bytes_left, _INT32)
+        bytes_left = space - (
+            _read_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0
+        )
+        read, longest = _read_content(take, file, bytes_left, _INT32)
         bytes_left -= read
-        read, names = _content(take, file, bytes_left, _NAME)
-        width = sum(_integers(longest, file))
+        read, names = _read_content(take, file, bytes_left, _NAME)
+        width = sum(_read_integers(longest, file))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
         return space - bytes_left + read, _ARRAYS, cells * (len(names) // width)
@@ -283,7 +289,7 @@ def _read_element_layout(
     return 0, _NUMBERS, parts + 2 * (class_ == _SPARSE)
 
 
-def _integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
+def _read_integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
     return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
 
 
@@ -297,7 +303,7 @@ def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: in
         while len(waiting) < count and (bytes_left or inflate.unconsumed_tail):
             source = inflate.unconsumed_tail
             if not source:
-                source = _exactly(take, min(bytes_left, _AT_ONCE))
+                source = _read_exactly(take, min(bytes_left, _AT_ONCE))
                 bytes_left -= len(source)
             fresh = inflate.decompress(source, _AT_ONCE)
             if not fresh and inflate.eof:
@@ -306,16 +312,16 @@ def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: in
         content, waiting = waiting[:count], waiting[count:]
         return content
 
-    _element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
+    _read_element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)
     _skip_bytes(take, bytes_left)
 
 
 def _skip_bytes(take: Take, count: int) -> None:
     while count > 0:
-        count -= len(_exactly(take, min(count, _AT_ONCE)))
+        count -= len(_read_exactly(take, min(count, _AT_ONCE)))
 
 
-def _exactly(take: Take, count: int) -> bytes:
+def _read_exactly(take: Take, count: int) -> bytes:
     content = take(count)
     if len(content) < count:
         raise _Damaged("it ends inside an array")

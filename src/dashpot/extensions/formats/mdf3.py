@@ -72,7 +72,7 @@ class _Mdf3Blocks:
 
     def text(self, address: int) -> str:
         """Return a text; empty without one."""
-        return _text(self.read_block(address, b"TX", 4)[4:]) if address else ""
+        return _decode_text(self.read_block(address, b"TX", 4)[4:]) if address else ""
 
     def chain(self, address: int, kind: bytes, min_size: int) -> Iterator[bytes]:
         """Yield a block and those that follow it."""
@@ -99,7 +99,7 @@ def read_blocks(stream: BinaryIO) -> Content:
     header = blocks.read_block(64, b"HD", 164)
     content = Content()
     lines = blocks.text(blocks.link(header, 8)).splitlines()
-    date, clock = _text(header[18:28]), _text(header[28:36])
+    date, clock = _decode_text(header[18:28]), _decode_text(header[28:36])
     content.header = [line.strip() for line in lines if line.strip()]
     content.header += [f"recorded: {date} {clock} (local time)"] if date else []
     for data_group in blocks.chain(blocks.link(header, 4), b"DG", 24):
@@ -124,7 +124,7 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
         sizes[number] = size
         total += rows
         length += rows * (size + numbers)
-    pieces = _pieces(blocks.link(data_group, 16), length)
+    pieces = _iterate_bytes(blocks.link(data_group, 16), length)
     for group in groups:
         number, _, size, rows = blocks.unpack("HHHI", group, 16)
         comment = blocks.text(blocks.link(group, 12)).partition("\n")[0]
@@ -132,10 +132,10 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
         channels = []
         steps: dict[str, float] = {}
         for block in blocks.chain(blocks.link(group, 8), b"CN", 218):
-            label = _name(blocks, block)
+            label = _read_name(blocks, block)
             steps[label] = blocks.unpack("d", block, 210)[0]
             try:
-                channels.append(_channel(blocks, block, label, size))
+                channels.append(_read_channel(blocks, block, label, size))
             except NoNumbersError as error:
                 content.passed[label] = str(error)
         if not any(channel.clock for channel in channels):
@@ -159,12 +159,12 @@ def _rate_hints(steps: dict[str, float]) -> dict[str, str]:
     }
 
 
-def _name(blocks: _Mdf3Blocks, block: bytes) -> str:
+def _read_name(blocks: _Mdf3Blocks, block: bytes) -> str:
     long_name_address = blocks.link(block, 218) if len(block) >= 222 else 0
-    return blocks.text(long_name_address) or _text(block[26:58])
+    return blocks.text(long_name_address) or _decode_text(block[26:58])
 
 
-def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChannel:
+def _read_channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChannel:
     kind = blocks.unpack("H", block, 24)[0]
     start, bits, number_type = blocks.unpack("HHH", block, 186)
     extra_bytes = blocks.unpack("H", block, 226)[0] if len(block) >= 228 else 0
@@ -176,7 +176,7 @@ def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChan
         )
     form, (byte, bit) = _KINDS[number_type], divmod(start, 8)
     byte += extra_bytes
-    unit, convert = _conversion(blocks, blocks.link(block, 8))
+    unit, convert = _read_conversion(blocks, blocks.link(block, 8))
     if kind == 1 and not bits:
         step = blocks.unpack("d", block, 210)[0]
         if not step > 0:
@@ -193,17 +193,17 @@ def _channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> MdfChan
     return MdfChannel(name, unit, form, byte, bit, bits, big, convert, clock=kind == 1)
 
 
-def _conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Conversion]:
+def _read_conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Conversion]:
     """Return the unit and the conversion of a channel."""
     if not address:
         return None, conversions.keep_raw
     block = blocks.read_block(address, b"CC", 46)
-    unit = _text(block[22:42]) or None
+    unit = _decode_text(block[22:42]) or None
     kind, count = blocks.unpack("HH", block, 42)
     if kind == _NONE:
         return unit, conversions.keep_raw
     if kind not in _SIZES:
-        formula = f"raw numbers of a formula, {_text(block[46:])[:60]}"
+        formula = f"raw numbers of a formula, {_decode_text(block[46:])[:60]}"
         raise NoNumbersError(formula if kind == _FORMULA else _STATES.get(kind, "dates"))
     size = _SIZES[kind] or 2 * count
     if len(block) < 46 + 8 * size:
@@ -212,7 +212,7 @@ def _conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Conversi
     return unit, _MAKERS[kind](values)
 
 
-def _pieces(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
+def _iterate_bytes(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
     """Return what yields so many bytes from an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
@@ -228,5 +228,5 @@ def _pieces(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
     return pieces
 
 
-def _text(data: bytes) -> str:
+def _decode_text(data: bytes) -> str:
     return data.split(b"\0", 1)[0].decode("latin-1").strip()

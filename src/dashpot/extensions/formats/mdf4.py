@@ -104,12 +104,15 @@ class _Mdf4Blocks:
         head = self._stream.read(_HEADER.size)
         if len(head) < _HEADER.size:
             raise ReadError(
-                f"cut: a block of kind {_names(kinds)} should stand at byte {address}, beyond the "
+                f"cut: a block of kind {_name_conversion_kinds(kinds)} should stand at byte "
+                f"{address}, beyond the "
                 "end of the file"
             )
         kind, length, count = _HEADER.unpack(head)
         if kind not in kinds or count > _MOST_LINKS or length < _HEADER.size + 8 * count:
-            raise ReadError(f"damaged: no block of kind {_names(kinds)} at byte {address}")
+            raise ReadError(
+                f"damaged: no block of kind {_name_conversion_kinds(kinds)} at byte {address}"
+            )
         links = self._exactly(8 * count, address)
         size = length - _HEADER.size - 8 * count
         start = address + _HEADER.size + 8 * count
@@ -153,13 +156,13 @@ def read_blocks(stream: BinaryIO) -> Content:
     """
     blocks = _Mdf4Blocks(stream)
     header = blocks.read_block(64, b"##HD")
-    content = Content(header=_header(blocks, header))
+    content = Content(header=_read_header(blocks, header))
     for data_group in blocks.chain(header.link(0), b"##DG"):
         _read_data_group(blocks, data_group, content)
     return content
 
 
-def _header(blocks: _Mdf4Blocks, header: _Mdf4Block) -> list[str]:
+def _read_header(blocks: _Mdf4Blocks, header: _Mdf4Block) -> list[str]:
     nanoseconds, zone, summer, flags = struct.unpack_from("<QhhB", header.data)
     lines = [line.strip() for line in blocks.text(header.link(5)).splitlines() if line.strip()]
     since_epoch = timedelta(microseconds=nanoseconds // 1000)
@@ -196,7 +199,7 @@ def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Conte
             continue
         name = blocks.text(group.link(2)) or f"group {len(content.groups) + 1}"
         channels_found = list(
-            _channels(blocks, group.link(1), (data, invalid_bytes), content.passed)
+            _iterate_channels(blocks, group.link(1), (data, invalid_bytes), content.passed)
         )
         if flags & _REMOTE:
             content.passed |= {channel.name: "stored by columns" for channel in channels_found}
@@ -204,13 +207,13 @@ def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Conte
         content.groups.append(
             MdfGroup(
                 name=name, rows=rows, size=data + invalid_bytes, channels=tuple(channels_found),
-                pieces=_pieces(address), number=number,
+                pieces=_iterate_bytes(address), number=number,
                 sizes=sizes if len(groups) > 1 else {}, total=total, id_size=id_size,
             )
         )  # fmt: skip
 
 
-def _channels(
+def _iterate_channels(
     blocks: _Mdf4Blocks,
     address: int,
     sizes: tuple[int, int],
@@ -226,17 +229,17 @@ def _channels(
                 inner, b"##CN", b"##CA", b"##CL", b"##CV", b"##CU", b"##DS"
             ).kind
             if kind == b"##CN" and depth < 8:
-                yield from _channels(blocks, inner, sizes, passed, depth + 1)
+                yield from _iterate_channels(blocks, inner, sizes, passed, depth + 1)
             else:
                 passed[name] = "arrays" if kind == b"##CA" else "structures"
             continue
         try:
-            yield _channel(blocks, block, name, sizes)
+            yield _read_channel(blocks, block, name, sizes)
         except NoNumbersError as error:
             passed[name or "a channel without a name"] = str(error)
 
 
-def _channel(
+def _read_channel(
     blocks: _Mdf4Blocks, block: _Mdf4Block, name: str, sizes: tuple[int, int]
 ) -> MdfChannel:
     data, invalid_bytes = sizes
@@ -257,7 +260,7 @@ def _channel(
     if block.link(4):
         conversion = blocks.read_block(block.link(4), b"##CC")
         unit = unit or blocks.text(conversion.link(1))
-        convert = _conversion(blocks, conversion, is_integer=is_integer)
+        convert = _read_conversion(blocks, conversion, is_integer=is_integer)
     if kind in {3, 6}:
         return MdfChannel(name, unit or None, "row", convert=convert, clock=clock)
     _require_place(name, form, (byte, bit, bits), data)
@@ -282,7 +285,7 @@ def _require_place(name: str, form: str, bit_position: tuple[int, int, int], siz
         raise ReadError(f"damaged: '{name}' stands outside its record")
 
 
-def _conversion(
+def _read_conversion(
     blocks: _Mdf4Blocks, block: _Mdf4Block, *, is_integer: bool, depth: int = 0
 ) -> Conversion:
     kind, _, _, refs, count = struct.unpack_from("<BBHHH", block.data)
@@ -324,22 +327,24 @@ def _convert_state(
     if block.kind != b"##CC":
         return None
     try:
-        return _conversion(blocks, block, is_integer=is_integer, depth=depth + 1)
+        return _read_conversion(blocks, block, is_integer=is_integer, depth=depth + 1)
     except NoNumbersError:
         return None
 
 
-def _pieces(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
+def _iterate_bytes(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
     """Return what yields the bytes of the data at an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         if address:
-            yield from _data(_Mdf4Blocks(stream), stream, address)
+            yield from _iterate_data(_Mdf4Blocks(stream), stream, address)
 
     return pieces
 
 
-def _data(blocks: _Mdf4Blocks, stream: BinaryIO, address: int, depth: int = 0) -> Iterator[bytes]:
+def _iterate_data(
+    blocks: _Mdf4Blocks, stream: BinaryIO, address: int, depth: int = 0
+) -> Iterator[bytes]:
     kinds = (b"##DT", b"##DZ", b"##DL", b"##HL", b"##DV", b"##LD")
     block = blocks.read_block(address, *kinds, read_all=False)
     if block.kind == b"##DT":
@@ -357,7 +362,7 @@ def _data(blocks: _Mdf4Blocks, stream: BinaryIO, address: int, depth: int = 0) -
         for link in _walk_lists(blocks, block):
             if link == address or depth:
                 raise ReadError(f"damaged: lists of lists of data at byte {address}")
-            yield from _data(blocks, stream, link, depth + 1)
+            yield from _iterate_data(blocks, stream, link, depth + 1)
 
 
 def _walk_lists(blocks: _Mdf4Blocks, block: _Mdf4Block) -> Iterator[int]:
@@ -412,5 +417,5 @@ def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
     return data
 
 
-def _names(kinds: tuple[bytes, ...]) -> str:
+def _name_conversion_kinds(kinds: tuple[bytes, ...]) -> str:
     return " or ".join(kind.decode("latin-1") for kind in kinds)

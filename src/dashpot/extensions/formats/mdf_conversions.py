@@ -28,7 +28,7 @@ def linear(parameters: Sequence[float]) -> Conversion:
     >>> linear([1.0, 0.5])(np.array([4.0])).tolist()
     [3.0]
     """
-    offset, factor = _exactly(parameters, 2)
+    offset, factor = _require_count(parameters, 2)
     return lambda raw: offset + factor * raw
 
 
@@ -38,7 +38,7 @@ def rational(parameters: Sequence[float]) -> Conversion:
     >>> rational([0, 2, 1, 0, 0, 4])(np.array([3.5])).tolist()
     [2.0]
     """
-    a, b, c, d, e, f = _exactly(parameters, 6)
+    a, b, c, d, e, f = _require_count(parameters, 6)
 
     def convert(raw: FloatArray) -> FloatArray:
         denominator = (d * raw + e) * raw + f
@@ -50,7 +50,7 @@ def rational(parameters: Sequence[float]) -> Conversion:
 
 def interpolated_table(pairs: Sequence[float]) -> Conversion:
     """Return the table of keys and values, straight between keys, held beyond its ends."""
-    keys, values = _table(pairs)
+    keys, values = _sort_table(pairs)
     return lambda raw: np.where(np.isnan(raw), np.nan, np.interp(raw, keys, values))
 
 
@@ -60,7 +60,7 @@ def nearest_table(pairs: Sequence[float]) -> Conversion:
     >>> nearest_table([0, 10, 1, 20])(np.array([0.5, 0.6])).tolist()
     [10.0, 20.0]
     """
-    keys, values = _table(pairs)
+    keys, values = _sort_table(pairs)
 
     def convert(raw: FloatArray) -> FloatArray:
         upper_index = np.clip(np.searchsorted(keys, raw), 1, len(keys) - 1) if len(keys) > 1 else 0
@@ -78,7 +78,7 @@ def exact_table(pairs: Sequence[float]) -> Conversion:
 
     What MDF 3 takes between two keys its readers answer in two ways: nearest, or next above.
     """
-    keys, values = _table(pairs)
+    keys, values = _sort_table(pairs)
 
     def convert(raw: FloatArray) -> FloatArray:
         key_index = np.clip(np.searchsorted(keys, raw), 0, len(keys) - 1)
@@ -137,7 +137,7 @@ def some_text(
 
 def mdf3_polynomial(parameters: Sequence[float]) -> Conversion:
     """Return the polynomial of MDF 3, which is a ratio of two straight lines."""
-    a, b, c, d, e, f = _exactly(parameters, 6)
+    a, b, c, d, e, f = _require_count(parameters, 6)
 
     def convert(raw: FloatArray) -> FloatArray:
         x = raw - e - f
@@ -156,7 +156,7 @@ def mdf3_exponential(parameters: Sequence[float], *, logarithm: bool) -> Convers
     ReadError
         If none of its two forms is meant by the parameters.
     """
-    a, b, c, d, e, f, g = _exactly(parameters, 7)
+    a, b, c, d, e, f, g = _require_count(parameters, 7)
     function = np.log if logarithm else np.exp
     if (d == 0) == (a == 0):
         raise ReadError("damaged: a logarithmic conversion has no form that MDF 3 defines")
@@ -173,13 +173,13 @@ def mdf3_exponential(parameters: Sequence[float], *, logarithm: bool) -> Convers
     return convert
 
 
-def _exactly(parameters: Sequence[float], count: int) -> tuple[float, ...]:
+def _require_count(parameters: Sequence[float], count: int) -> tuple[float, ...]:
     if len(parameters) < count or not np.isfinite(parameters[:count]).all():
         raise ReadError(f"damaged: a conversion of {count} parameters has others")
     return tuple(float(parameter) for parameter in parameters[:count])
 
 
-def _table(pairs: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+def _sort_table(pairs: Sequence[float]) -> tuple[FloatArray, FloatArray]:
     if len(pairs) < 2 or len(pairs) % 2:
         raise ReadError("damaged: a conversion table has keys without values")
     keys, values = np.reshape(np.asarray(pairs, dtype=float), (-1, 2)).T

@@ -115,12 +115,12 @@ def read_channels(
     values = np.empty((len(channel_indices), group.rows))
     invalid = [0] * len(channel_indices)
     first = 0
-    for records_read in _records(stream, group):
+    for records_read in _iterate_records(stream, group):
         records = records_read[: group.rows - first]
         last = first + len(records)
         for row, channel_index in enumerate(channel_indices):
             channel = group.channels[channel_index]
-            raw = _raw_numbers(records, channel, first)
+            raw = _convert_raw_numbers(records, channel, first)
             try:
                 numbers = channel.convert(raw)
             except ReadError as error:
@@ -142,10 +142,10 @@ def read_channels(
     return values.T, invalid
 
 
-def _records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
+def _iterate_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
     """Yield the records of a group as rows of bytes, as many as a piece of the file holds."""
     if group.sizes:
-        yield from _picked_records(stream, group)
+        yield from _iterate_group_records(stream, group)
         return
     leftover = b""
     step = group.id_size + group.size + group.id_after
@@ -160,7 +160,7 @@ def _records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
         yield rows[:, group.id_size : group.id_size + group.size]
 
 
-def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
+def _iterate_group_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
     """Yield those records among others that carry the number of the group."""
     leftover, size, number = b"", group.id_size, group.number
     order: Literal["big", "little"] = "big" if group.big else "little"
@@ -203,7 +203,7 @@ def _picked_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
             yield bytes_read[np.add.outer(np.array(record_starts), byte_offsets)]
 
 
-def _raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> FloatArray:
+def _convert_raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> FloatArray:
     if channel.kind == "row":
         return np.arange(first, first + len(records), dtype=float)
     size = (channel.bit + channel.bits + 7) // 8

@@ -163,7 +163,7 @@ class MdfTable:
                 f'over (--file-part sheet="{group.name}" reads it)',
             )
             return False
-        clock_units = _clock_unit(group), _clock_unit(base)
+        clock_units = _get_clock_unit(group), _get_clock_unit(base)
         if clock_units[0] != clock_units[1] and None in (
             units.find_unit(unit, "time") for unit in clock_units
         ):
@@ -191,11 +191,11 @@ class MdfTable:
             return False
         self._lined_up[i] = ticks
         message = (
-            f"group '{group.name}'{_rate(ticks)} has a clock of its own: its channels were "
+            f"group '{group.name}'{_format_rate(ticks)} has a clock of its own: its channels were "
             f"interpolated to the {common_count} of {base.rows} instants of '{base.name}'"
-            f'{_rate(base_ticks)} within it; --file-part sheet="{group.name}" reads it alone'
+            f'{_format_rate(base_ticks)} within it; --file-part sheet="{group.name}" reads it alone'
         )
-        moving = _roles(group) | _roles(base)
+        moving = _list_roles(group) | _list_roles(base)
         # straight lines dull what is near half the sampling rate
         self.notes.append(Caution(message) if "acceleration" in moving else message)
         return True
@@ -214,7 +214,7 @@ class MdfTable:
         slowest of those: between its samples nothing is known, and straight lines there would be
         taken for what was measured.
         """
-        role_scores = [_roles(group, _LIKELY) for group in self._groups]
+        role_scores = [_list_roles(group, _LIKELY) for group in self._groups]
         if not any(roles & _LOADS and roles & _MOTIONS for roles in role_scores):
             clocks = [
                 (median(np.diff(self._ticks(i))), i)
@@ -223,7 +223,7 @@ class MdfTable:
             ]
             if len(clocks) > 1:
                 return max(clocks)[1]
-        roles = [_roles(group) for group in self._groups]
+        roles = [_list_roles(group) for group in self._groups]
         return max(
             range(len(roles)),
             key=lambda i: (len(roles[i]), "force" in roles[i], self._groups[i].rows),
@@ -236,7 +236,7 @@ class MdfTable:
         if clock_channel is None:
             raise ReadError(f"group '{group.name}' has no clock")
         ticks = read_channels(self._stream, group, [clock_channel])[0][:, 0]
-        unit = units.find_unit(_clock_unit(group), "time")
+        unit = units.find_unit(_get_clock_unit(group), "time")
         with np.errstate(invalid="ignore", over="ignore"):  # a damaged clock is passed over later
             return ticks * (unit.factor if unit else 1.0)
 
@@ -341,12 +341,12 @@ def _interpolate(
     return interpolated
 
 
-def _clock_unit(group: MdfGroup) -> str:
+def _get_clock_unit(group: MdfGroup) -> str:
     """Return the unit of the clock of a group, seconds where none is stated."""
     return (None if group.clock is None else group.channels[group.clock].unit) or "s"
 
 
-def _roles(group: MdfGroup, score: float = _SURE) -> set[str]:
+def _list_roles(group: MdfGroup, score: float = _SURE) -> set[str]:
     """Return the roles of a test that the channels of a group have by their names."""
     return {
         role
@@ -365,7 +365,7 @@ def _name_groups_apart(groups: Sequence[MdfGroup]) -> list[MdfGroup]:
     ]
 
 
-def _rate(ticks: FloatArray) -> str:
+def _format_rate(ticks: FloatArray) -> str:
     """Return the rate of a clock in brackets."""
     step = median(np.diff(ticks)) if len(ticks) > 1 else 0.0
     return f" ({1 / step:.4g} Hz)" if step > 0 else ""

@@ -97,7 +97,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         )
         _refuse_unknown_scales(objects)
         reported = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
-        groups = _chosen(
+        groups = _choose_groups(
             _read_scaled_channels(stream, objects, notes)
             if reported
             else _read_stored_channels(file, notes),
@@ -109,11 +109,11 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             for key, value in item.properties.items()
             if (line := window_line(str(key), value))
         ]
-    blocks = [_block(channels, notes) for channels in groups.values()]
+    blocks = [_make_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
-    factors = _stated_of_all(objects, first, notes)
+    factors = _note_stated_factors(objects, first, notes)
     columns = [Column(c.name, c.unit, factor=c.factor or factors.get(c.name, "")) for c in first]
-    rates = _rates_stated(objects)
+    rates = _list_stated_rates(objects)
     foreign = [rate for rate in rates if ".wf_" not in rate.name]
     refuse_different_rates([rate for rate in foreign if _PATH.match(rate.name)])
     notes += contradict_rate(foreign, options.rate)
@@ -130,7 +130,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     )
 
 
-def _chosen(new_channels: _Groups, sheet: str | None) -> _Groups:
+def _choose_groups(new_channels: _Groups, sheet: str | None) -> _Groups:
     """Return the groups that hold numbers, or the one named; all with the same channels."""
     groups = {name: channels for name, channels in new_channels.items() if channels}
     if sheet is not None:
@@ -174,7 +174,7 @@ def _is_stamped(item: Any) -> bool:
     return getattr(item.data_type, "__name__", "") == "TimeStamp"
 
 
-def _stated_of_all(
+def _note_stated_factors(
     objects: Mapping[str, Any], channels: Sequence[_TdmsChannel], notes: list[str]
 ) -> dict[str, str]:
     """Return what a group or the file states of factors of its channels; note what of none."""
@@ -184,7 +184,7 @@ def _stated_of_all(
         if _PATH.fullmatch(path):
             continue
         for key, value in item.properties.items():
-            factors_text, full_scale = _factors({key: value}), split_full_scale(str(key))
+            factors_text, full_scale = _list_factors({key: value}), split_full_scale(str(key))
             words = (
                 select_channel_words(str(key)) if full_scale is None else words_of_name(full_scale)
             )
@@ -199,7 +199,7 @@ def _stated_of_all(
     return factors
 
 
-def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
+def _list_stated_rates(objects: Mapping[str, Any]) -> list[NamedArray]:
     """Return what properties beside the format's own state of the sampling rate."""
     return [
         NamedArray(f"{path}.{key}", np.array(float(value)))
@@ -209,12 +209,12 @@ def _rates_stated(objects: Mapping[str, Any]) -> list[NamedArray]:
     ]
 
 
-def _factors(properties: Mapping[str, Any]) -> str:
+def _list_factors(properties: Mapping[str, Any]) -> str:
     """Return what properties state of a factor, without those that the format itself defines."""
-    return factors_among(_foreign(properties))
+    return factors_among(_list_foreign_properties(properties))
 
 
-def _foreign(properties: Mapping[str, Any]) -> dict[str, Any]:
+def _list_foreign_properties(properties: Mapping[str, Any]) -> dict[str, Any]:
     """Return the properties that the format itself does not define."""
     return {key: value for key, value in properties.items() if not key.startswith(("NI_", "wf_"))}
 
@@ -239,13 +239,13 @@ def _read_stored_channels(file: Any, notes: list[str]) -> _Groups:
     for path, arrays in parts.items():
         values = np.concatenate(arrays) if len(arrays) > 1 else arrays[0] if arrays else _NONE
         if values.size:
-            group, name = _names(path)
-            channel = _channel(name, objects[path].properties, values, notes)
+            group, name = _split_path(path)
+            channel = _make_channel(name, objects[path].properties, values, notes)
             groups.setdefault(group, []).append(channel)
     return groups
 
 
-def _names(path: str) -> list[str]:
+def _split_path(path: str) -> list[str]:
     """Return the names of a channel's group and its own."""
     match = _PATH.fullmatch(path)
     if match is None:
@@ -271,7 +271,7 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any], notes: list[s
                 properties = {"unit_string": "s"}
             values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
-                channels.append(_channel(channel.name, properties, values, notes))
+                channels.append(_make_channel(channel.name, properties, values, notes))
         nonempty = [(channel_index, item) for channel_index, item in instants if len(item)]
         first = min((item[0] for _, item in nonempty), default=None)
         for channel_index, value in nonempty:
@@ -280,7 +280,7 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any], notes: list[s
     return groups
 
 
-def _channel(
+def _make_channel(
     name: str, properties: Mapping[str, Any], values: FloatArray, notes: list[str]
 ) -> _TdmsChannel:
     unit = next((text for key in _UNITS if (text := str(properties.get(key, ""))).strip()), None)
@@ -290,7 +290,11 @@ def _channel(
     abscissa_unit = units.find_unit(
         str(properties.get("wf_xunit_string", "")).strip() or "s", "time"
     )
-    entries = {key: value for key, value in _foreign(properties).items() if concerns_numbers(key)}
+    entries = {
+        key: value
+        for key, value in _list_foreign_properties(properties).items()
+        if concerns_numbers(key)
+    }
     values, factor = apply_attributes(name, values, entries, notes)
     start = _start(properties.get("wf_start_time"))
     names = (key for key in properties if names_start(key) and not key.startswith("wf_"))
@@ -340,12 +344,12 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
     ]
 
 
-def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
+def _make_block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     """One group as rows: with its time in front if the channels carry it."""
     channels = _apply_start_times(channels)
     steps = {channel.step for channel in channels}
     if len(steps) > 1:
-        return _block_of_rates(channels, notes)
+        return _make_block_of_rates(channels, notes)
     step, sizes = steps.pop(), sorted({channel.values.size for channel in channels})
     values, offset = [channel.values for channel in channels], channels[0].offset
     if step is None:
@@ -354,11 +358,11 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
         return np.array(values).T
     if sizes == sizes[:1] != [1] and all(channel.offset == offset for channel in channels):
         return np.array([offset + step * np.arange(sizes[0], dtype=float), *values]).T
-    time = _common(channels, step)
+    time = _find_common_times(channels, step)
     return np.array([time, *(_align_channel(c, time, step, notes) for c in channels)]).T
 
 
-def _block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
+def _make_block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     """Return one group of several rates as rows on one clock."""
     if any(channel.step is None for channel in channels):
         steps_text = ", ".join(f"'{c.name}' {c.step} s" for c in channels[:6])
@@ -374,7 +378,7 @@ def _block_of_rates(channels: list[_TdmsChannel], notes: list[str]) -> FloatArra
     return interpolate_to_slowest(sampled_channels, notes)
 
 
-def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
+def _find_common_times(channels: list[_TdmsChannel], step: float) -> FloatArray:
     """Return the times at which every channel was sampled."""
     start = max(channel.offset for channel in channels)
     end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)

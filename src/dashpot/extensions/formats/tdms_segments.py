@@ -69,7 +69,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
                 continue
             self._changed[owner] = (key, "nothing" if old is None else old, new)
 
-    def _goes_on(self, value: Any, key: str, old: Any, new: Any, before: int) -> bool:
+    def _goes_on(self, value: Any, key: str, old: Any, new: Any, previous_count: int) -> bool:
         """Return whether a segment says that it starts where the one before it ended."""
         step = float(value.get("wf_increment") or 0.0)
         if old is None or not step:
@@ -77,7 +77,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         difference = (
             _seconds(new) - _seconds(old) if key == "wf_start_time" else float(new) - float(old)
         )
-        return abs(difference - before * step) <= _CONTIGUOUS * step
+        return abs(difference - previous_count * step) <= _CONTIGUOUS * step
 
     def _without_starts(self, properties: Any) -> Any:
         """Return the properties of a segment without a start that the first segment has stated."""

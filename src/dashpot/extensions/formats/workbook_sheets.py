@@ -11,7 +11,7 @@ from itertools import islice
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
-from dashpot.extensions.formats.hidden_cells import hidden
+from dashpot.extensions.formats.hidden_cells import list_hidden_cells
 from dashpot.extensions.formats.unread import refuse_archive
 from dashpot.extensions.formats.workbook_formulas import scan_formulas
 from dashpot.reading.raw_file import RawFile, extra
@@ -52,7 +52,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
         size = _get_unpacked_size(stream)
-        unmeasured = hidden(stream)
+        unmeasured = list_hidden_cells(stream)
         formulas = scan_formulas(stream)
         stream.seek(0)
         workbook = calamine.CalamineWorkbook.from_filelike(stream)

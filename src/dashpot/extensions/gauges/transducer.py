@@ -37,7 +37,7 @@ class Daq:
     span : float
         Largest voltage to either side, V.
     rate : float
-        Of each channel, Hz.
+        Sampling rate of each channel, Hz.
     channels : int
     fastest : float
         Conversions a second, of all channels together.
@@ -256,7 +256,7 @@ class Instrument:
         rig : Rig
             Whose offset, drifts, hum and noise are in F_z.
         seed : int
-            Of the noise.
+            Seed of the noise.
         """
         from scipy.interpolate import CubicSpline
 

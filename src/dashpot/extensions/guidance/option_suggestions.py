@@ -63,10 +63,10 @@ _SIMILARITY_BESIDE_OTHERS = 0.85
 """The same, where another command has the very option: ``--seal`` for ``--seals``."""
 
 
-def suggest_command(name: str, rest: Sequence[str]) -> str:
+def suggest_command(name: str, other_words: Sequence[str]) -> str:
     """Return what to type in place of a word that is no command."""
     if name in _COMMANDS_AS_OPTIONS:
-        names = [word for word in rest[:1] if word in COMMANDS]
+        names = [word for word in other_words[:1] if word in COMMANDS]
         return f"Type: {shlex.join(['dashpot', *names, _COMMANDS_AS_OPTIONS[name]])}"
     if Path(name).exists():
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
@@ -87,7 +87,7 @@ def suggest_option(command: click.Command, parent: click.Context | None, option:
     command : click.Command
         The one that was typed.
     parent : click.Context or None
-        Of the group of all commands.
+        Parent of the group of all commands.
     option : str
         As it was typed, with its dashes.
     """

@@ -97,11 +97,11 @@ def list_groups() -> list[list[CommandOption]]:
                 kinds=_STRAIN,
                 help="Number of terms of ogden and hyperfoam.",
             ),
-            build_options(Measures, into="measures", kinds=_STRAIN),
+            build_options(Measures, argument="measures", kinds=_STRAIN),
         ),
         group(
             "Indenter",
-            build_options(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
+            build_options(Indenter, argument="indenter", omit=("mass",), kinds=_BALL),
         ),
         group(
             "Aging",
@@ -116,7 +116,7 @@ def list_groups() -> list[list[CommandOption]]:
         group("Drop test", build_options(DropOptions, kinds=_DROP)),
         group(
             "Rod",
-            build_options(RodChoices, into="rod", kinds=VIBRATION),
+            build_options(RodChoices, argument="rod", kinds=VIBRATION),
             opt(
                 "--density",
                 type=DENSITY,

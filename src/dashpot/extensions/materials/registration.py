@@ -125,8 +125,8 @@ EXTENSION = Extension(
     ),
     handlers={
         "bound value": {
-            "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:bound_life",
-            "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.lifetime_prediction:bound_life",
+            "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:make_life_interval",
+            "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.lifetime_prediction:make_life_interval",
         },
         "retained force": {
             "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:predict_aging",

@@ -35,7 +35,7 @@ class Stroke(NamedTuple):
         return slice(self.first, self.last + 1)
 
 
-def inward(displacement: FloatArray, force: FloatArray) -> tuple[int, int]:
+def get_inward_signs(displacement: FloatArray, force: FloatArray) -> tuple[int, int]:
     """Return the signs that make compression and its force positive.
 
     The force grows away from where it stood first, and with it the compression.
@@ -54,14 +54,14 @@ def inward(displacement: FloatArray, force: FloatArray) -> tuple[int, int]:
     return (1 if covariance >= 0 else -1), push
 
 
-def strokes_of(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
+def find_strokes(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
     """Return the strokes of a compression x, m, of which readings differ by `resolution` at rest.
 
     A turning point is one from which the compression goes back by a twentieth of the whole
     travel, or four times the resolution. A plate that waits at it belongs to neither stroke.
     """
     min_stroke = max(LEAST_STROKE * float(np.ptp(x)), 4 * resolution)
-    turns = _turning_points(x, min_stroke)
+    turns = _find_turning_points(x, min_stroke)
     strokes = []
     for first, last in zip(turns[:-1].tolist(), turns[1:].tolist(), strict=True):
         rises = bool(x[last] > x[first])
@@ -76,7 +76,7 @@ def strokes_of(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
     return tuple(strokes)
 
 
-def _turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
+def _find_turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
     """Return the first and last sample, and the extremes between, `min_stroke` or more apart."""
     level = np.floor(x / (min_stroke / _LEVELS))
     # few of many samples change the level: the walk below visits those alone

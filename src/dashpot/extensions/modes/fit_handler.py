@@ -14,7 +14,7 @@ from dashpot.extensions.modes.measured_modes import modes_files
 
 def run(request: FitRequest) -> CommandResult:
     """Find the modes that the FRFs share."""
-    request.check_output_suffix(".json", what="the modes of FRFs")
+    request.check_output_suffix(".json", result_name="the modes of FRFs")
     modes, chart = modes_files(
         request.files,
         options=request.reading,
@@ -40,7 +40,7 @@ def under_masses(request: FitRequest) -> CommandResult:
             "mass of each file, in their order."
         )
     request.refuse_polarity()
-    request.check_output_suffix(".json", what="the modes under several masses")
+    request.check_output_suffix(".json", result_name="the modes under several masses")
     seals = request["seals"]
     modes = modes_by_mass(files, masses, seals=seals, options=request.reading, band=request["band"])
     frfs = [test.frf for test in modes.tests]

@@ -42,7 +42,8 @@ class SeveralMasses:
     spread : array, shape (masses, 2)
         Standard errors of its real and its imaginary part.
     solid : GeneralizedMaxwell
-        Of one seal: one of the solids that come closest; poles of a few masses show no spectrum.
+        Model of one seal: one of the solids that come closest; poles of a few masses show no
+        spectrum.
     distance : float
         How far its stiffness is from that at the poles, root of the sum of squares in standard
         errors, of which none counts less than 0.3 % of the stiffness and 3 % of the damping.
@@ -99,11 +100,13 @@ def several_masses(
     m = np.array(masses)
     stiffness = -m * p**2 / seals
     pairs = zip(modes, masses, strict=True)
-    standard_errors = np.array([_spread(mode, mass / seals) for mode, mass in pairs])
+    standard_errors = np.array(
+        [_compute_standard_errors(mode, mass / seals) for mode, mass in pairs]
+    )
     # the loss is Im K where a pole is light: its error is that of the damping
     counts = np.column_stack(
         (np.hypot(standard_errors[:, 0], STORAGE * np.abs(stiffness)),
-         np.hypot(standard_errors[:, 1], LOSS * np.abs(stiffness) * 2 * _ratios(modes)))
+         np.hypot(standard_errors[:, 1], LOSS * np.abs(stiffness) * 2 * _compute_ratios(modes)))
     )  # fmt: skip
     tau = TIMES / float(np.exp(np.log(np.abs(p)).mean()))
     size = float(np.abs(stiffness).mean())
@@ -131,11 +134,11 @@ def several_masses(
     )
 
 
-def _ratios(modes: Sequence[Mode]) -> FloatArray:
+def _compute_ratios(modes: Sequence[Mode]) -> FloatArray:
     return np.array([mode.damping_ratio for mode in modes])
 
 
-def _spread(mode: Mode, mass: float) -> tuple[float, float]:
+def _compute_standard_errors(mode: Mode, mass: float) -> tuple[float, float]:
     """Return standard errors of the real and imaginary part of m p^2, N/m."""
     zeta, size = mode.damping_ratio, mass * abs(mode.pole) ** 2
     real_part, imaginary_part = 1 - 2 * zeta**2, 2 * zeta * float(np.sqrt(1 - zeta**2))

@@ -51,7 +51,7 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
         One for each mass.
     joint_modes : SeveralMasses
     checks : tuple of Check
-        Of every test, with its mass, and whether one solid has all poles.
+        Checks of every test, with its mass, and whether one solid has all poles.
 
     Examples
     --------

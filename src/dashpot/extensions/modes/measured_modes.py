@@ -62,7 +62,7 @@ class MeasuredMode(ImpactMode):
     Attributes
     ----------
     orders : int
-        Of the stabilisation chart, at which the mode is stable.
+        Orders of the stabilisation chart, at which the mode is stable.
     shape : tuple of PointInMode
         Empty of a single point.
     phase_collinearity, phase_deviation_deg : float or None
@@ -112,7 +112,7 @@ class MeasuredModes(Modes):
     points : tuple of str
         What the points are called; empty of a single one.
     highest_order : int
-        Of the stabilisation chart.
+        Highest order of the stabilisation chart.
     mac : tuple of tuple of float
         Modal assurance criterion of every mode with every other; empty of a single point.
     against : tuple of SameMode
@@ -158,7 +158,7 @@ def modes_files(
     Parameters
     ----------
     files : sequence of path
-        Of any format and kind that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
+        Files that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
         one point or several, in one file or in several.
     options : ReadOptions, optional
         What the user said of the files.
@@ -166,7 +166,7 @@ def modes_files(
         Where to look for modes, Hz; by default two octaves to either side of where a block on its
         mounts moves most.
     motion : str
-        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
+        Motion of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     polarity : sequence of +1 and -1, optional
         Sign of each FRF.
     against : sequence of path
@@ -209,7 +209,7 @@ def modes_of(
         search_band,
         measured.points if has_several_points else (),
         chart.highest,
-        _macs(shapes, shapes) if has_several_points else (),
+        _compute_macs(shapes, shapes) if has_several_points else (),
     )
     if against is None:
         return modes, chart
@@ -254,7 +254,7 @@ def _select_checked_frf(
 def _check_modes(
     frf: FRF,
     band_frfs: FRFSet,
-    at: int,
+    point_index: int,
     shapes: Sequence[ModeShape],
     chart: Stabilisation,
     *,
@@ -263,7 +263,7 @@ def _check_modes(
     """Yield the checks of the modes, and of the FRF of the point that stands for the first."""
     main = shapes[0].mode
     yield modes_within_band([shape.mode for shape in shapes], search_band)
-    yield lines_in_half_power_band(band_frfs.frfs[at], main)
+    yield lines_in_half_power_band(band_frfs.frfs[point_index], main)
     yield modes_stable(shapes, chart)
     yield modes_explain_lines(shapes, is_known=band_frfs.sd is not None)
     if len(band_frfs.points) > 1:
@@ -304,7 +304,9 @@ def _build_measured_mode(
     )
 
 
-def _macs(first: Sequence[ModeShape], second: Sequence[ModeShape]) -> tuple[tuple[float, ...], ...]:
+def _compute_macs(
+    first: Sequence[ModeShape], second: Sequence[ModeShape]
+) -> tuple[tuple[float, ...], ...]:
     if not first or not second:
         return ()
     residue_matrices = [
@@ -317,7 +319,7 @@ def _match_modes(
     shapes: Sequence[ModeShape], other_shapes: Sequence[ModeShape], has_several_points: bool
 ) -> tuple[SameMode, ...]:
     """The mode of another set that each is found in again: the most alike of those nearby."""
-    mac_values = _macs(shapes, other_shapes)
+    mac_values = _compute_macs(shapes, other_shapes)
     modes = []
     for i, shape in enumerate(shapes):
         nearby = [

@@ -111,20 +111,22 @@ def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
     mass_note = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
     tables = [(f"Modes{mass_note}", head, rows)]
     if measured_modes.points:
-        tables += _shapes(measured_modes)
+        tables += _make_shape_tables(measured_modes)
     return [
         AppCard(title, TextTable(tuple(head), tuple(map(tuple, rows))), min(i, 1) + 1)
         for i, (title, head, rows) in enumerate(tables)
     ]
 
 
-def _shapes(measured_modes: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:
+def _make_shape_tables(
+    measured_modes: MeasuredModes,
+) -> list[tuple[str, list[str], list[list[str]]]]:
     """Return the tables of mode shapes and of their MAC: title, head and rows."""
     numbers = [str(i + 1) for i in range(len(measured_modes.modes))]
     parts = [complex(p.real, p.imag) for mode in measured_modes.modes for p in mode.shape]
     sizes = np.array(parts).reshape(len(numbers), -1).T
     shapes = [
-        [point, *(f"{abs(v):.3f}, {_degrees(v)}°" for v in row)]
+        [point, *(f"{abs(v):.3f}, {_format_degrees(v)}°" for v in row)]
         for point, row in zip(measured_modes.points, sizes, strict=True)
     ]
     macs = [
@@ -136,6 +138,6 @@ def _shapes(measured_modes: MeasuredModes) -> list[tuple[str, list[str], list[li
     ]
 
 
-def _degrees(value: complex) -> str:
+def _format_degrees(value: complex) -> str:
     """Return the phase in whole degrees, 0 without a sign."""
     return f"{round(math.degrees(cmath.phase(value))):d}".replace("-", "−")

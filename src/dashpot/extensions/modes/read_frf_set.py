@@ -52,7 +52,7 @@ def read_frfs(
     frfs: list[FRF] = []
     for name in paths:
         stem = Path(name).stem
-        for point, frf in _points_in(name, options):
+        for point, frf in _read_points(name, options):
             frfs.append(frf)
             names.append(point if len(paths) == 1 else f"{stem} {point}".strip())
     if len(set(names)) < len(names) or not all(names):
@@ -74,10 +74,10 @@ def _refuse_twice(paths: Sequence[str | Path]) -> None:
         raise ReadError(f"{repeated_names[0]} is given twice; expected each point once")
 
 
-def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[str, FRF]]:
+def _read_points(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[str, FRF]]:
     """Each FRF of a file with the name of its point, which is empty of a single one."""
     with channels.open_file(path, options, refuse_questions=False) as file:
-        groups = _groups(file)
+        groups = _group_columns(file)
         if len(groups) > 1:
             other = [question for question in file.table.doubts if question.option != SEGMENT]
             if other:
@@ -91,7 +91,7 @@ def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[
     yield "", read_frf(path, options=options)
 
 
-def _groups(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
+def _group_columns(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
     """The columns of each FRF by index, named as those of a single one; and its point's name."""
     options, columns = file.options, file.table.columns
     if options.segment or any(getattr(options, role) for role in chain(*PAIRS)):
@@ -106,16 +106,18 @@ def _groups(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
 
 
 def _group_repeated_pairs(
-    columns: Sequence[Column], of: Mapping[str, list[int]], pair: tuple[Role, Role]
+    columns: Sequence[Column], indices_by_name: Mapping[str, list[int]], pair: tuple[Role, Role]
 ) -> list[tuple[str, dict[int, str]]]:
     """Return the groups of a pair of parts that stands there several times."""
-    first = of[pair[0]]
+    first = indices_by_name[pair[0]]
     # what does not stand there once for each is of none
-    roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
-    names = [_point(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
-    pairs = zip(*(of[role] for role in roles), strict=True)
+    roles = [
+        role for role in (*pair, "coherence", "sd") if len(indices_by_name[role]) == len(first)
+    ]
+    names = [_get_point_name(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
+    pairs = zip(*(indices_by_name[role] for role in roles), strict=True)
     roles_by_column = [dict(zip(indexes, roles, strict=True)) for indexes in pairs]
-    ticks = {of["frequency"][0]: "frequency"}
+    ticks = {indices_by_name["frequency"][0]: "frequency"}
     return [(name, ticks | group) for name, group in zip(names, roles_by_column, strict=True)]
 
 
@@ -129,7 +131,7 @@ def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[
     return entries | {"sd": sd}
 
 
-def _point(column: Column, role: Role) -> str:
+def _get_point_name(column: Column, role: Role) -> str:
     """Return what a column's name says besides its role: its point."""
     words = column.name.split()
     point_words = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
@@ -138,7 +140,7 @@ def _point(column: Column, role: Role) -> str:
 
 def select_first_point(file: OpenedFile) -> OpenedFile:
     """Return a file of several points as one of the first alone, any other as it is."""
-    groups = _groups(file)
+    groups = _group_columns(file)
     return _select_columns(file, groups[0][1]) if len(groups) > 1 else file
 
 

@@ -58,7 +58,7 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
 def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
-        channels_chosen = _channels(file)
+        channels_chosen = _choose_channels(file)
         loaded_columns, columns = loaded_whole(file, channels_chosen)
         base, mass = columns[-2:]
         refuse_same(file, channels_chosen, [base, mass])
@@ -78,7 +78,7 @@ def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
         return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[channels_chosen[-1].role])
 
 
-def _channels(file: OpenedFile) -> list[Channel]:
+def _choose_channels(file: OpenedFile) -> list[Channel]:
     """Return time unless a rate is given, the base, and the one other motion."""
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)

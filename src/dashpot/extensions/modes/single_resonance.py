@@ -27,12 +27,12 @@ HEIGHT = np.sqrt(0.5)
 def read_resonance(method: Method, frf: FRF) -> Mode:
     """Return the mode of the highest peak of accelerances, read by a method of one resonance."""
     if method is Method.DECREMENT:
-        reading = _decrement(frf.s, frf.value, frf.record)
+        reading = _fit_decrement(frf.s, frf.value, frf.record)
     else:
         read = {
-            Method.PEAK: _peak,
-            Method.HALF_POWER: _half_power,
-            Method.CIRCLE: _circle,
+            Method.PEAK: _find_peak,
+            Method.HALF_POWER: _find_half_power_width,
+            Method.CIRCLE: _fit_circle,
         }[method]
         reading = read(frf.s, frf.value, frf.sd)
     errors = (reading.sigma_se, reading.omega_se, reading.residue_se)
@@ -53,7 +53,7 @@ class _Reading:
     residue_se: float
 
 
-def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
+def _find_peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
     r"""Parabola through the lines above half power, three at least.
 
     For one viscously damped mode :math:`|F/X|^2` is a parabola in :math:`\omega^2`,
@@ -68,7 +68,7 @@ def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> 
     FitError
         If the parabola has no lowest point above zero: the peak falls between the lines.
     """
-    top = _top(accelerance)
+    top = _find_highest_line(accelerance)
     is_near_peak = np.zeros(len(s), dtype=bool)
     is_near_peak[run_about(np.abs(accelerance) > HEIGHT * np.abs(accelerance[top]), top)] = True
     is_near_peak[top - 1 : top + 2] = True
@@ -91,10 +91,12 @@ def _peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> 
         pole = complex(-np.sqrt(depth / omega2) / 2, np.sqrt(omega2))
         return pole, complex(value[top] * (1j * s[top].imag - pole))
 
-    return _reading(poles, s, accelerance, sd, is_near_peak)
+    return _read_with_errors(poles, s, accelerance, sd, is_near_peak)
 
 
-def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
+def _find_half_power_width(
+    s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None
+) -> _Reading:
     r"""Width of the peak at :math:`1/\sqrt2` of its height: :math:`\sigma = \pi \Delta f`.
 
     Raises
@@ -102,9 +104,9 @@ def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
     FitError
         If fewer than 5 lines lie in that width: the peak would be what falls between them.
     """
-    top = _top(accelerance)
+    top = _find_highest_line(accelerance)
     omega = s.imag
-    lines, low, high = _width(omega, accelerance, top)
+    lines, low, high = _find_peak_width(omega, accelerance, top)
     if lines < FEWEST_HALF_POWER_LINES:
         step = float(np.median(np.diff(omega))) / (2 * np.pi)
         width = max((high - low) / (2 * np.pi), step)
@@ -117,23 +119,23 @@ def _half_power(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
         )
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
-        _, left_frequency, right = _width(omega, value, top)
-        centre = _peak(s, value, None).pole.imag
+        _, left_frequency, right = _find_peak_width(omega, value, top)
+        centre = _find_peak(s, value, None).pole.imag
         pole = complex(-0.5 * (right - left_frequency), centre)
         return pole, complex(value[top] * (1j * omega[top] - pole))
 
     in_band = (omega > low - (high - low)) & (omega < high + (high - low))
-    return _reading(poles, s, accelerance, sd, in_band)
+    return _read_with_errors(poles, s, accelerance, sd, in_band)
 
 
-def _circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
+def _fit_circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -> _Reading:
     r"""Circle of the mobility in the Nyquist plane.
 
     Near a resonance the mobility :math:`Y = R/(s - p) + Y_0` maps the frequency axis onto a circle.
     The three complex numbers of that map solve :math:`s Y = p Y + Y_0 s + (R - p Y_0)` in least
     squares over the lines above 0.4 of the peak, weighted anew by :math:`1/|s - p|` until p stays.
     """
-    top = _top(accelerance)
+    top = _find_highest_line(accelerance)
     size = np.abs(accelerance)
     is_near_peak = np.zeros(len(s), dtype=bool)
     is_near_peak[run_about(size > 0.4 * size[top], top)] = True
@@ -151,23 +153,23 @@ def _circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None) -
             weight = 1 / np.abs(x - p)
         return p, complex((c[2] + p * c[1]) * (p + s[0].real))
 
-    return _reading(poles, s, accelerance, sd, is_near_peak)
+    return _read_with_errors(poles, s, accelerance, sd, is_near_peak)
 
 
-def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None) -> _Reading:
+def _fit_decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None) -> _Reading:
     r"""Logarithmic decrement of the impulse response about the peak.
 
     The lines about the peak, faded out to either side and transformed back, are the analytic
     impulse response :math:`R e^{pt}`: the slope of its logarithm is the pole. Its ends, where
     the fading rings, are left out, and so is what has decayed to a thirtieth.
     """
-    omega, top = s.imag, _top(accelerance)
+    omega, top = s.imag, _find_highest_line(accelerance)
     step = float(np.median(np.diff(omega)))
     if np.abs(np.diff(omega) - step).max() > 1e-3 * step:
         raise FitError("the logarithmic decrement needs evenly spaced lines")
     period = 2 * np.pi / step
     length = min(record or period, period)
-    _, low, high = _width(omega, accelerance, top)
+    _, low, high = _find_peak_width(omega, accelerance, top)
     half_range = min(0.5 * omega[top], max(4 * (high - low), 8 * np.pi / length))
     taper = np.cos(0.5 * np.pi * np.clip((omega - omega[top]) / half_range, -1, 1)) ** 2
     edge = 2 * np.pi / half_range
@@ -198,7 +200,7 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
     return _Reading(p + s[0].real, residue, errors[0], errors[1], float("nan"))
 
 
-def _top(accelerance: ComplexArray) -> int:
+def _find_highest_line(accelerance: ComplexArray) -> int:
     size = np.abs(accelerance)
     top = int(np.argmax(size))
     if not 0 < top < len(size) - 1:
@@ -206,7 +208,7 @@ def _top(accelerance: ComplexArray) -> int:
     return top
 
 
-def _width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float, float]:
+def _find_peak_width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float, float]:
     """Return lines above half power, and where the power falls to a half of its peak, rad/s.
 
     Between lines 1/|A|^2 is taken as straight, its lowest point from a parabola.
@@ -225,7 +227,7 @@ def _width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float
     return j - i + 1, low, high
 
 
-def _reading(
+def _read_with_errors(
     poles: Callable[[ComplexArray], tuple[complex, complex]],
     s: ComplexArray,
     value: ComplexArray,

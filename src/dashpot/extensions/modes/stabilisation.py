@@ -99,10 +99,10 @@ def stabilisation(
     highest = min(highest, len(rms_accelerance.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []
     before: tuple[ComplexArray, ComplexArray] | None = None
-    for order, poles, residues in _fractions(lines, np.abs(rms_accelerance.value), highest):
+    for order, poles, residues in _fit_orders(lines, np.abs(rms_accelerance.value), highest):
         size = np.abs(poles)
         ratio = -poles.real / size
-        state = _states(poles, residues, before)
+        state = _classify_poles(poles, residues, before)
         rows += zip([order] * len(poles), size / (2 * np.pi), ratio, state, strict=True)
         before = poles, residues
     table = np.array(rows, dtype=float).reshape(-1, 4)
@@ -112,7 +112,7 @@ def stabilisation(
     )  # fmt: skip
 
 
-def _fractions(
+def _fit_orders(
     lines: FRFLines, height: FloatArray, highest: int
 ) -> list[tuple[int, ComplexArray, ComplexArray]]:
     """Order, poles in the band and their residues, shape (points, poles), for each order."""
@@ -154,20 +154,25 @@ def _fractions(
     return pairs
 
 
-def _states(
-    poles: ComplexArray, residues: ComplexArray, before: tuple[ComplexArray, ComplexArray] | None
+def _classify_poles(
+    poles: ComplexArray,
+    residues: ComplexArray,
+    previous_order: tuple[ComplexArray, ComplexArray] | None,
 ) -> list[int]:
     """Return what of each pole was there at the order before."""
-    if before is None or not len(before[0]) or not len(poles):
+    if previous_order is None or not len(previous_order[0]) or not len(poles):
         return [NEW] * len(poles)
-    old, old_residues = before
-    mac_values = mac(residues, old_residues)
+    previous_poles, previous_residues = previous_order
+    mac_values = mac(residues, previous_residues)
     state = []
     for i, p in enumerate(poles):
-        j = int(np.argmin(np.abs(np.abs(old) - abs(p))))
-        if abs(abs(old[j]) / abs(p) - 1) > SAME_FREQUENCY:
+        j = int(np.argmin(np.abs(np.abs(previous_poles) - abs(p))))
+        if abs(abs(previous_poles[j]) / abs(p) - 1) > SAME_FREQUENCY:
             state.append(NEW)
-        elif abs((old[j].real / abs(old[j])) / (p.real / abs(p)) - 1) > SAME_DAMPING:
+        elif (
+            abs((previous_poles[j].real / abs(previous_poles[j])) / (p.real / abs(p)) - 1)
+            > SAME_DAMPING
+        ):
             state.append(FREQUENCY)
         elif len(residues) == 1 or mac_values[i, j] < SAME_SHAPE:
             state.append(DAMPING)

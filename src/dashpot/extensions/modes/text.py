@@ -43,13 +43,13 @@ def modes(modes: MeasuredModes) -> Text:
     unit = ["  residues and masses are those of 1 kg on the base"] if over_base else []
     lines = [*(table(rows) if modes.modes else ()), band_text, *unit]
     if modes.points and modes.modes:
-        lines += ["", *_shapes(modes), "", *_macs(modes)]
+        lines += ["", *_format_shapes(modes), "", *_format_macs(modes)]
     if modes.against:
         lines += ["", *_format_matched_modes(modes)]
     return Text(lines)
 
 
-def _shapes(measured_modes: MeasuredModes) -> list[str]:
+def _format_shapes(measured_modes: MeasuredModes) -> list[str]:
     """Return every point's part in every mode, as magnitude and phase."""
     rows = [["point", *(f"mode {i + 1}" for i in range(len(measured_modes.modes)))]]
     for i, point in enumerate(measured_modes.points):
@@ -60,7 +60,7 @@ def _shapes(measured_modes: MeasuredModes) -> list[str]:
     return table(rows)
 
 
-def _macs(measured_modes: MeasuredModes) -> list[str]:
+def _format_macs(measured_modes: MeasuredModes) -> list[str]:
     """Modal assurance criterion of each mode with each."""
     numbers = [str(i + 1) for i in range(len(measured_modes.modes))]
     rows = [["MAC", *numbers]]

@@ -13,7 +13,7 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import _options as options
 from dashpot.cli._command import group, mark_advanced, opt, verb
-from dashpot.cli._command_files import format_command, grams
+from dashpot.cli._command_files import format_command, format_grams
 from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.cli._options import RESULT
 from dashpot.cli._param_types import Folder
@@ -57,7 +57,7 @@ but not in a 1 s ramp.""",
         mark_advanced(opt("--seed", type=click.IntRange(0), metavar="N",
                  help="Seed of the noise of --story and --paper (0).")),
     ),
-    options.result(plot=False, opens=False),
+    options.result_options(plot=False, has_open_option=False),
 )  # fmt: skip
 def command(
     *,
@@ -83,14 +83,14 @@ def command(
     if seed is not None:
         raise click.UsageError("--seed is for --story and --paper: leave it out")
     if files_only:
-        return _examples(Path(output or "."), all_files=every)
+        return _run_examples(Path(output or "."), all_files=every)
     return _run_main_job(Path(output or "dashpot-demo"))
 
 
 def _run_main_job(folder: Path) -> CommandResult:
     """Write the two files of the main job and their report."""
-    from dashpot.cli.report import Reported
-    from dashpot.text_output.results import study as format_study
+    from dashpot.cli.report import ReportResult
+    from dashpot.text_output.results import render_study as format_study
 
     bench, hammer, page = (folder / name for name in (*workflow.FIRST, "report.html"))
     claim_outputs([bench, hammer, page])
@@ -99,11 +99,11 @@ def _run_main_job(folder: Path) -> CommandResult:
     send_progress("drawing the report")
     write_output(page, workflow.html(study))
     return CommandResult(
-        Reported(study, str(page), None),
+        ReportResult(study, str(page), None),
         format_study(study),
         study.verdict_checks,
         verdict=study.verdict,
-        follow=_format_report_command(bench, hammer, page),
+        next_command=_format_report_command(bench, hammer, page),
     )
 
 
@@ -115,11 +115,11 @@ def _write_examples(folder: Path, names: Sequence[str]) -> None:
 
 def _format_report_command(bench: Path, hammer: Path, page: Path) -> str:
     return format_command(
-        "report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", SEALS, "-o", page
+        "report", bench, hammer, "--mass", format_grams(workflow.MASS), "--seals", SEALS, "-o", page
     )
 
 
-def _examples(folder: Path, *, all_files: bool) -> CommandResult:
+def _run_examples(folder: Path, *, all_files: bool) -> CommandResult:
     """Write the test of a seal and of a hammer, simulated, and stamped so."""
     names = tuple(workflow.EXAMPLES) if all_files else workflow.FIRST
     paths = [folder / name for name in names]
@@ -130,5 +130,5 @@ def _examples(folder: Path, *, all_files: bool) -> CommandResult:
     return CommandResult(
         Examples(tuple(map(str, paths))),
         Text(lines),
-        follow=_format_report_command(bench, hammer, Path("report.html")),
+        next_command=_format_report_command(bench, hammer, Path("report.html")),
     )

@@ -119,7 +119,7 @@ def exponential_sum(
     proof = None if signed else certificate([block], solution)
     rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
     rescaling = np.exp(rates * origin)
-    rows = _sensitivity(at - origin, rates, local, root, constant=constant)
+    rows = _compute_sensitivity(at - origin, rates, local, root, constant=constant)
     n = len(rates)
     # a = A e^{r origin}, so da = e^{r origin} (dA + A origin dr)
     rows[:n] = rescaling[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
@@ -138,7 +138,7 @@ def exponential_sum(
     )
 
 
-def _sensitivity(
+def _compute_sensitivity(
     x: FloatArray,
     rates: FloatArray,
     amplitudes: FloatArray,

@@ -25,7 +25,7 @@ def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Pictur
     ----------
     test : RelaxationTest
     contact : float
-        Of the seal, s on the clock of the record.
+        Contact with the seal, s on the clock of the record.
     stamp : str
         What the figure says of its origin.
     """
@@ -75,7 +75,7 @@ def figure_4(
     ----------
     test : RelaxationTest
     contact : float
-        Of the seal, s on the clock of the record.
+        Contact with the seal, s on the clock of the record.
     fits : sequence of (str, array, array)
         What each is called, its time from contact, s, and its force, N; the best one last.
     stamp : str

@@ -47,8 +47,10 @@ def paper_page(reproduction: Reproduction) -> str:
             name: render_figure(picture, width=HALF)
             for name, picture in paper_pictures(reproduction).items()
         },
-        "table_1": table_1(reproduction.table),
-        "parts": {part: (PARTS[part], statements(reproduction.rows, part)) for part in PARTS},
+        "table_1": make_table_1(reproduction.table),
+        "parts": {
+            part: (PARTS[part], make_statement_table(reproduction.rows, part)) for part in PARTS
+        },
         "link": encode_data_uri("application/json", json.dumps(reproduction.to_dict(), indent=2)),
     }
     return str(environment("dashpot.extensions.paper").get_template("paper.html").render(contents))
@@ -70,7 +72,7 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     }
 
 
-def table_1(table: Sequence[Coefficient]) -> TextTable:
+def make_table_1(table: Sequence[Coefficient]) -> TextTable:
     """Table 1 as printed, and as each record gives it back."""
     head = (
         "", "unit", "printed", "exact record", "in steps of 1/1280 N",
@@ -96,7 +98,7 @@ def _format_fact(reported_value: ReportedValue) -> str:
     return f"{cells.value}, {cells.interval}" if cells.interval else cells.value
 
 
-def statements(rows: Sequence[Statement], part: str) -> TextTable:
+def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
     """Return the statements of one part of the paper with computed values and differences."""
     chosen = [row for row in rows if row.part == part]
     has_intervals = any(row.within_interval is not None for row in chosen)

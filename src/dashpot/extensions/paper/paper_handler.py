@@ -9,7 +9,7 @@ import dashpot as dp
 from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
 from dashpot.extensions.paper.page import paper_page, paper_pictures
-from dashpot.extensions.paper.reproduction import paper_records, reproduce
+from dashpot.extensions.paper.reproduction import make_paper_records, reproduce
 from dashpot.extensions.paper.text import render_reproduction
 
 PAPER_FILES = (
@@ -24,14 +24,14 @@ def run(folder: Path, seed: int) -> CommandResult:
     """Make the paper's equations, figures and table again, each beside its statement."""
     claim_outputs(folder / name for name in PAPER_FILES)
     reproduction = reproduce(seed)
-    for name, text in paper_records(reproduction).items():
+    for name, text in make_paper_records(reproduction).items():
         write_output(folder / name, text)
     for name, picture in paper_pictures(reproduction).items():
         write_output(folder / f"{name}.svg", dp.plot.render_figure(picture, "svg"))
     write_output(folder / "paper.json", json.dumps(reproduction.to_dict(), indent=2) + "\n")
     write_output(folder / "paper.html", paper_page(reproduction))
     record = folder / "paper.csv"
-    follow = format_command(
-        "fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand"
+    next_command = format_command(
+        "fit", record, "--arms", 2, "--method", "hold", remark="the paper's fit, by hand"
     )
-    return CommandResult(reproduction, render_reproduction(reproduction), follow=follow)
+    return CommandResult(reproduction, render_reproduction(reproduction), next_command=next_command)

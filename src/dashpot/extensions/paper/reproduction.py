@@ -109,7 +109,7 @@ class Coefficient(Serialisable):
     ----------
     name, unit : str
     printed, noise_free, quantised : float
-        Of the paper; by eq. (5) from the ideal record; from that in steps of 1/1280 N.
+        Values: of the paper; by eq. (5) from the ideal record; from that in steps of 1/1280 N.
     full, hold : ReportedValue
         From the virtual rig, with the interval: by the whole history, and by the hold alone as
         the paper does it.
@@ -141,7 +141,7 @@ class HoldFit(Serialisable):
     ----------
     solid : GeneralizedMaxwell
     time, force : array
-        Of the samples that were fitted, s after contact, and what the fit says, N.
+        Time and force of the samples that were fitted, s after contact, and what the fit says, N.
     rms, worst : float
         What it leaves, N.
     """
@@ -162,7 +162,7 @@ class Reproduction(Serialisable):
     Attributes
     ----------
     seed : int
-        Of simulated test and hammer.
+        Seed of simulated test and hammer.
     rows : tuple of Statement
     table : tuple of Coefficient
     force : tuple of (float, float)
@@ -239,10 +239,10 @@ def reproduce(seed: int = 0) -> Reproduction:
     Parameters
     ----------
     seed : int
-        Of the noise of simulated test and hammer.
+        Seed of the noise of simulated test and hammer.
     """
     send_progress("eqs. (1) to (7)")
-    noise_free_test = ideal_test()
+    noise_free_test = make_ideal_test()
     hold_fit, two = (fit_hold_phase(noise_free_test, arms) for arms in (1, 2))
     coarse = fit_hold_phase(quantise_force(noise_free_test), 2)
     send_progress("simulated test and hammer")
@@ -253,21 +253,21 @@ def reproduce(seed: int = 0) -> Reproduction:
         block=BlockOnSeals(PAPER_MASS, SEALS), options=FitOptions(2),
     )  # fmt: skip
     send_progress("the resonance")
-    top, lower = peak_of(Kind.ACCELERANCE), peak_of(Kind.RECEPTANCE)
+    top, lower = find_paper_peak(Kind.ACCELERANCE), find_paper_peak(Kind.RECEPTANCE)
     (mode,) = model_modes(SEALS * PAPER, mass=PAPER_MASS)
     frf = predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=LINES)
     phases = np.degrees(np.angle(frf.value))
     return Reproduction(
         seed=seed,
         rows=(
-            *_equations(),
+            *_check_equations(),
             *_compare_test_figures(noise_free_test, hold_fit, two, coarse),
             *_compare_mass_figures(top, study),
-            *_misprints(top[1]),
+            *_check_misprints(top[1]),
             *UNSAID,
         ),
-        table=tuple(_table(two.solid, coarse.solid, study)),
-        force=tuple(zip(TIMES, _ramp(np.array(TIMES)).tolist(), strict=True)),
+        table=tuple(_compare_table(two.solid, coarse.solid, study)),
+        force=tuple(zip(TIMES, _compute_ramp(np.array(TIMES)).tolist(), strict=True)),
         accelerance=tuple(zip(LINES, np.abs(frf.value).tolist(), phases.tolist(), strict=True)),
         peak=top,
         receptance_peak=lower,
@@ -285,11 +285,11 @@ def reproduce(seed: int = 0) -> Reproduction:
 # -- records and fits -----------------------------------------------------------------------------
 
 
-def ideal_test() -> RelaxationTest:
+def make_ideal_test() -> RelaxationTest:
     """Return the paper's test without a rig: eq. (1) on Table 1, free of noise."""
     steps = int(BEFORE * RATE), int((RAMP + HOLD) * RATE)
     t = np.arange(-steps[0], steps[1] + 1) / RATE
-    force = np.where(t >= 0, _ramp(np.maximum(t, 0.0)), 0.0)
+    force = np.where(t >= 0, _compute_ramp(np.maximum(t, 0.0)), 0.0)
     return RelaxationTest(
         time=t + BEFORE, displacement=SPEED * np.clip(t, 0.0, RAMP), force=force, units="SI"
     )
@@ -300,7 +300,7 @@ def quantise_force(test: RelaxationTest) -> RelaxationTest:
     return replace(test, force=QUANTUM * np.round(test.force / QUANTUM))
 
 
-def paper_records(reproduction: Reproduction) -> dict[str, str]:
+def make_paper_records(reproduction: Reproduction) -> dict[str, str]:
     """Return the records by file name, each with what it is, and the truths of the virtual ones."""
     comments = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = reproduction.rig, reproduction.hammer
@@ -338,7 +338,7 @@ def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
     return HoldFit(solid, t[in_hold], fitted_force, rms, float(np.max(np.abs(residual))))
 
 
-def peak_of(kind: Kind) -> tuple[float, float]:
+def find_paper_peak(kind: Kind) -> tuple[float, float]:
     """Return frequency, Hz, and height of the peak of the FRF of the mass on two seals."""
     from scipy.optimize import minimize_scalar
 
@@ -353,7 +353,7 @@ def peak_of(kind: Kind) -> tuple[float, float]:
     return float(solution.x), height(solution.x)
 
 
-def _ramp(t: FloatArray) -> FloatArray:
+def _compute_ramp(t: FloatArray) -> FloatArray:
     return PAPER.ramp_hold_force(t, depth=DEPTH, ramp_time=RAMP)
 
 
@@ -365,9 +365,9 @@ def _compute_largest_deviation(first: FloatArray, second: FloatArray) -> float:
 # -- statements -----------------------------------------------------------------------------------
 
 
-def _equations() -> Iterator[Statement]:
+def _check_equations() -> Iterator[Statement]:
     t = np.array(TIMES)
-    computed, hold_time = _ramp(t), t[t > RAMP]
+    computed, hold_time = _compute_ramp(t), t[t > RAMP]
     ramp_parameters = {"speed": SPEED, "c": RAMP}
 
     def row(name: str, paper: str, text: str, difference: float, tolerance: float) -> Statement:
@@ -398,7 +398,7 @@ def _equations() -> Iterator[Statement]:
         1e-13,
     )
     two, s = PRINTED.times(SEALS), 2j * np.pi * np.array(LINES)
-    differences = [_transfer(two, s + sigma) for sigma in SHIFTS]
+    differences = [_check_transfer_function(two, s + sigma) for sigma in SHIFTS]
     pole = max(two.poles(mass=PAPER_MASS), key=lambda item: item.imag)
     yield row(
         "eq. (6)", "displacement over force of a mass on the seal",
@@ -418,7 +418,7 @@ def _equations() -> Iterator[Statement]:
     )
 
 
-def _transfer(two: Coefficients, s: np.ndarray) -> float:
+def _check_transfer_function(two: Coefficients, s: np.ndarray) -> float:
     """Return how far eq. (6) is from 1 / (m s^2 + K(s)) at complex frequencies, as a part of it."""
     shift, lines = float(s.real[0]), s.imag / (2 * np.pi)
     computed = predict_frf(
@@ -483,7 +483,7 @@ def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[St
         )  # fmt: skip
 
 
-def _misprints(top: float) -> Iterator[Statement]:
+def _check_misprints(top: float) -> Iterator[Statement]:
     def row(name: str, paper: str, text: str) -> Statement:
         return Statement("misprint", name, paper, text)
 
@@ -508,7 +508,7 @@ def _misprints(top: float) -> Iterator[Statement]:
         "eq. (6)", "one seal under the mass",
         f"two carry it: one peaks at {round_to_error(find_peak(single).frequency, digits=6)} Hz",
     )  # fmt: skip
-    heights = [_peak_with_damping(factor) for factor in FACTORS]
+    heights = [_compute_peak_with_damping(factor) for factor in FACTORS]
     sentence = ", ".join(
         f"x {factor:g} {round_to_error(height, digits=5)}"
         for factor, height in zip(FACTORS, heights, strict=True)
@@ -521,7 +521,7 @@ def _misprints(top: float) -> Iterator[Statement]:
     sentence = ", ".join(
         f"{step:g} Hz {round_to_error(amplitude, digits=4)} "
         f"({round_to_error(100 * amplitude / top, digits=2)} %)"
-        for step, amplitude in ((step, peak_on_grid(step)) for step in GRIDS)
+        for step, amplitude in ((step, find_peak_on_grid(step)) for step in GRIDS)
     )
     yield row(
         "Fig. 6", "the peak may be cut by the sampling rate",
@@ -530,14 +530,14 @@ def _misprints(top: float) -> Iterator[Statement]:
     )  # fmt: skip
 
 
-def _peak_with_damping(factor: float) -> float:
+def _compute_peak_with_damping(factor: float) -> float:
     """Return the accelerance's peak, 1/kg, with every b_j, and so every tau_j, that many times."""
     solid = SEALS * replace(PAPER, tau=tuple(factor * tau for tau in PAPER.tau))
     lines = np.linspace(PRINTED_HZ - 0.2, PRINTED_HZ + 0.2, 4001)
     return find_peak(predict_frf(solid, mass=PAPER_MASS, frequency=lines)).height
 
 
-def peak_on_grid(step: float) -> float:
+def find_peak_on_grid(step: float) -> float:
     """Return the highest accelerance at lines so far apart, Hz: what is read off, 1/kg."""
     lines = step * np.arange(1, int(50 / step) + 1)
     return float(np.abs(predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=lines).value).max())
@@ -559,7 +559,7 @@ UNSAID = tuple(
 """Quantities that the paper does not give, and their assumed values."""
 
 
-def _table(
+def _compare_table(
     exact: GeneralizedMaxwell, coarse: GeneralizedMaxwell, study: Study
 ) -> Iterator[Coefficient]:
     printed_values = [("k_inf", "N/m", PRINTED.k_inf)]
@@ -567,7 +567,7 @@ def _table(
         printed_values += [(f"{letter}_{j}", unit, value) for j, value in enumerate(values, 1)]
     full_values, hold = (_get_facts_by_name(fit) for fit in (study.fit, study.hold_fit))
     for name, unit, value in printed_values:
-        exact_value, coarse_value = (_coefficient(solid, name) for solid in (exact, coarse))
+        exact_value, coarse_value = (_get_coefficient(solid, name) for solid in (exact, coarse))
         yield Coefficient(
             name, unit, value, exact_value, coarse_value, full_values[name], hold[name]
         )
@@ -581,7 +581,7 @@ def _get_facts_by_name(fit: Fit | None) -> dict[str, ReportedValue]:
     )
 
 
-def _coefficient(solid: GeneralizedMaxwell, name: str) -> float:
+def _get_coefficient(solid: GeneralizedMaxwell, name: str) -> float:
     letter, _, j = name.partition("_")
     if j == "inf":
         return solid.k_inf

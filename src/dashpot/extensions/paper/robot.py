@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.simulation.robot import Axis, Point, unit
 
 
-def depth_along(
+def compute_depth_along(
     positions: npt.ArrayLike, normal: npt.ArrayLike, *, contact: Point = (0.0, 0.0, 0.0)
 ) -> FloatArray:
     r"""Return the compression along the plate's normal, :math:`(p - p_0) \cdot \hat n`, m.
@@ -119,6 +119,6 @@ class Arm:
         return self.place(np.column_stack(quantised))
 
 
-def misalignment(x: float, y: float, z: float) -> float:
+def compute_misalignment(x: float, y: float, z: float) -> float:
     r"""Return the angle between plate and transducer, :math:`\arctan(F_{lat} / F_z)`, rad."""
     return atan2(hypot(x, y), z)

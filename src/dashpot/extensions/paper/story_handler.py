@@ -13,7 +13,11 @@ from dashpot.base.progress import send_progress
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli._command_files import format_command
 from dashpot.cli._command_result import CommandResult, claim_outputs, write_output
-from dashpot.cli._simulation_options import impact, relaxation, seal_named
+from dashpot.cli._simulation_options import (
+    load_simulated_seal,
+    simulate_impact,
+    simulate_relaxation,
+)
 from dashpot.text_output.layout import Text
 
 if TYPE_CHECKING:
@@ -51,49 +55,49 @@ def run(folder: Path, seed: int) -> CommandResult:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
     from dashpot.text_output import results
 
-    claim_outputs(folder / f"{name}{file}" for name in NAMES for file in _files(name))
-    stories = {name: _story(name, folder, seed) for name in NAMES}
+    claim_outputs(folder / f"{name}{file}" for name in NAMES for file in _list_files(name))
+    stories = {name: _run_story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
-        verdict, study_verdict_and_document = story.verdict, results.study(story)
+        verdict, study_verdict_and_document = story.verdict, results.render_study(story)
         lines += [f"{name} seal. {verdict}"]
         if story.comparison is not None:
-            lines += [*results.comparison(story.comparison, story.joint_comparison), ""]
+            lines += [*results.format_comparison(story.comparison, story.joint_comparison), ""]
         details += [
             "",
             f"{name} seal",
             *study_verdict_and_document.lines,
             *study_verdict_and_document.details,
         ]
-    seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
+    seals = {name: _list_numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
     if puzzle.measured is not None:
         fit, cold, bound = _fit_both_temperatures(folder, seed, puzzle.measured)
         lines += [
             f"{PUZZLE} seal at 23 and 0 degC, without the hammer: {fit.verdict.use}",
-            *results.comparison(cold),
-            _loss(fit, bound, puzzle.joint),
+            *results.format_comparison(cold),
+            _compare_loss_factors(fit, bound, puzzle.joint),
         ]
-        seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
-    follow = format_command("demo", "--files", why="two files to practise on")
-    return CommandResult(Demo(seed, seals), Text(lines, details), follow=follow)
+        seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _summarise_comparison(cold)}
+    next_command = format_command("demo", "--files", remark="two files to practise on")
+    return CommandResult(Demo(seed, seals), Text(lines, details), next_command=next_command)
 
 
-def _files(name: str) -> tuple[str, ...]:
+def _list_files(name: str) -> tuple[str, ...]:
     return (*FILES, *COLD) if name == PUZZLE else FILES
 
 
-def _story(name: str, folder: Path, seed: int) -> Study:
+def _run_story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
     send_progress(f"the {name} seal: simulating the bench and the hammer")
-    bench = relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
-    hammer = impact(seal=name, seals=SEALS, seed=seed)
+    bench = simulate_relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
+    hammer = simulate_impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
         write_output(folder / f"{name}{file}", text)
     study = dp.report(
         dp.read(folder / f"{name}_relaxation.csv", kind="relaxation"),
         dp.read(folder / f"{name}_impact.csv", kind="impact"),
-        mass=seal_named(name).mass,
+        mass=load_simulated_seal(name).mass,
         seals=SEALS,
     )
     write_output(folder / f"{name}.html", workflow.html(study))
@@ -107,7 +111,7 @@ def _fit_both_temperatures(
     from dashpot.solids.demo_seals import SEALS as KNOWN_SEALS
 
     send_progress(f"the {PUZZLE} seal at 0 degC")
-    test = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
+    test = simulate_relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
     for file, text in zip(COLD, test, strict=True):
         write_output(folder / f"{PUZZLE}{file}", text)
     warm_test, cold = (
@@ -123,7 +127,7 @@ def _fit_both_temperatures(
     )
 
 
-def _loss(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
+def _compare_loss_factors(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
     at = float(bounds.frequency[0])
     low, high = (float(limit[0]) for limit in bounds.loss_factor)
@@ -136,18 +140,20 @@ def _loss(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str
     return f"{text}; with the hammer {other[0]:.4f}" if other else text
 
 
-def _numbers(study: Study, folder: Path, name: str) -> dict[str, Any]:
+def _list_numbers(study: Study, folder: Path, name: str) -> dict[str, Any]:
     return {
         "report": str(folder / f"{name}.html"),
         "fit": study.fit,
-        "comparison": None if study.comparison is None else _agreement(study.comparison),
+        "comparison": None if study.comparison is None else _summarise_comparison(study.comparison),
         "joint_comparison": (
-            None if study.joint_comparison is None else _agreement(study.joint_comparison)
+            None
+            if study.joint_comparison is None
+            else _summarise_comparison(study.joint_comparison)
         ),
     }
 
 
-def _agreement(comparison: dp.Comparison) -> dict[str, Any]:
+def _summarise_comparison(comparison: dp.Comparison) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
     items = comparison.to_dict().items()
     return {key: value for key, value in items if key not in {"predicted", "measured"}}

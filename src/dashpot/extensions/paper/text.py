@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 def render_reproduction(reproduction: Reproduction) -> Text:
     """Return what came out, Table 1 as printed and as found, and every statement."""
     head = ("Table 1", "printed", "simulation, 95 %", "by the hold alone, 95 %", "unit")
-    rows = [head, *map(_row, reproduction.table)]
+    rows = [head, *map(_format_row, reproduction.table)]
     word = "reproduced" if reproduction.is_reproduced else "not reproduced"
     lines = [f"The paper is {word}: {reproduction.summary}", "", *table(rows)]
-    details = ["", *(line for row in reproduction.rows for line in _statement(row))]
+    details = ["", *(line for row in reproduction.rows for line in _format_statement(row))]
     return Text(lines, details)
 
 
-def _row(coefficient: Coefficient) -> tuple[str, ...]:
+def _format_row(coefficient: Coefficient) -> tuple[str, ...]:
     printed_text = f"{convert_to_unit(coefficient.printed, coefficient.full.reading):.4f}"
     intervals = (
         reported_value.cells.interval for reported_value in (coefficient.full, coefficient.hold)
@@ -29,6 +29,6 @@ def _row(coefficient: Coefficient) -> tuple[str, ...]:
     return (coefficient.name, printed_text, *intervals, coefficient.full.cells.unit)
 
 
-def _statement(row: Statement) -> list[str]:
+def _format_statement(row: Statement) -> list[str]:
     difference_text = f" (off by {row.difference:.1g})" if row.difference is not None else ""
     return [f"  {row.name}: {row.paper}", f"    {row.reproduced}{difference_text}"]

@@ -20,7 +20,7 @@ class PluggedColumn(EqualByValue):
     name, role : str
         As the file calls it; what it plays, such as ``"force"``, empty where that is not known.
     unit : str
-        Of SI; empty where the file names none that dashpot knows.
+        Unit of SI; empty where the file names none that dashpot knows.
     values : array, shape (n,)
     """
 

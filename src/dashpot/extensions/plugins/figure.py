@@ -25,11 +25,11 @@ def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
     """
     origin = format_stamp(fit.sources) if fit.sources else ""
     caption = f"Numbers of '{fit.kind}' of {fit.by}, each with its interval."
-    panels = tuple((_panel(reported_value),) for reported_value in fit.found)
+    panels = tuple((_make_panel(reported_value),) for reported_value in fit.found)
     return Picture("plugged", caption, panels, 1, stamp or origin)
 
 
-def _panel(reported_value: ReportedValue) -> Panel:
+def _make_panel(reported_value: ReportedValue) -> Panel:
     value, low, high = (
         reported_value.to_display_unit(number)
         for number in (reported_value.value, reported_value.low, reported_value.high)

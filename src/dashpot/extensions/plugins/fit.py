@@ -58,7 +58,9 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     unknown_keys = sorted(map(str, entries.keys() - _KNOWN))
     if unknown_keys:
         plugin.wrong(f"the key '{unknown_keys[0]}'", _EXPECTED)
-    reported_values = tuple(_fact(plugin, entry) for entry in get_items(plugin, entries, "numbers"))
+    reported_values = tuple(
+        _make_reported_value(plugin, entry) for entry in get_items(plugin, entries, "numbers")
+    )
     if not reported_values:
         plugin.wrong("no numbers", _EXPECTED)
     all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
@@ -69,7 +71,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     )
 
 
-def _fact(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
+def _make_reported_value(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
     name = get_text(plugin, item, "name")
     if not name.isidentifier():
         plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")

@@ -31,7 +31,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
         ]
         if not numeric:
             raise ReadError("no column of numbers is in it; expected at least one")
-        roles = _roles(opened_file)
+        roles = _find_role_columns(opened_file)
         loaded_columns = channels.load(opened_file.table, numeric, opened_file.options.segment)
         columns = []
         for position, index in enumerate(numeric):
@@ -59,7 +59,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
         )
 
 
-def _roles(file: OpenedFile) -> dict[int, Role]:
+def _find_role_columns(file: OpenedFile) -> dict[int, Role]:
     """Return the columns that surely play a role, by index; the likelier role comes first."""
     entries: dict[int, Role] = {}
     for role in KINDS_OF_FILE["plug-in"].roles:

@@ -59,27 +59,27 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
     columns = get_items(plugin, entries, "columns")
     if not columns:
         plugin.wrong("no columns", _EXPECTED)
-    values = [_values(plugin, column) for column in columns]
+    values = [_convert_values(plugin, column) for column in columns]
     lengths = sorted({len(value) for value in values})
     if len(lengths) > 1 or lengths[0] < 2:
         plugin.wrong(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
     check_value_count(len(values) * lengths[0], "the file holds")
     return FileTable(
         format=plugin.full_label,
-        columns=tuple(_column(plugin, column) for column in columns),
+        columns=tuple(_make_column(plugin, column) for column in columns),
         load=make_loader(np.column_stack(values)),
         header=get_texts(plugin, entries, "header"),
         notes=(f"read by {plugin.label}", *get_texts(plugin, entries, "notes")),
     )
 
 
-def _column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
+def _make_column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
     name = get_text(plugin, item, "name")
     unit = item.get("unit")
     return Column(name, get_text(plugin, item, "unit")) if unit else Column(*split_unit(name))
 
 
-def _values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
+def _convert_values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
     """Return the numbers of a column; None and nan are blank cells."""
     name = get_text(plugin, item, "name")
     try:

@@ -9,7 +9,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
 from dashpot.extensions.preload_map.separability import CHANCE, PairTest
 
-_WAYS = {
+_SEPARABILITY_REMEDIES = {
     "compression and frequency": "Fit each compression alone.",
     "amplitude and frequency": "Fit each amplitude alone.",
     "compression and amplitude": "Make a map of each compression alone.",
@@ -20,15 +20,15 @@ def _find_separability(test: PairTest) -> Finding:
     if test.is_separable is None:
         return Finding(f"No combination of sweeps shows whether {test.pair} are separable")
     size = f"{100 * (test.departure or 0):.2g} %"
-    turn = f"{test.angle or 0:.2g} rad"
-    enough = "too little to matter" if test.is_negligible else "no more than chance"
-    message = f"{test.pair.capitalize()} are separable but for {size} and {turn}"
+    angle_text = f"{test.angle or 0:.2g} rad"
+    reason = "too little to matter" if test.is_negligible else "no more than chance"
+    message = f"{test.pair.capitalize()} are separable but for {size} and {angle_text}"
     return Finding(
-        f"{message}, {enough}",
+        f"{message}, {reason}",
         test.chance,
         failure=f"{test.pair.capitalize()} are not separable: the stiffness departs by up to "
-        f"{size} and {turn} (probability {test.shown_chance})",
-        remedy=_WAYS[test.pair],
+        f"{size} and {angle_text} (probability {test.shown_chance})",
+        remedy=_SEPARABILITY_REMEDIES[test.pair],
         always_passes=test.is_negligible,
     )
 

@@ -13,7 +13,7 @@ from dashpot.cli._command import group, mark_advanced, opt, verb
 from dashpot.cli._command_files import (
     PAGE_SUFFIXES,
     detect_file_kinds,
-    kinds_of,
+    get_file_kinds,
     print_detected_kinds,
 )
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
@@ -39,7 +39,7 @@ _SETTING = "Setting"
 A table holds compression, amplitude, frequency, storage and loss. Without a
 column of the compression, state it of each file. A saved map may stand for its
 files.""",
-    options.files("FILE", "files"),
+    options.file_argument("FILE", "files"),
     group(
         _SETTING,
         opt("--compression", "compressions", type=Scoped(WithUnit("length")), multiple=True,
@@ -63,8 +63,8 @@ files.""",
                 help="Standard error of their phase (1deg)."),
         ),
     ),
-    options.reading(),
-    options.result(
+    options.reading_options(),
+    options.result_options(
         "Page .html, table .csv or .m, solver .bdf or .inp, .json.",
         ".html", ".htm", ".csv", ".json", ".bdf", ".inp", ".m",
     ),
@@ -106,7 +106,7 @@ def command(
         preload_map = _read_map(files)
         preload_map = preload_map if mass is None else add_resonances(preload_map, mass, seals)
     else:
-        kinds_of(detections, options)
+        get_file_kinds(detections, options)
         print_detected_kinds(detections)
         sweeps = read_sweeps(
             files, options=options, compressions=compressions, amplitudes=amplitudes, mass=mass,

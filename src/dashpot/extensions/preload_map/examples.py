@@ -19,7 +19,7 @@ _LOST, _HALF, _EXPONENT = 0.2, 0.15, 0.5
 _SCATTER = 2e-3
 
 
-def _preload_map() -> str:
+def _write_preload_map() -> str:
     """Return the paper's seal with a cubic law of stiffness and Kraus's softening, as a table."""
     random = np.random.default_rng(49)
     frequency = np.geomspace(1.0, 50.0, 16)
@@ -45,6 +45,6 @@ def _preload_map() -> str:
 EXAMPLES: Mapping[str, Example] = MappingProxyType({
     "preload_map.csv": Example(
         "preload-map", "storage and loss of a seal at three compressions, four amplitudes",
-        _preload_map,
+        _write_preload_map,
     ),
 })  # fmt: skip

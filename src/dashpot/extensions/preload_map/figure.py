@@ -26,10 +26,13 @@ def draw_preload_map(preload_map: PreloadMap, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    strips: list[tuple[Panel, ...]] = [(_storage(preload_map),), (_loss(preload_map),)]
-    across = [_over_compression(preload_map)]
+    strips: list[tuple[Panel, ...]] = [
+        (_make_storage_panel(preload_map),),
+        (_make_loss_panel(preload_map),),
+    ]
+    across = [_make_compression_panel(preload_map)]
     if len(preload_map.amplitudes) > 1:
-        across.append(_over_amplitude(preload_map))
+        across.append(_make_amplitude_panel(preload_map))
     strips += [(panel,) for panel in across]
     caption = (
         "Preload map: storage stiffness at each compression and loss factor at two amplitudes over "
@@ -45,7 +48,9 @@ def _scale(preload_map: PreloadMap) -> Scale:
     return Scale(FREQUENCY, (low, high * _AIR), log=True)
 
 
-def _chosen(preload_map: PreloadMap, compression: float, amplitude: float | None) -> BoolArray:
+def _select_lines(
+    preload_map: PreloadMap, compression: float, amplitude: float | None
+) -> BoolArray:
     """Return which measured lines are of a setting."""
     at = np.isclose(preload_map.line_compression, compression)
     return np.asarray(
@@ -53,14 +58,14 @@ def _chosen(preload_map: PreloadMap, compression: float, amplitude: float | None
     )
 
 
-def _storage(preload_map: PreloadMap) -> Panel:
+def _make_storage_panel(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
     drawn_values: list[FloatArray] = []
     for i, c in enumerate(preload_map.compressions.tolist()):
         at = preload_map.evaluate(preload_map.grid, compression=c)
         value, error = (convert_to_unit(entry, "N/mm") for entry in
                         (at.value.real, at.storage_error))  # fmt: skip
-        is_chosen = _chosen(preload_map, c, preload_map.reference_amplitude)
+        is_chosen = _select_lines(preload_map, c, preload_map.reference_amplitude)
         marks += [
             Area(at.frequency, value - error, value + error, "fit", "" if i else "95 % limits"),
             Line(at.frequency, value, FIT, "" if i else "map"),
@@ -82,7 +87,7 @@ def _storage(preload_map: PreloadMap) -> Panel:
     )  # fmt: skip
 
 
-def _loss(preload_map: PreloadMap) -> Panel:
+def _make_loss_panel(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
     drawn_values: list[FloatArray] = [np.zeros(1)]
     c = preload_map.reference_compression
@@ -91,7 +96,7 @@ def _loss(preload_map: PreloadMap) -> Panel:
     for i, X in enumerate(shown_levels):
         at = preload_map.evaluate(preload_map.grid, compression=c, amplitude=X)
         eta, error = at.value.imag / at.value.real, at.loss_factor_error
-        is_chosen = _chosen(preload_map, c, X)
+        is_chosen = _select_lines(preload_map, c, X)
         measured = preload_map.value[is_chosen].imag / preload_map.value[is_chosen].real
         if not i:
             marks.append(Area(at.frequency, eta - error, eta + error, "fit", "95 % limits"))
@@ -114,25 +119,29 @@ def _loss(preload_map: PreloadMap) -> Panel:
     )  # fmt: skip
 
 
-def _over_compression(preload_map: PreloadMap) -> Panel:
+def _make_compression_panel(preload_map: PreloadMap) -> Panel:
     levels = preload_map.compressions
     compressions = np.linspace(float(levels[0]), float(levels[-1]), _POINTS)
     f = np.array([preload_map.middle_frequency])
     curve = [preload_map.evaluate(f, compression=float(c)) for c in compressions]
     dots = [preload_map.evaluate(f, compression=float(c)) for c in levels]
-    return _across(preload_map, (compressions, curve), (levels, dots), "compression, mm")
+    return _compute_storage_across(
+        preload_map, (compressions, curve), (levels, dots), "compression, mm"
+    )
 
 
-def _over_amplitude(preload_map: PreloadMap) -> Panel:
+def _make_amplitude_panel(preload_map: PreloadMap) -> Panel:
     levels, c = preload_map.amplitudes, preload_map.reference_compression
     amplitudes = np.geomspace(float(levels[0]), float(levels[-1]), _POINTS)
     f = np.array([preload_map.middle_frequency])
     curve = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in amplitudes]
     dots = [preload_map.evaluate(f, compression=c, amplitude=float(X)) for X in levels]
-    return _across(preload_map, (amplitudes, curve), (levels, dots), "amplitude, mm")
+    return _compute_storage_across(
+        preload_map, (amplitudes, curve), (levels, dots), "amplitude, mm"
+    )
 
 
-def _across(
+def _compute_storage_across(
     preload_map: PreloadMap,
     line: tuple[FloatArray, list[MapValues]],
     levels: tuple[FloatArray, list[MapValues]],

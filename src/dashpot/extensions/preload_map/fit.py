@@ -91,7 +91,7 @@ def fit_preload_map(
     phase_error : float or str
         Between the channels, rad; one degree by default.
     mass : float or str, optional
-        Of a body on the part, kg: its resonance at each compression.
+        Mass of a body on the part, kg: its resonance at each compression.
     seals : float
         Parts in parallel under the mass.
 
@@ -148,7 +148,7 @@ def fit_preload_map(
         line_amplitude=lines.amplitudes[lines.amplitude],
         seals=seals,
         source=_collect_sources(sweeps),
-        steps=(Step("fit_preload_map", _settings(band, repeatability, gain_error, turn)),),
+        steps=(Step("fit_preload_map", _make_settings(band, repeatability, gain_error, turn)),),
     )
     preload_map = replace(preload_map, cells=_measure_cells(lines, preload_map))
     repeats = int(lines.sweep.max()) + 1 - len(preload_map.cells)
@@ -232,9 +232,9 @@ def _fit_law(
     nc, nx = len(lines.compressions), len(lines.amplitudes)
     reference = (nc // 2, 0)
     shared = layouts[0].main.shape[1] - nc - nx
-    curve = _curve_columns(lines, shared)
+    curve = _make_curve_columns(lines, shared)
     tones = curve.frequency
-    contrast_c, contrast_x = _contrasts(nc, reference[0]), _contrasts(nx, reference[1])
+    contrast_c, contrast_x = _make_contrasts(nc, reference[0]), _make_contrasts(nx, reference[1])
     magnitude = _estimate(lines, lines.magnitude, layouts[0].main, scatters[0])
     angle = _estimate(lines, lines.angle, layouts[1].main, scatters[1])
     at_c, at_x = np.eye(nc)[reference[0]], np.eye(nx)[reference[1]]
@@ -284,7 +284,7 @@ class _CommonCurve(NamedTuple):
     strength: FloatArray
 
 
-def _curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
+def _make_curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
     """Return where the common curve is taken: at shared frequencies, or on a grid."""
     total = float((lines.weight**2).sum())
     if lines.shares_tones:
@@ -321,7 +321,7 @@ def _estimate(
     )
 
 
-def _contrasts(count: int, reference: int) -> FloatArray:
+def _make_contrasts(count: int, reference: int) -> FloatArray:
     """Return each level less the reference."""
     contrasts = np.eye(count)
     contrasts[:, reference] -= 1.0
@@ -412,12 +412,12 @@ def _run_checks(
         counts["amplitude"] = len(preload_map.amplitudes)
     fewest_levels = min(counts, key=lambda name: counts[name])
     gaps = {
-        "compression": _interpolation_error(
+        "compression": _estimate_interpolation_error(
             preload_map.compressions, np.log(preload_map.compression_factor)
         )
     }
     if len(preload_map.amplitudes) > 1:
-        gaps["amplitude"] = _interpolation_error(
+        gaps["amplitude"] = _estimate_interpolation_error(
             np.log(preload_map.amplitudes), np.log(preload_map.amplitude_factor)
         )
     widest = max(gaps, key=lambda name: gaps[name])
@@ -438,7 +438,9 @@ def _run_checks(
     )
 
 
-def _interpolation_error(levels: FloatArray, logarithm: FloatArray | ComplexArray) -> float:
+def _estimate_interpolation_error(
+    levels: FloatArray, logarithm: FloatArray | ComplexArray
+) -> float:
     """Return the largest difference of parabola and line half way between levels."""
     middles = (levels[1:] + levels[:-1]) / 2
     gaps = [abs(compute_level_weights(levels, float(at)).difference @ logarithm) for at in middles]
@@ -476,7 +478,7 @@ def _collect_sources(sweeps: Sequence[PreloadSweep]) -> tuple[Source, ...]:
     return tuple(dict.fromkeys(sweep.source for sweep in sweeps if sweep.source is not None))
 
 
-def _settings(
+def _make_settings(
     band: Range | None, repeatability: float | None, gain: float, phase: float
 ) -> tuple[tuple[str, str], ...]:
     settings = [("gain_error", f"{gain:g}"), ("phase_error", f"{phase:.6g} rad")]

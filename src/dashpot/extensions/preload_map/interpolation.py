@@ -45,11 +45,13 @@ def compute_level_weights(levels: FloatArray, position: float) -> LevelWeights:
         return LevelWeights(chord, chord)
     curve = np.zeros(n)
     for first in firsts:
-        curve[first : first + 3] += _lagrange(levels[first : first + 3], position) / len(firsts)
+        curve[first : first + 3] += _compute_lagrange_weights(
+            levels[first : first + 3], position
+        ) / len(firsts)
     return LevelWeights(curve, chord)
 
 
-def _lagrange(nodes: FloatArray, x: float) -> FloatArray:
+def _compute_lagrange_weights(nodes: FloatArray, x: float) -> FloatArray:
     weights = np.ones(len(nodes))
     for j, node in enumerate(nodes):
         for other in np.delete(nodes, j):

@@ -33,9 +33,9 @@ def page(preload_map: PreloadMap) -> KindPage:
         subject="complex stiffness over frequency, amplitude and compression",
         summary_line=(
             ("Map", describe_map(preload_map)),
-            ("Compressions", _levels(preload_map.compressions.tolist())),
-            ("Amplitudes", _levels(preload_map.amplitudes.tolist())),
-            ("Scatter of lines", _scatter(preload_map)),
+            ("Compressions", _format_levels(preload_map.compressions.tolist())),
+            ("Amplitudes", _format_levels(preload_map.amplitudes.tolist())),
+            ("Scatter of lines", _make_scatter_rows(preload_map)),
         ),
         indicators=make_indicators(
             preload_map.checks,
@@ -52,8 +52,9 @@ def page(preload_map: PreloadMap) -> KindPage:
         groups=(group("", preload_map.facts),),
         sources=preload_map.source,
         folds=(
-            CollapsibleSection("Separability", f"{len(tested)} pairs tested", _pairs(preload_map)),
-            CollapsibleSection("Map", "at the measured levels", _table(preload_map)),
+            CollapsibleSection("Separability", f"{len(tested)} pairs tested",
+            _make_pair_rows(preload_map)),
+            CollapsibleSection("Map", "at the measured levels", _make_map_table(preload_map)),
             CollapsibleSection("Settings", f"{len(preload_map.cells)} settings",
                 TextTable(SETTING_HEAD, tuple(map(list_setting_cells, preload_map.cells)))),
         ),
@@ -61,22 +62,22 @@ def page(preload_map: PreloadMap) -> KindPage:
     )  # fmt: skip
 
 
-def _scatter(preload_map: PreloadMap) -> str:
+def _make_scatter_rows(preload_map: PreloadMap) -> str:
     size, turn = preload_map.line_scatter
     return f"{100 * size:.2g} %, {turn:.2g} rad"
 
 
-def _levels(values: list[float]) -> str:
+def _format_levels(values: list[float]) -> str:
     levels_text = ", ".join(f"{convert_to_unit(value, 'mm'):.3g}" for value in values)
     return f"{levels_text} mm" if levels_text else NOT_GIVEN
 
 
-def _pairs(preload_map: PreloadMap) -> TextTable:
+def _make_pair_rows(preload_map: PreloadMap) -> TextTable:
     rows = tuple(list_pair_cells(test) for test in preload_map.pairs)
     return TextTable(PAIR_HEAD, rows, tuple("doubt" if row[1] != "yes" else "" for row in rows))
 
 
-def _table(preload_map: PreloadMap) -> TextTable:
+def _make_map_table(preload_map: PreloadMap) -> TextTable:
     """Return the map at its levels and a few frequencies."""
     head = ("compression, mm", "amplitude, mm", "Hz", "K', N/mm", "from", "to", "loss factor",
             "from", "to")  # fmt: skip

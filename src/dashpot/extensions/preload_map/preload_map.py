@@ -124,12 +124,12 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
     amplitude_factor : complex array
         :math:`s(X)/s(X_0)` at the levels; of no amplitude one of 1.
     covariance : array
-        Of ln of the factors of compression, of ln and angle of those of amplitude, and of the
-        stiffnesses of the model, widened so that 1.96 standard errors are 95 %.
+        Covariance of ln of the factors of compression, of ln and angle of those of amplitude, and
+        of the stiffnesses of the model, widened so that 1.96 standard errors are 95 %.
     gain_error, phase_error : float
         Standard errors of the sensors common to all lines: relative, and rad.
     line_scatter, sweep_scatter : (float, float)
-        Of ln K and of the loss angle: of a line, and of a whole sweep beside it.
+        Scatter of ln K and of the loss angle: of a line, and of a whole sweep beside it.
     pairs : tuple of PairTest
     cells : tuple of MapCell
     frequency, value, line_compression, line_amplitude : array, shape (n,)

@@ -85,7 +85,7 @@ def propose_settings(
     """Add compression, amplitude and loss factor to the proposed roles; return what they ask."""
 
     def propose() -> None:
-        static = find_length_column(file.table, STATIC, file.options, without=MOVING)
+        static = find_length_column(file.table, STATIC, file.options, excluded_words=MOVING)
         moving = find_length_column(file.table, MOVING, file.options)
         for index, name in ((static, STATIC[0]), (moving, MOVING[0])):
             if index is not None:
@@ -121,7 +121,7 @@ def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) 
             "multiply by area over height"
         )
     is_complete: BoolArray = np.asarray(np.isfinite(loaded_columns.values).all(axis=1))
-    static = _load_length(file, is_complete, STATIC, without=MOVING)
+    static = _load_length(file, is_complete, STATIC, excluded_words=MOVING)
     moving = _load_length(file, is_complete, MOVING)
     settings = [setting for setting in (static, moving) if setting is not None]
     used_columns = [role.index for role in roles_wanted] + [setting.column for setting in settings]
@@ -175,10 +175,10 @@ def _load_length(
     is_complete: BoolArray,
     words: Sequence[str],
     *,
-    without: Sequence[str] = (),
+    excluded_words: Sequence[str] = (),
 ) -> _LengthColumn | None:
     """Return the rows of the one column of a length that words name; None if there is none."""
-    index = find_length_column(file.table, words, file.options, without=without)
+    index = find_length_column(file.table, words, file.options, excluded_words=excluded_words)
     if index is None:
         return None
     column = file.table.columns[index]
@@ -247,7 +247,7 @@ def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadS
     if amplitudes is not None:
         settings = settings * (len(amplitudes) + 1) + group_levels(amplitudes, SAME_AMPLITUDE)[1]
     for setting in dict.fromkeys(settings.tolist()):
-        for indices in _visits(np.flatnonzero(settings == setting), table.frequency):
+        for indices in _split_sweeps(np.flatnonzero(settings == setting), table.frequency):
             yield PreloadSweep(
                 table.frequency[indices],
                 table.value[indices],
@@ -258,7 +258,7 @@ def _split(table: _StiffnessTable, compression: FloatArray) -> Iterator[PreloadS
             )
 
 
-def _visits(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
+def _split_sweeps(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
     """Return the sweeps of one setting: where the frequency turns back, another begins.
 
     Frequencies in no order are one sweep.

@@ -133,29 +133,31 @@ class SweepScatter(NamedTuple):
 def build_frequency_columns(lines: StiffnessLines) -> FloatArray:
     """Return columns of the common dependence on frequency, the mean among them."""
     if lines.shares_tones:
-        return _levels(lines.tone, len(lines.tones))
+        return _make_level_columns(lines.tone, len(lines.tones))
     u, y = lines.centred_frequency, lines.magnitude
-    sweep_columns = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+    sweep_columns = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
 
     def score(degree: int) -> float:
-        rss, rank = _fit(np.hstack((_powers(u, degree), sweep_columns)), y, lines.weight)
+        rss, rank = _fit(
+            np.hstack((_make_legendre_columns(u, degree), sweep_columns)), y, lines.weight
+        )
         return bic(rss, effective=len(y), parameters=rank, rounding_sse=_NOTHING)
 
-    return _powers(u, min(_DEGREES, key=score))
+    return _make_legendre_columns(u, min(_DEGREES, key=score))
 
 
 def build_layouts(lines: StiffnessLines) -> tuple[Layout, Layout]:
     """Return the columns of magnitude and of angle."""
     frequency = build_frequency_columns(lines)
-    compression = _levels(lines.compression, len(lines.compressions))
-    amplitude = _levels(lines.amplitude, len(lines.amplitudes))
+    compression = _make_level_columns(lines.compression, len(lines.compressions))
+    amplitude = _make_level_columns(lines.amplitude, len(lines.amplitudes))
     degree = min(_SHAPES, len(lines.tones) - 1)
-    shapes = _powers(lines.centred_frequency, degree)[:, 1:]
+    shapes = _make_legendre_columns(lines.centred_frequency, degree)[:, 1:]
     within_columns: dict[Pair, FloatArray] = {
-        "compression and frequency": _products(compression, shapes),
-        "amplitude and frequency": _products(amplitude, shapes),
+        "compression and frequency": _multiply_columns(compression, shapes),
+        "amplitude and frequency": _multiply_columns(amplitude, shapes),
     }
-    cells = _products(compression, amplitude)
+    cells = _multiply_columns(compression, amplitude)
     return (
         Layout(
             np.hstack((frequency, compression, amplitude)),
@@ -183,7 +185,7 @@ def estimate_scatter(
         If too few lines are left to show any scatter.
     """
     within_columns = np.hstack((layout.main, *layout.within.values()))
-    sweeps = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+    sweeps = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
     rss, rank = _fit(np.hstack((within_columns, sweeps)), values, lines.weight)
     dof = len(values) - rank
     if dof < _LEAST_DOF:
@@ -194,8 +196,9 @@ def estimate_scatter(
         )
     line = rss / dof
     cells = np.hstack(
-        (within_columns, _products(_levels(lines.compression, len(lines.compressions)),
-                           _levels(lines.amplitude, len(lines.amplitudes))))
+        (within_columns, _multiply_columns(_make_level_columns(lines.compression,
+        len(lines.compressions)),
+                           _make_level_columns(lines.amplitude, len(lines.amplitudes))))
     )  # fmt: skip
     rss_cells, rank_cells = _fit(cells, values, lines.weight)
     repeats = rank - rank_cells
@@ -236,8 +239,8 @@ def _test_pair(
     chances: list[float] = []
     sizes: list[tuple[float, float]] = []
     for y, layout, scatter in zip(values, layouts, scatters, strict=True):
-        chances += _chances(pair, lines, y, layout, scatter)
-        sizes.append(_departure(pair, lines, y, layout, scatter))
+        chances += _compute_probabilities(pair, lines, y, layout, scatter)
+        sizes.append(_find_largest_departure(pair, lines, y, layout, scatter))
     if not chances:
         return PairTest(pair, tested=False)
     chance = 1 - (1 - min(chances)) ** len(chances)
@@ -247,31 +250,31 @@ def _test_pair(
     )
 
 
-def _chances(
+def _compute_probabilities(
     pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
 ) -> list[float]:
     """Return the probability by chance of what a pair adds within sweeps and between them."""
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
-    sweeps = _levels(lines.sweep, int(lines.sweep.max()) + 1)
+    sweeps = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
     other_columns = [columns for name, columns in layout.within.items() if name != pair]
     between_columns = [columns for name, columns in layout.between.items() if name != pair]
     chances = []
     if pair in layout.within:
         without = np.hstack((layout.main, sweeps, *other_columns))
-        gain, rank = _gain(without, layout.within[pair], y, lines.weight)
+        gain, rank = _compute_gain(without, layout.within[pair], y, lines.weight)
         if rank:
             chances.append(float(fdtrc(rank, scatter.dof, gain / rank / scatter.line**2)))
     if pair in layout.between:
         without = np.hstack((layout.main, *layout.within.values(), *between_columns))
-        gain, rank = _gain(without, layout.between[pair], y, lines.weight)
+        gain, rank = _compute_gain(without, layout.between[pair], y, lines.weight)
         if rank:
             chances.append(float(fdtrc(rank, scatter.sweep_dof, gain / rank / scatter.mean_square)))
     return chances
 
 
-def _departure(
+def _find_largest_departure(
     pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
 ) -> tuple[float, float]:
     """Return the largest departure that a pair adds over all lines, and its 95 % limit."""
@@ -293,35 +296,35 @@ def _departure(
     independent_columns = (
         columns - weighted_columns @ np.linalg.lstsq(weighted_columns, columns, rcond=_RANK)[0]
     )
-    basis = _basis(independent_columns)
+    basis = _make_orthonormal_basis(independent_columns)
     if not basis.shape[1]:
         return 0.0, 0.0
     size = basis @ (basis.T @ (y * w)) / w
     variance = scatter.line**2 * (basis**2).sum(axis=1)
     if scatter.sweep:
-        sums = _levels(lines.sweep, int(lines.sweep.max()) + 1) * w[:, None]
+        sums = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1) * w[:, None]
         variance += scatter.sweep**2 * ((basis @ (basis.T @ sums)) ** 2).sum(axis=1)
     se = np.sqrt(variance) / w
     t = t_quantile(0.95, min(scatter.dof, scatter.sweep_dof))
     return float(np.abs(size).max()), float((np.abs(size) + t * se).max())
 
 
-def _powers(u: FloatArray, degree: int) -> FloatArray:
+def _make_legendre_columns(u: FloatArray, degree: int) -> FloatArray:
     """Return the polynomials of Legendre up to a degree, a column each."""
     return np.asarray(np.polynomial.legendre.legvander(u, degree), dtype=float)
 
 
-def _levels(group: IndexArray, count: int) -> FloatArray:
+def _make_level_columns(group: IndexArray, count: int) -> FloatArray:
     """Return one column of ones and zeros for each level."""
     return np.asarray(group[:, None] == np.arange(count), dtype=float)
 
 
-def _products(first: FloatArray, second: FloatArray) -> FloatArray:
+def _multiply_columns(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return every product of a column of the one with a column of the other."""
     return np.asarray((first[:, :, None] * second[:, None, :]).reshape(len(first), -1))
 
 
-def _basis(A: FloatArray) -> FloatArray:
+def _make_orthonormal_basis(A: FloatArray) -> FloatArray:
     """Return an orthonormal basis of the columns."""
     u, size, _ = np.linalg.svd(A, full_matrices=False)
     min_singular_value = _RANK * max(float(size.max(initial=0.0)), 1.0)
@@ -331,15 +334,15 @@ def _basis(A: FloatArray) -> FloatArray:
 
 def _fit(A: FloatArray, y: FloatArray, weight: FloatArray) -> tuple[float, int]:
     """Return the sum of squares that columns leave, and how many are independent."""
-    basis = _basis(A * weight[:, None])
+    basis = _make_orthonormal_basis(A * weight[:, None])
     residual = y * weight - basis @ (basis.T @ (y * weight))
     return float(residual @ residual), basis.shape[1]
 
 
-def _gain(
-    without: FloatArray, added_columns: FloatArray, y: FloatArray, weight: FloatArray
+def _compute_gain(
+    base_columns: FloatArray, added_columns: FloatArray, y: FloatArray, weight: FloatArray
 ) -> tuple[float, int]:
     """Return by how much columns lower the sum of squares beside others, and their number."""
-    before, rank = _fit(without, y, weight)
-    residual_after, rank_after = _fit(np.hstack((without, added_columns)), y, weight)
-    return max(before - residual_after, 0.0), rank_after - rank
+    base_misfit, rank = _fit(base_columns, y, weight)
+    residual_after, rank_after = _fit(np.hstack((base_columns, added_columns)), y, weight)
+    return max(base_misfit - residual_after, 0.0), rank_after - rank

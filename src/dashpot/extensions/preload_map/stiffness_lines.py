@@ -120,7 +120,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     frequency = np.concatenate([sweep.frequency for sweep in sweeps])
     value = np.concatenate([sweep.value for sweep in sweeps])
     weight = np.concatenate([np.asarray(sweep.weight, dtype=float) for sweep in sweeps])
-    closest = min(_least_step(sweep.frequency) for sweep in sweeps)
+    closest = min(_get_least_step(sweep.frequency) for sweep in sweeps)
     tones, tone = group_levels(frequency, min(SAME_TONE, _PART * closest))
     return StiffnessLines(
         frequency,
@@ -137,7 +137,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     )
 
 
-def _least_step(frequency: FloatArray) -> float:
+def _get_least_step(frequency: FloatArray) -> float:
     """Return the least step between two frequencies of a sweep in ln f."""
     steps = np.diff(np.log(np.sort(frequency)))
     return float(np.min(steps[steps > _EQUAL], initial=np.inf))

@@ -32,7 +32,7 @@ SETTINGS = (
 
 def has_several_compressions(columns: NamedColumns) -> bool:
     """Return whether a column of static compression steps from sweep to sweep."""
-    index = find_length_column(columns.table, STATIC, columns.options, without=MOVING)
+    index = find_length_column(columns.table, STATIC, columns.options, excluded_words=MOVING)
     if index is None:
         return False
     values = columns.table.load([index]).values[:, 0]
@@ -41,7 +41,11 @@ def has_several_compressions(columns: NamedColumns) -> bool:
 
 
 def find_length_column(
-    table: FileTable, words: Sequence[str], options: ReadOptions, *, without: Sequence[str] = ()
+    table: FileTable,
+    words: Sequence[str],
+    options: ReadOptions,
+    *,
+    excluded_words: Sequence[str] = (),
 ) -> int | None:
     """Return the one column of a length that has one of the words in its name, and none of others.
 
@@ -57,7 +61,7 @@ def find_length_column(
         for i, column in enumerate(table.columns)
         if _is_length(column, get_length_word(column, words, options))
         and not set(words).isdisjoint(vocabulary.tokens(column.name))
-        and set(without).isdisjoint(vocabulary.tokens(column.name))
+        and set(excluded_words).isdisjoint(vocabulary.tokens(column.name))
     ]
     if len(length_columns) > 1:
         names = " and ".join(f"'{table.columns[i].name}'" for i in length_columns)

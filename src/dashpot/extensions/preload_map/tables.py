@@ -59,7 +59,9 @@ def render_nastran(preload_map: PreloadMap, units: UnitSystem) -> str:
     """Return a frequency-dependent bushing property of each setting, acting along its x axis."""
     f = tabulate_frequencies(preload_map)
     middle = preload_map.middle_frequency
-    lines = [*_head("$", preload_map, units, "frequency-dependent bushings, one of each setting")]
+    lines = [
+        *_format_head("$", preload_map, units, "frequency-dependent bushings, one of each setting")
+    ]
     for number, (c, X) in enumerate(preload_map.settings):
         K = preload_map.evaluate(f, compression=c, amplitude=X).value
         at = complex(preload_map.evaluate(np.array([middle]), compression=c, amplitude=X).value[0])
@@ -94,7 +96,8 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
             stiffness_lines.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
             damped.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
     return "\n".join([
-        *_head("**", preload_map, units, "connector behavior over frequency and field variables"),
+        *_format_head("**", preload_map, units,
+        "connector behavior over frequency and field variables"),
         f"** field variable 1 is the compression, {units.words[0]}"
         + (f"; field variable 2 is the amplitude, {units.words[0]}" if fields > 1 else ""),
         "** acts along component 1, in direct or subspace-based steady-state dynamics",
@@ -130,7 +133,7 @@ def render_matlab(preload_map: PreloadMap) -> str:
     return "\n".join([*lines, ""])
 
 
-def _head(
+def _format_head(
     comment_sign: str, preload_map: PreloadMap, units: UnitSystem, title: str
 ) -> Sequence[str]:
     low, high = preload_map.band

@@ -48,7 +48,7 @@ class HistoryLine:
     software : dict
         Version by name.
     previous, hash : str
-        Of the line before, and of the bytes of this one before its hash.
+        Hash of the line before, and of the bytes of this one before its hash.
     line : int
         Counted from 1.
     """
@@ -112,12 +112,12 @@ class History:
         return not self.lines or last in (parts, (self.written + 1, self.announced))
 
 
-def file_of(folder: Path) -> Path:
+def get_log_path(folder: Path) -> Path:
     """Return the append-only log."""
     return folder / "history.jsonl"
 
 
-def head_of(folder: Path) -> Path:
+def get_head_path(folder: Path) -> Path:
     """Return the file that says how many lines were written, and the hash of the last."""
     return folder / "history.head"
 
@@ -131,18 +131,18 @@ def read_history(folder: Path) -> History:
         If a line is not one that dashpot writes.
     """
     try:
-        *raw, rest = file_of(folder).read_bytes().split(b"\n")
+        *raw, rest = get_log_path(folder).read_bytes().split(b"\n")
     except FileNotFoundError:
         raw, rest = [], b""
     if rest and _is_whole(rest, raw):  # only its line end is lost
         raw, rest = [*raw, rest], b""
-    lines = [_line(text, number) for number, text in enumerate(raw, start=1)]
+    lines = [_parse_line(text, number) for number, text in enumerate(raw, start=1)]
     before = [GENESIS, *(line.hash for line in lines)]
     intact = tuple(
-        _as_written(text, line.hash) and (line.previous, line.line) == (previous, number)
+        _has_valid_hash(text, line.hash) and (line.previous, line.line) == (previous, number)
         for number, (line, text, previous) in enumerate(zip(lines, raw, before, strict=False), 1)
     )
-    return History(tuple(lines), intact, rest, *_head(folder), tuple(raw))
+    return History(tuple(lines), intact, rest, *_read_head(folder), tuple(raw))
 
 
 def append(folder: Path, content: dict[str, Any]) -> str:
@@ -156,10 +156,10 @@ def append(folder: Path, content: dict[str, Any]) -> str:
     history = read_history(folder)
     if history.is_truncated:
         raise DataError(
-            f"{file_of(folder)} has {len(history.lines)} lines where {history.written} were "
+            f"{get_log_path(folder)} has {len(history.lines)} lines where {history.written} were "
             "written; put the file back from a copy before anything is added to it"
         )
-    file = file_of(folder)
+    file = get_log_path(folder)
     all_lines = b"".join(line + b"\n" for line in history.raw)
     # an operation that was cut short never happened; its half line must not stay
     if file.exists() and file.read_bytes() != all_lines:
@@ -167,13 +167,13 @@ def append(folder: Path, content: dict[str, Any]) -> str:
     entry = {
         "line": len(history.lines) + 1,
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
-        "user": _user(),
+        "user": _get_user(),
         **content,
         "software": software(),
         "previous": history.last,
     }
     text, line_hash = format_hashed_line(entry)
-    head = head_of(folder)
+    head = get_head_path(folder)
     sentence = f"{len(history.lines)} {history.last}\n"
     write_atomic(head, f"{sentence}{entry['line']} {line_hash}\n".encode())
     with file.open("ab") as log:
@@ -188,21 +188,24 @@ def format_hashed_line(entry: dict[str, Any]) -> tuple[bytes, str]:
     """Return a line as it is written, and its hash: that of its bytes before the hash."""
     body = json.dumps({key: value for key, value in entry.items() if key != "hash"}).encode()[:-1]
     line_hash = sha256(body)
-    return body + _end(line_hash), line_hash
+    return body + _format_line_end(line_hash), line_hash
 
 
-def _end(line_hash: str) -> bytes:
+def _format_line_end(line_hash: str) -> bytes:
     return f', "hash": "{line_hash}"}}'.encode()
 
 
-def _as_written(text: bytes, line_hash: str) -> bool:
+def _has_valid_hash(text: bytes, line_hash: str) -> bool:
     """Return whether the bytes of a line are those that its hash is of."""
-    if text.endswith(_end(line_hash)) and sha256(text.removesuffix(_end(line_hash))) == line_hash:
+    if (
+        text.endswith(_format_line_end(line_hash))
+        and sha256(text.removesuffix(_format_line_end(line_hash))) == line_hash
+    ):
         return True
-    return _as_written_before(text, line_hash)
+    return _has_valid_old_hash(text, line_hash)
 
 
-def _as_written_before(text: bytes, line_hash: str) -> bool:
+def _has_valid_old_hash(text: bytes, line_hash: str) -> bool:
     """Return the same for a line of the second edition, hashed by its sorted content."""
     entry = json.loads(text)
     without = {key: value for key, value in entry.items() if key != "hash"}
@@ -216,16 +219,19 @@ def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _is_whole(text: bytes, before: list[bytes]) -> bool:
+def _is_whole(text: bytes, previous_lines: list[bytes]) -> bool:
     try:
-        entry, last = json.loads(text), json.loads(before[-1]) if before else {"hash": GENESIS}
-        is_unchanged = _as_written(text, str(entry["hash"]))
+        entry, last = (
+            json.loads(text),
+            json.loads(previous_lines[-1]) if previous_lines else {"hash": GENESIS},
+        )
+        is_unchanged = _has_valid_hash(text, str(entry["hash"]))
         return bool(is_unchanged and entry["previous"] == last["hash"])
     except (ValueError, TypeError, KeyError, RecursionError):
         return False
 
 
-def _line(text: bytes, number: int) -> HistoryLine:
+def _parse_line(text: bytes, number: int) -> HistoryLine:
     import msgspec
 
     try:
@@ -241,19 +247,19 @@ def _line(text: bytes, number: int) -> HistoryLine:
         ) from None
 
 
-def _head(folder: Path) -> tuple[int, str, str]:
+def _read_head(folder: Path) -> tuple[int, str, str]:
     """Return the number of lines, the hash of the last, and that of a line about to be written."""
     try:
-        match = _HEAD.fullmatch(head_of(folder).read_bytes())
+        match = _HEAD.fullmatch(get_head_path(folder).read_bytes())
     except FileNotFoundError:
         return 0, "", ""
     if match is None:
-        raise ReadError(f"{head_of(folder)} is not as dashpot writes it: it was changed")
+        raise ReadError(f"{get_head_path(folder)} is not as dashpot writes it: it was changed")
     count, head, announced = (part.decode() for part in match.groups(b""))
     return int(count), head, announced
 
 
-def _user() -> str:
+def _get_user() -> str:
     try:
         return getpass.getuser()
     except (KeyError, OSError):

@@ -30,7 +30,13 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import PART, open_exclusive_lock, validate_path, write_atomic
 from dashpot.base.serialisation import Key, Serialisable, to_plain_value
 from dashpot.extensions.projects.document_versions import name_present_schema
-from dashpot.extensions.projects.history import FileEntry, append, file_of, read_history, sha256
+from dashpot.extensions.projects.history import (
+    FileEntry,
+    append,
+    get_log_path,
+    read_history,
+    sha256,
+)
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.read_options import ReadOptions, dump_profile
 from dashpot.reading.toml import parsed_toml
@@ -60,7 +66,7 @@ class Project:
     @property
     def history_file(self) -> Path:
         """The append-only log."""
-        return file_of(self.folder)
+        return get_log_path(self.folder)
 
     @property
     def head(self) -> str:
@@ -158,18 +164,18 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
             item.unlink(missing_ok=True)
         retained_job = replace_paths(job, lambda path: _keep(project, path))
         inputs = {
-            path: sha256((project.folder / path).read_bytes()) for path in paths_of(retained_job)
+            path: sha256((project.folder / path).read_bytes()) for path in list_paths(retained_job)
         }
         study = run(resolve_job_paths(project, retained_job))
-        new_contents = contents(study, page)
-        name = name_of(to_document(retained_job), new_contents["records/.json"])
+        new_contents = list_contents(study, page)
+        name = get_result_name(to_document(retained_job), new_contents["records/.json"])
         outputs = {
             file_path.replace("/.", f"/{name}."): block for file_path, block in new_contents.items()
         }
         project_table = parsed_toml((project.folder / "dashpot.toml").read_bytes())
         if project_table.get("schema") != SCHEMA:  # what is added is of the present version
             _write_about(project.folder, str(project_table.get("name", project.folder.name)))
-        profile_files = profiles(retained_job)
+        profile_files = make_profiles(retained_job)
         for file_path, content in (profile_files | outputs).items():
             (project.folder / file_path).parent.mkdir(exist_ok=True)
             write_atomic(project.folder / file_path, content)
@@ -188,13 +194,13 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
     return study, project.folder / f"reports/{name}.html"
 
 
-def name_of(job: Mapping[str, Any], result: bytes) -> str:
+def get_result_name(job: Mapping[str, Any], result: bytes) -> str:
     """Return the name of a result: two questions may have one answer, but not one report."""
     text = json.dumps(job, indent=2, ensure_ascii=False)
     return sha256(text.encode() + result)[:NAME]
 
 
-def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
+def list_contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
     """Return what a project keeps of a study, by place without the name of the result."""
     fits = {"fit": study.fit, "joint": study.joint}
     return {
@@ -222,12 +228,12 @@ class ResultNumbers(Serialisable):
     @property
     def fit(self) -> dict[str, Any]:
         """Document of the chosen solid."""
-        return numbers(self.study.fit.to_dict())
+        return select_numbers(self.study.fit.to_dict())
 
     @property
     def alternatives(self) -> list[dict[str, Any]]:
         """Documents of the solids with one and with two arms."""
-        return [numbers(fit.to_dict()) for fit in self.study.alternatives]
+        return [select_numbers(fit.to_dict()) for fit in self.study.alternatives]
 
     @property
     def hammer_results(self) -> dict[str, Any]:
@@ -235,12 +241,12 @@ class ResultNumbers(Serialisable):
         names = ("joint", "comparison", "joint_comparison")
         entries = {name: getattr(self.study, name) for name in names}
         return {
-            name: None if entry is None else numbers(entry.to_dict())
+            name: None if entry is None else select_numbers(entry.to_dict())
             for name, entry in entries.items()
         }
 
 
-def numbers(document: dict[str, Any]) -> dict[str, Any]:
+def select_numbers(document: dict[str, Any]) -> dict[str, Any]:
     """Return a result's document without its sampled arrays and its texts."""
     dropped = {
         "predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "message",
@@ -248,7 +254,7 @@ def numbers(document: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in document.items() if key not in dropped}
 
 
-def profiles(job: Job) -> dict[str, bytes]:
+def make_profiles(job: Job) -> dict[str, bytes]:
     """Return the reading profiles of a job, where the user said anything, by their place."""
     profile_names = {dump_profile(options) for options in (job.reading, job.reading_impact)}
     texts = [text.encode() for text in sorted(profile_names - {dump_profile(ReadOptions())})]
@@ -258,7 +264,7 @@ def profiles(job: Job) -> dict[str, bytes]:
 # -- the files that a job names -------------------------------------------------------------------
 
 
-def paths_of(job: Job) -> tuple[str, ...]:
+def list_paths(job: Job) -> tuple[str, ...]:
     """Return every path that a job names, each once."""
     paths: dict[str, str] = {}
     replace_paths(job, lambda path: paths.setdefault(path, path))

@@ -26,7 +26,7 @@ _LABELS = frozenset({"schema", "id", "digest", "message"})
 """Keys that name a document, or word it, and hold no number of it."""
 
 
-def split_common(before: Any, second: Any) -> tuple[Any, Any, dict[str, tuple[Any, Any]]]:
+def split_common(earlier_document: Any, second: Any) -> tuple[Any, Any, dict[str, tuple[Any, Any]]]:
     """Return two documents without their revised numbers, and both values of each of those.
 
     A key that one of them lacks stays in the other, unless the first version did not know it yet.
@@ -57,4 +57,4 @@ def split_common(before: Any, second: Any) -> tuple[Any, Any, dict[str, tuple[An
             return [key for key, _ in items], [other for _, other in items]
         return old, new
 
-    return (*split(before, second, ""), revised)
+    return (*split(earlier_document, second, ""), revised)

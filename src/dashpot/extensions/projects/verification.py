@@ -29,13 +29,13 @@ from dashpot.extensions.projects.project import (
     NAME,
     OWN,
     Project,
-    contents,
-    name_of,
-    numbers,
-    paths_of,
-    profiles,
+    get_result_name,
+    list_contents,
+    list_paths,
+    make_profiles,
     resolve_job_paths,
     resolve_project_path,
+    select_numbers,
 )
 from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS, split_common
 from dashpot.workflow.job import Job
@@ -82,7 +82,7 @@ def verify(
         new_checks.append(_check_expected_hash(history, expect))
     for line, intact in zip(history.lines, history.intact, strict=True):
         new_checks.append(verification_checks.history_unchanged(line.line, is_unchanged=intact))
-        files = [_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
+        files = [_verify_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
         new_checks += files
         if not any(check.failed for check in files):
             new_checks += _compare_with_rerun(project, line, page)
@@ -104,7 +104,7 @@ def _check_expected_hash(history: History, expect: str) -> Check:
     return verification_checks.history_expected(expect, line_index, len(hashes))
 
 
-def _file(project: Project, entry: FileEntry, number: int) -> Check:
+def _verify_file(project: Project, entry: FileEntry, number: int) -> Check:
     path = resolve_project_path(project, entry.file)
     if not path.is_file():
         return verification_checks.file_present(entry.file, number)
@@ -131,13 +131,13 @@ def _compare_with_rerun(
     job = from_json(json.dumps(line.job))
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
-    input_files = {*paths_of(job), *profiles(job)}
+    input_files = {*list_paths(job), *make_profiles(job)}
     unlisted = sorted(input_files - {entry.file for entry in (*line.inputs, *line.outputs)})
     if unlisted:
         return [verification_checks.inputs_listed(unlisted, line.line)]
-    rerun_files = contents(run(resolve_job_paths(project, job)), page)
+    rerun_files = list_contents(run(resolve_job_paths(project, job)), page)
     recorded_files = {
-        _kind(output.file): resolve_project_path(project, output.file).read_bytes()
+        _get_file_kind(output.file): resolve_project_path(project, output.file).read_bytes()
         for output in line.outputs
     }
     documents = [file_key for file_key in recorded_files if file_key.endswith(".json")]
@@ -148,7 +148,9 @@ def _compare_with_rerun(
     is_same_version = line.software == software() and not is_former
     names = {match[1] for output in line.outputs if (match := _NAMED.search(output.file))}
     other = recorded_files.keys() != rerun_files.keys() or len(names) != 1
-    if other or (is_same_version and names != {name_of(line.job, recorded_files["records/.json"])}):
+    if other or (
+        is_same_version and names != {get_result_name(line.job, recorded_files["records/.json"])}
+    ):
         return [
             verification_checks.result_recomputed(float("inf"), "it keeps other files", line.line)
         ]
@@ -167,12 +169,12 @@ def _compare_with_rerun(
             verification_checks.page_redrawn(line.line, is_same_page=False, is_same=False),
         ]
     worst, location = max(
-        _json_difference(
+        _compare_json(
             recorded_files[file_key], rerun_files[file_key], file_key, words=is_same_version
         )
         for file_key in documents
     )
-    is_same = is_same_version and same_page(
+    is_same = is_same_version and is_same_page(
         recorded_files["reports/.html"], rerun_files["reports/.html"]
     )
     return [
@@ -184,7 +186,7 @@ def _compare_with_rerun(
 _NAMED = re.compile(rf"/([0-9a-f]{{{NAME}}})\.")
 
 
-def _kind(file_path: str) -> str:
+def _get_file_kind(file_path: str) -> str:
     """Return a place without the name of the result: ``records/0123456789abcdef.fit.json``."""
     return _NAMED.sub("/.", file_path)
 
@@ -216,18 +218,18 @@ def _compare_with_former(
             continue
         if file_key != "records/.json" and has_edited_fit(before):  # which holds parts of fits
             faults.append(f"{file_key} holds a fit that was changed by hand")
-        written[file_key] = numbers(convert_document(before))
+        written[file_key] = select_numbers(convert_document(before))
     result = written.get("records/.json", {})
     for name in ("fit", "joint"):
         alone = written.get(f"records/.{name}.json")
-        embedded_fit = numbers(result.get(name) or {})
+        embedded_fit = select_numbers(result.get(name) or {})
         if alone is not None and embedded_fit | {DIGEST: ""} != alone | {DIGEST: ""}:
             faults.append(f"the result and its {name}.json hold different fits")
     if faults:
         return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
     worst, location, revised = 0.0, "", set()
     for file_key, before in written.items():
-        old, new, differing = split_common(before, numbers(json.loads(new_files[file_key])))
+        old, new, differing = split_common(before, select_numbers(json.loads(new_files[file_key])))
         worst, location = max((worst, location), find_largest_difference(old, new, file_key))
         revised |= {
             name.rpartition(".")[2]
@@ -244,7 +246,7 @@ def _compare_with_former(
     ]
 
 
-def _json_difference(
+def _compare_json(
     content: bytes, new_content: bytes, file_key: str, *, words: bool
 ) -> tuple[float, str]:
     try:
@@ -255,7 +257,7 @@ def _json_difference(
     except (ValueError, RecursionError):
         return float("inf"), f"{file_key} is no JSON"
     if not words and isinstance(before, dict):
-        before, after = numbers(before), numbers(after)
+        before, after = select_numbers(before), select_numbers(after)
     return find_largest_difference(before, after, file_key)
 
 
@@ -302,18 +304,18 @@ def _merge_coincident_arms(arms: Any) -> Any:
     return merged
 
 
-def _compute_relative_difference(text: Any, other: Any) -> float:
+def _compute_relative_difference(text: Any, other_value: Any) -> float:
     """Return relative difference of two values; of texts that of the numbers in them, if any."""
-    if repr(text) == repr(other):  # as NaN equals nothing
+    if repr(text) == repr(other_value):  # as NaN equals nothing
         return 0.0
-    if _is_number(text) and _is_number(other) and text != other:
-        number, scale = abs(Decimal(text) - Decimal(other)), max(abs(text), abs(other))
+    if _is_number(text) and _is_number(other_value) and text != other_value:
+        number, scale = abs(Decimal(text) - Decimal(other_value)), max(abs(text), abs(other_value))
         # what is not finite is no rounding of what is
         return float(number / Decimal(scale)) if number.is_finite() else float("inf")
-    if isinstance(text, str) and isinstance(other, str):
-        is_same = _same_words(text, other)
+    if isinstance(text, str) and isinstance(other_value, str):
+        is_same = _is_same_text(text, other_value)
     else:
-        is_same = text == other and isinstance(text, bool) == isinstance(other, bool)
+        is_same = text == other_value and isinstance(text, bool) == isinstance(other_value, bool)
     return 0.0 if is_same else float("inf")
 
 
@@ -333,7 +335,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def same_page(content: bytes, other_content: bytes) -> bool:
+def is_same_page(content: bytes, other_content: bytes) -> bool:
     """Tell whether two pages say and show the same, but for how a last digit is rounded.
 
     The files inside a page are compared as what they are.
@@ -344,7 +346,7 @@ def same_page(content: bytes, other_content: bytes) -> bool:
         before, after = (_decode_embedded_files(text.decode()) for text in (content, other_content))
     except ValueError:
         return False
-    return _same_words(before, after)
+    return _is_same_text(before, after)
 
 
 def _decode_embedded_files(page: str) -> str:
@@ -359,7 +361,7 @@ def _decode_embedded_files(page: str) -> str:
 _NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
 
 
-def _same_words(text: str, other_text: str) -> bool:
+def _is_same_text(text: str, other_text: str) -> bool:
     """Tell whether two texts differ in nothing but the last printed digit of their numbers."""
     if text == other_text:
         return True
@@ -378,11 +380,11 @@ def _is_rounded(a: str, b: str) -> bool:
     (True, False, False)
     """
     counted = a.lstrip("-").isdigit() and b.lstrip("-").isdigit()
-    unit = min(_last_digit(a), _last_digit(b))
+    unit = min(_get_last_digit_unit(a), _get_last_digit_unit(b))
     return not counted and abs(float(a) - float(b)) <= _ROUNDED * unit
 
 
-def _last_digit(number: str) -> float:
+def _get_last_digit_unit(number: str) -> float:
     """Return what one unit of the last digit of a printed number is.
 
     >>> _last_digit("12.70"), _last_digit("-3e-05"), _last_digit("40")

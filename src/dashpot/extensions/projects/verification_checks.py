@@ -36,19 +36,23 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
 
 
 @criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
-def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) -> Finding:
+def history_whole(lines: int, written_lines: int, *, shortened: bool, headed: bool) -> Finding:
     """No line is missing from the end of the history."""
-    if not lines and not written:
+    if not lines and not written_lines:
         return Finding("The history has no line that its head could be of")
-    state_text = "is missing" if not written else f"is older: it is of line {written} of {lines}"
+    state_text = (
+        "is missing" if not written_lines else f"is older: it is of line {written_lines} of {lines}"
+    )
     instead = f"history.head {state_text}, so lines cut off the end would not be seen"
     if shortened:
-        instead = f"The history has {lines} of {written} lines"
-        if lines >= written:
-            instead = f"Line {written} of the history is another than history.head was written for"
+        instead = f"The history has {lines} of {written_lines} lines"
+        if lines >= written_lines:
+            instead = (
+                f"Line {written_lines} of the history is another than history.head was written for"
+            )
     return Finding(
         "No line is missing at the end of the history",
-        max(written - lines, 1) if shortened else int(not headed),
+        max(written_lines - lines, 1) if shortened else int(not headed),
         failure=instead,
         remedy="Restore history.jsonl from a copy."
         if shortened
@@ -147,10 +151,11 @@ def result_recomputed(worst: float, location: str, number: int) -> Finding:
 
 
 @criterion("relative difference", "<=", SAME, "as of `result_recomputed`", grade="limit")
-def former_result_recomputed(worst: float, location: str, number: int, by: str) -> Finding:
+def former_result_recomputed(worst: float, location: str, number: int, version: str) -> Finding:
     """The model of an earlier version can be recomputed from the raw files of its result."""
     result = (
-        f"The result of line {number}, made by dashpot {by} and computed again by this version,"
+        f"The result of line {number}, made by dashpot {version} and computed again by this "
+        "version,"
     )
     return Finding(
         f"{result} has the same model (largest relative difference {worst:.2g})",
@@ -162,13 +167,13 @@ def former_result_recomputed(worst: float, location: str, number: int, by: str) 
 
 
 @criterion("kinds of numbers", "<=", 0, "our choice: errors and limits alone", grade="note")
-def uncertainty_unrevised(reasons: Mapping[str, str], number: int, by: str) -> Finding:
+def uncertainty_unrevised(reasons: Mapping[str, str], number: int, version: str) -> Finding:
     """Errors, limits and band of an earlier result agree with those of this version."""
     changes = "; ".join(dict.fromkeys("; ".join(reasons.values()).split("; ")))
     return Finding(
-        f"Errors and limits of line {number} are the same as by dashpot {by}",
+        f"Errors and limits of line {number} are the same as by dashpot {version}",
         len(reasons),
-        failure=f"Errors and limits of line {number} are other than by dashpot {by} "
+        failure=f"Errors and limits of line {number} are other than by dashpot {version} "
         f"({', '.join(reasons)}): {changes}",
         remedy="Make the result again, and quote its errors.",
     )

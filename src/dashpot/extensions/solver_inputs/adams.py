@@ -60,7 +60,7 @@ def adams(
     if deck.form == "bus":
         at = convert_to_si(nominal, "frequency")
         require_positive("--", nominal=at, unit=" Hz", optional=True)
-        return _bushing(deck, at or min(NOMINAL, (deck.band or (0.0, NOMINAL))[1]))
+        return _write_bushing(deck, at or min(NOMINAL, (deck.band or (0.0, NOMINAL))[1]))
     if not deck.model.k_inf > 0:
         raise ExportError(
             "k_inf = 0: a bushing of stiffness times transfer function needs a static stiffness; "
@@ -81,9 +81,9 @@ def adams(
             f"[DENOMINATOR_TIMES]  $ tau_j, {time}",
             *(text(value) for value in tau),
             "[NUMERATOR_COEFFICIENTS]",
-            *(text(value) for value in _ascending(lam)),
+            *(text(value) for value in _expand_product(lam)),
             "[DENOMINATOR_COEFFICIENTS]",
-            *(text(value) for value in _ascending(tau)),
+            *(text(value) for value in _expand_product(tau)),
         ],
         remarks=[
             "K(s) = stiffness * product(1 + lambda_i s) / product(1 + tau_j s); the coefficients",
@@ -94,7 +94,7 @@ def adams(
     )
 
 
-def _ascending(times: list[float]) -> list[float]:
+def _expand_product(times: list[float]) -> list[float]:
     """Coefficients of product(1 + t s), from s^0 up."""
     polynomial = np.ones(1)
     for time in times:
@@ -102,7 +102,7 @@ def _ascending(times: list[float]) -> list[float]:
     return polynomial.tolist()
 
 
-def _bushing(deck: Deck, nominal: float) -> DeckText:
+def _write_bushing(deck: Deck, nominal: float) -> DeckText:
     units, omega = deck.units, 2 * np.pi * nominal
     if units.name not in _LENGTHS:
         raise ExportError(
@@ -126,7 +126,11 @@ def _bushing(deck: Deck, nominal: float) -> DeckText:
             *(" FORCE = 'newton'", " MASS = 'kg'", " TIME = 'second'"),
             "[DAMPING]",
             *(f" {axis}_DAMPING = {text(damping.get(axis, 0.0))}" for axis in _AXES),
-            *(line for axis in _AXES for line in _curve(axis, slopes.get(axis, 0.0), units.length)),
+            *(
+                line
+                for axis in _AXES
+                for line in _format_curve(axis, slopes.get(axis, 0.0), units.length)
+            ),
         ],
         nominal=nominal,
         remarks=[
@@ -136,7 +140,7 @@ def _bushing(deck: Deck, nominal: float) -> DeckText:
     )
 
 
-def _curve(axis: str, slope: float, length: float) -> list[str]:
+def _format_curve(axis: str, slope: float, length: float) -> list[str]:
     """Return the block of a straight force or torque curve through zero."""
     is_force_axis = axis.startswith("F")
     max_abscissa = _REACH / length if is_force_axis else 180.0

@@ -68,12 +68,12 @@ def ansys(
     """
     if deck.form == "table":
         requested = (si_range(frequency_range, "frequency"), tolerance)
-        return _table(deck, row_of(deck, line, shear), requested, first_id)
-    return _prony(deck) if deck.form == "prony" else _arms(deck)
+        return _write_table(deck, row_of(deck, line, shear), requested, first_id)
+    return _write_prony(deck) if deck.form == "prony" else _write_arms(deck)
 
 
-def _table(
-    deck: Deck, row: SpringRow, requested: tuple[tuple[float, float], float], first_id: int
+def _write_table(
+    deck: Deck, row: SpringRow, table_limits: tuple[tuple[float, float], float], first_id: int
 ) -> DeckText:
     """Return an element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
@@ -88,11 +88,11 @@ def _table(
             if (direction, shares[direction]) in constants:
                 continue
             number = constants[direction, shares[direction]] = first_id + len(constants)
-            tables.append(deck.table(*requested, solid=solid, damping="damping"))
+            tables.append(deck.table(*table_limits, solid=solid, damping="damping"))
             cards += _real_constant(deck, number, tables[-1])
     for i, station in enumerate(row.stations):
         for node in row.nodes(i, first_id):
-            words = [text(value) for value in (*station.place, *rotation(station.frame))]
+            words = [text(value) for value in (*station.place, *compute_rotation(station.frame))]
             cards.append(f"N,{node},{','.join(words)}")
     for i, station in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
@@ -135,7 +135,7 @@ def _real_constant(deck: Deck, number: int, table: Table) -> list[str]:
     return [*cards, f"R,{number},%SK{number}%,%SC{number}%"]
 
 
-def rotation(frame: tuple[tuple[float, ...], ...]) -> tuple[float, float, float]:
+def compute_rotation(frame: tuple[tuple[float, ...], ...]) -> tuple[float, float, float]:
     r"""Angles of a node whose x, y and z axes are normal, across and the third, deg.
 
     :math:`R_z(\theta_{xy}) R_x(\theta_{yz}) R_y(\theta_{zx})`, as N takes them.
@@ -152,7 +152,7 @@ def rotation(frame: tuple[tuple[float, ...], ...]) -> tuple[float, float, float]
     return xy + 0.0, yz + 0.0, zx + 0.0
 
 
-def _arms(deck: Deck) -> DeckText:
+def _write_arms(deck: Deck) -> DeckText:
     nodes = ["N,1,0,0,0", "N,2,0,0,0", *(f"N,{11 + j},0,0,0" for j in range(deck.model.arms))]
     elements: list[tuple[float, float, int, int]] = []  # K, CV1, I, J
     # a COMBIN39 must rise at its origin, as a cubic spring does not: it carries k_inf too
@@ -203,7 +203,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
     return [*cards, f"REAL,{number}", "E,1,2"]
 
 
-def _prony(deck: Deck) -> DeckText:
+def _write_prony(deck: Deck) -> DeckText:
     rows = format_tbdata([value for pair in deck.prony for value in pair])
     shift, message = ansys_shift(deck.temperatures)
     return deck.format_text(

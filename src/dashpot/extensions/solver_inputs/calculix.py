@@ -77,7 +77,7 @@ def calculix(
     mass : float, optional
         kg; of ``"arms"``.
     frequency_range : (float, float)
-        Of the steady-state step, Hz; the inner masses are small up to its end.
+        Frequency range of the steady-state step, Hz; the inner masses are small up to its end.
     points : int
         Frequencies in it, evenly spaced.
     nominal : float, optional
@@ -102,11 +102,13 @@ def calculix(
     if deck.form == "springs":
         at = convert_to_si(nominal, "frequency")
         require_positive("--", nominal=at, unit=" Hz", optional=True)
-        return _springs(deck, row_of(deck, line, shear), at or float(np.sqrt(low * high)), first_id)
+        return _write_springs(
+            deck, row_of(deck, line, shear), at or float(np.sqrt(low * high)), first_id
+        )
     title = "network of springs and dashpots for CalculiX"
     cards = [
         *spring_dashpot_network(deck),
-        *_inner_masses(deck, high),
+        *_compute_inner_masses(deck, high),
         "*BOUNDARY",
         "1, 1, 3",
         "2, 2, 3",
@@ -117,7 +119,7 @@ def calculix(
     ]
     if mass is not None:
         title = "steady-state response of a mass on the model for CalculiX"
-        cards += _steps(deck, mass, low, high, points)
+        cards += _write_steps(deck, mass, low, high, points)
         remarks += [
             "U1 of node 2 under a unit force: the receptance, real block then",
             "imaginary block at each frequency; the dummies only keep the eigensolver busy",
@@ -131,7 +133,7 @@ def calculix(
     return deck.format_text("**", title, cards, verified=verified, remarks=remarks)
 
 
-def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckText:
+def _write_springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckText:
     """Return a spring of K' for each way of each station, along an axis of its frame."""
     cards, element = pairs_of_nodes(row, first_id), first_id
     for number, (_, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
@@ -165,16 +167,16 @@ def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckT
     )
 
 
-def _inner_rates(deck: Deck, high: float) -> list[float]:
+def _compute_inner_rates(deck: Deck, high: float) -> list[float]:
     """Squared natural frequency of each inner mass on its spring, (rad/s)^2."""
     omega = 2 * np.pi * high
     # what an inner node feels at the top frequency: the softer of its spring and dashpot
     return [omega**2 / (_INNER_MASS * min(1.0, omega * tau)) for tau in deck.model.tau]
 
 
-def _inner_masses(deck: Deck, high: float) -> list[str]:
+def _compute_inner_masses(deck: Deck, high: float) -> list[str]:
     cards: list[str] = []
-    for j, (k, rate) in enumerate(zip(deck.model.k, _inner_rates(deck, high), strict=True)):
+    for j, (k, rate) in enumerate(zip(deck.model.k, _compute_inner_rates(deck, high), strict=True)):
         cards += [
             f"*ELEMENT, TYPE=MASS, ELSET=SEAL_M_{j + 1}",
             f"{5001 + j}, {11 + j}",
@@ -184,10 +186,10 @@ def _inner_masses(deck: Deck, high: float) -> list[str]:
     return cards
 
 
-def _steps(deck: Deck, mass: float, low: float, high: float, points: int) -> list[str]:
+def _write_steps(deck: Deck, mass: float, low: float, high: float, points: int) -> list[str]:
     units = deck.units
     value = mass / units.mass
-    fastest = max([deck.model.k_0 / mass, *_inner_rates(deck, high)]) * units.time**2
+    fastest = max([deck.model.k_0 / mass, *_compute_inner_rates(deck, high)]) * units.time**2
     # the eigensolver returns the modes nearest to an eigenvalue of 1: the dummies must be further
     stiffness = 100 * max(fastest, 1.0) * value
     return [
@@ -195,7 +197,7 @@ def _steps(deck: Deck, mass: float, low: float, high: float, points: int) -> lis
         "5000, 2",
         "*MASS, ELSET=BLOCK",
         text(value),
-        *_dummies(stiffness, value),
+        *_write_dummies(stiffness, value),
         "*NSET, NSET=MOVING",
         "2",
         "*STEP",
@@ -213,7 +215,7 @@ def _steps(deck: Deck, mass: float, low: float, high: float, points: int) -> lis
     ]
 
 
-def _dummies(stiffness: float, mass: float) -> list[str]:
+def _write_dummies(stiffness: float, mass: float) -> list[str]:
     """Masses along x, each on a spring of its own along y."""
     numbers = [1000 + i for i in range(1, 1 + _PADDING)]
     return [

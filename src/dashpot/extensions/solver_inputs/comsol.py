@@ -39,11 +39,11 @@ def comsol(
         does not give it.
     """
     if deck.form == "prony":
-        return _prony(deck, convert_to_si(modulus, "stress"))
-    return _table(deck, si_range(frequency_range, "frequency"), tolerance)
+        return _write_prony(deck, convert_to_si(modulus, "stress"))
+    return _write_table(deck, si_range(frequency_range, "frequency"), tolerance)
 
 
-def _table(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
+def _write_table(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
     units, table = deck.units, deck.table(frequency_range, tolerance)
     rows = np.column_stack(
         (
@@ -65,7 +65,7 @@ def _table(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -
     )
 
 
-def _prony(deck: Deck, modulus: float | None) -> DeckText:
+def _write_prony(deck: Deck, modulus: float | None) -> DeckText:
     long_term, terms = deck.shear(modulus, "COMSOL")
     words = deck.units.words
     return deck.format_text(

@@ -59,19 +59,23 @@ def lsdyna(
     """
     modulus, bulk_modulus = convert_to_si(modulus, "stress"), convert_to_si(bulk_modulus, "stress")
     if deck.form == "prony":
-        return _prony(deck, modulus, bulk_modulus, density)
+        return _write_prony(deck, modulus, bulk_modulus, density)
     if (modulus, bulk_modulus, density) != (None, None, None):
         raise ExportError(
             "modulus, bulk_modulus and density belong to the material card; add --form prony "
             "(Python: form='prony'), or leave them out"
         )
-    return _arms(deck) if line is None else _line(deck, row_of(deck, line, shear), first_id)
+    return (
+        _write_arms(deck)
+        if line is None
+        else _write_line(deck, row_of(deck, line, shear), first_id)
+    )
 
 
 _Material: TypeAlias = tuple[str, list[float | int]]
 
 
-def _linear(deck: Deck) -> list[_Material]:
+def _write_materials(deck: Deck) -> list[_Material]:
     """Return a material for the spring, the dashpot and each arm."""
     materials: list[_Material] = []
     if deck.k_inf > 0:
@@ -84,7 +88,7 @@ def _linear(deck: Deck) -> list[_Material]:
     return materials
 
 
-def _section(number: int) -> list[str]:
+def _format_section(number: int) -> list[str]:
     return [
         "*SECTION_DISCRETE",
         "$#   secid       dro        kd        v0        cl        fd",
@@ -94,7 +98,7 @@ def _section(number: int) -> list[str]:
     ]
 
 
-def _part(number: int, section: int, material: _Material) -> list[str]:
+def _format_part(number: int, section: int, material: _Material) -> list[str]:
     keyword, values = material
     return [
         keyword,
@@ -105,7 +109,7 @@ def _part(number: int, section: int, material: _Material) -> list[str]:
     ]
 
 
-def _parts(
+def _write_parts(
     deck: Deck, row: SpringRow, first_id: int
 ) -> tuple[dict[tuple[int, float], list[int]], list[str]]:
     """Return the numbers of the parts of each way and share, and their cards, each written once."""
@@ -118,13 +122,13 @@ def _parts(
                 continue
             indices: list[int] = []
             parts[direction, shares[direction]] = indices
-            for material in _linear(deck.with_solid(solid)):
+            for material in _write_materials(deck.with_solid(solid)):
                 indices.append(next(numbers))
-                cards += _part(indices[-1], first_id, material)
+                cards += _format_part(indices[-1], first_id, material)
     return parts, cards
 
 
-def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
+def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     """Return the network of each way of each station, along a vector of its own."""
     cards = ["*KEYWORD", "*NODE"]
     for i, station in enumerate(row.stations):
@@ -148,9 +152,9 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
             format_fields(vid, 0, *frame[direction], 0, 0)
             for (frame, direction), vid in vectors.items()
         ),
-        *_section(first_id),
+        *_format_section(first_id),
     ]
-    parts, sentences = _parts(deck, row, first_id)
+    parts, sentences = _write_parts(deck, row, first_id)
     cards += [*sentences, "*ELEMENT_DISCRETE"]
     element = itertools.count(first_id)
     for i, item in enumerate(row.stations):
@@ -175,8 +179,8 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     )
 
 
-def _arms(deck: Deck) -> DeckText:
-    materials = _linear(deck)
+def _write_arms(deck: Deck) -> DeckText:
+    materials = _write_materials(deck)
     # k, kt, fy: no hardening
     materials += [
         ("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.nonlinear_elements.sliders
@@ -198,11 +202,11 @@ def _arms(deck: Deck) -> DeckText:
         "*DEFINE_SD_ORIENTATION",
         "$#     vid       iop        xt        yt        zt      nid1      nid2",
         format_fields(1, 0, 1.0, 0.0, 0.0, 0, 0),
-        *_section(1),
+        *_format_section(1),
     ]
     for number, material in enumerate(materials, start=1):
         cards += [
-            *_part(number, 1, material),
+            *_format_part(number, 1, material),
             "*ELEMENT_DISCRETE",
             f"{number:>8}{number:>8}{1:>8}{2:>8}{1:>8}",
         ]
@@ -219,7 +223,7 @@ def _arms(deck: Deck) -> DeckText:
     )
 
 
-def _prony(
+def _write_prony(
     deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
 ) -> DeckText:
     long_term, terms = deck.shear(modulus, "LS-DYNA")

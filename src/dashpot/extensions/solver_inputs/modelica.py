@@ -30,21 +30,23 @@ def modelica(
     """
     length, _, time, force, _ = deck.units.words
     stiffness, damping = f"{force}/{length}", f"{force}.{time}/{length}"
-    by_stiffness = _factor(deck.units.force / deck.units.length)
-    by_damping = _factor(deck.units.force * deck.units.time / deck.units.length)
+    by_stiffness = _format_factor(deck.units.force / deck.units.length)
+    by_damping = _format_factor(deck.units.force * deck.units.time / deck.units.length)
     parameters, components, connections = [], [], []
     if deck.k_inf > 0:
-        parameters.append(_parameter("k_inf", stiffness, deck.k_inf, "equilibrium stiffness"))
+        parameters.append(
+            _format_parameter("k_inf", stiffness, deck.k_inf, "equilibrium stiffness")
+        )
         components.append(f"  {_LIBRARY}.Components.Spring spring(c={by_stiffness}k_inf);")
         connections += _connect("flange_a", "spring", "flange_b")
     if deck.b > 0:
-        parameters.append(_parameter("b", damping, deck.b, "parallel dashpot"))
+        parameters.append(_format_parameter("b", damping, deck.b, "parallel dashpot"))
         components.append(f"  {_LIBRARY}.Components.Damper damper(d={by_damping}b);")
         connections += _connect("flange_a", "damper", "flange_b")
     for j, (k, tau, _) in enumerate(deck.arms, start=1):
         parameters += [
-            _parameter(f"k_{j}", stiffness, k, f"stiffness of arm {j}"),
-            _parameter(f"tau_{j}", time, tau, f"relaxation time of arm {j}"),
+            _format_parameter(f"k_{j}", stiffness, k, f"stiffness of arm {j}"),
+            _format_parameter(f"tau_{j}", time, tau, f"relaxation time of arm {j}"),
         ]
         components += [
             f"  {_LIBRARY}.Components.Spring spring_{j}(c={by_stiffness}k_{j});",
@@ -76,12 +78,12 @@ def modelica(
     )
 
 
-def _factor(si: float) -> str:
+def _format_factor(si: float) -> str:
     """Return a unit in SI as a factor, and nothing where it is one."""
     return "" if si == 1 else f"{text(si)}*".replace(".*", ".0*")
 
 
-def _parameter(name: str, unit: str, value: float, description: str) -> str:
+def _format_parameter(name: str, unit: str, value: float, description: str) -> str:
     number = text(value)
     number = number.replace(".e", ".0e") if ".e" in number else number
     number += "0" * number.endswith(".")

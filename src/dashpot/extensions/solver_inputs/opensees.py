@@ -104,7 +104,7 @@ def _write_material(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
     materials = _list_materials(deck)
     tags = [str(first_tag + i) for i in range(len(materials) + 1)]
     materials.append(["Parallel", *tags[:-1]])
-    write = _tcl if tcl else _python
+    write = _format_tcl if tcl else _format_python
     return [
         *([] if tcl else _IMPORT),
         *(
@@ -116,7 +116,7 @@ def _write_material(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
 
 def _write_network(deck: Deck, first_tag: int, *, tcl: bool) -> list[str]:
     """Return a material and an element for each spring and dashpot, and a node for each arm."""
-    write = _tcl if tcl else _python
+    write = _format_tcl if tcl else _format_python
     ground, moving, direction = ("$ground", "$moving", "$direction") if tcl else _NAMES
     parts = [
         (material, ground, moving)
@@ -175,7 +175,7 @@ _TCL_HEAD = (
 )
 
 
-def _argument(value: str) -> str:
+def _format_argument(value: str) -> str:
     """Return an argument in Python syntax: kinds and flags are quoted, numbers and names not."""
     is_unquoted = (
         value in _NAMES or value[0].isdigit() or (value[0] == "-" and value[1:2].isdigit())
@@ -183,9 +183,9 @@ def _argument(value: str) -> str:
     return value if is_unquoted else repr(value)
 
 
-def _python(command: str, values: Sequence[str]) -> str:
-    return f"ops.{command}({', '.join(map(_argument, values))})"
+def _format_python(command: str, values: Sequence[str]) -> str:
+    return f"ops.{command}({', '.join(map(_format_argument, values))})"
 
 
-def _tcl(command: str, values: Sequence[str]) -> str:
+def _format_tcl(command: str, values: Sequence[str]) -> str:
     return " ".join([command, *values])

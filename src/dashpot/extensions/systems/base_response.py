@@ -71,7 +71,7 @@ def random_base(
     frequency : array_like, shape (n,), optional
         Hz, of a table; it is 0 outside.
     coupled : float
-        Of mounts that weigh something, the mass that couples both ends, kg
+        For mounts that weigh something, the mass that couples both ends, kg
         (:mod:`dashpot.vibration.mass_on_seals`).
 
     Raises
@@ -89,13 +89,13 @@ def random_base(
                 "white noise through mounts that weigh something has no finite acceleration; give "
                 "a psd over frequencies"
             )
-        if _spread((model,)):
+        if _has_wide_spectrum((model,)):
             peak = model_modes(model, kilograms)[0].frequency
             frequency_range, flat_psd = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
-            return _integrate_table(model, kilograms, *_table(frequency_range, flat_psd), 0.0)
+            return _integrate_table(model, kilograms, *_read_table(frequency_range, flat_psd), 0.0)
         system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
         return random_response(system, response="mass.z", psd=psd)
-    f, table = _table(frequency, psd)
+    f, table = _read_table(frequency, psd)
     return _integrate_table(model, kilograms, f, table, coupled)
 
 
@@ -118,7 +118,7 @@ def random_limits(
     Parameters
     ----------
     model : Solid
-        Of the point value, which lies within.
+        Model of the point value, which lies within.
     limits : callable
         Lowest and highest magnitude, shape (2, n), at lines, Hz, of the transmissibility and of
         the accelerance, 1/kg.
@@ -127,13 +127,13 @@ def random_limits(
     """
     if frequency is None:
         resonance = np.sqrt(model.k_inf / mass) / (2 * np.pi)
-        f, table = _table(np.array(_WHITE) * resonance, np.array([psd, psd], dtype=float))
+        f, table = _read_table(np.array(_WHITE) * resonance, np.array([psd, psd], dtype=float))
     else:
-        f, table = _table(frequency, psd)
+        f, table = _read_table(frequency, psd)
     modes = model_modes(model, mass)
-    at, lines = _lines(f, modes), _lines(f[[0, -1]], modes, _LIMIT_LINES)
-    S = _density(at, f, table)
-    carried, relative = _over_base(model, mass, 2 * np.pi * at, coupled)
+    at, lines = _place_lines(f, modes), _place_lines(f[[0, -1]], modes, _LIMIT_LINES)
+    S = _interpolate_density(at, f, table)
+    carried, relative = _compute_base_ratios(model, mass, 2 * np.pi * at, coupled)
     per_force = limits(lines, Kind.ACCELERANCE) / (2 * np.pi * lines) ** 2
 
     def reach(limits: FloatArray, nominal: ComplexArray) -> tuple[float, float]:
@@ -188,21 +188,21 @@ def random_response(
         As :func:`random_base`; or if a body is held in a motion in which the ground shakes, or
         nothing holds it.
     """
-    follow, participation = _following(system, base, along), system.participation(response)
+    follow, participation = _get_rigid_motion(system, base, along), system.participation(response)
     if frequency is None:
         density = float(np.asarray(psd, dtype=float))
         if not (np.isfinite(density) and density >= 0):
             raise DataError(f"psd = {psd!r}; expected a density >= 0, in (m/s^2)^2/Hz")
-        if _spread(model.linearised_solid for model in system.springs):
+        if _has_wide_spectrum(model.linearised_solid for model in system.springs):
             raise DataError(
                 "the arms of a part reach over more than ten decades of time, too many for white "
                 "noise of the base; give a psd over frequencies"
             )
-        return _white(system, follow, participation, density)
-    f, table = _table(frequency, psd)
+        return _compute_white_response(system, follow, participation, density)
+    f, table = _read_table(frequency, psd)
     modes = complex_modes(system)
-    lines = _lines(f, [m for m in modes if m.oscillates])
-    S = _density(lines, f, table)
+    lines = _place_lines(f, [m for m in modes if m.oscillates])
+    S = _interpolate_density(lines, f, table)
     s, push = 2j * np.pi * lines, system.mass_matrix @ follow
     values = np.zeros(len(lines), dtype=complex)
     for mode in modes:
@@ -214,13 +214,13 @@ def random_response(
     return _integrate_response(lines, S, carried, values)
 
 
-def _spread(solids: Iterable[Solid]) -> bool:
+def _has_wide_spectrum(solids: Iterable[Solid]) -> bool:
     """Return whether arms reach over more decades than a first-order form can hold."""
     times = [tau for solid in solids for tau in solid.maxwell.tau]
     return bool(times) and max(times) > _DECADES * min(times)
 
 
-def _following(system: System, base: str, along: Vector) -> FloatArray:
+def _get_rigid_motion(system: System, base: str, along: Vector) -> FloatArray:
     """Return the rigid motion of the degrees of freedom with a ground, shape (n,)."""
     if base not in system.grounds:
         raise DataError(f"'{base}' is no ground; known: {', '.join(system.grounds)}")
@@ -236,7 +236,7 @@ def _following(system: System, base: str, along: Vector) -> FloatArray:
     return R
 
 
-def _white(
+def _compute_white_response(
     system: System, follow: FloatArray, participation: FloatArray, density: float
 ) -> RandomResponse:
     """Return the response to white noise by the stable states of the first-order form.
@@ -271,10 +271,12 @@ def _white(
     P = np.outer(size, size) * (stable @ variance @ stable.T)
     acceleration_row = participation @ A[n : 2 * n]
     change, speed = (participation @ P[i : i + n, i : i + n] @ participation for i in (0, n))
-    return _response(float(acceleration_row @ P @ acceleration_row), float(change), float(speed))
+    return _make_response(
+        float(acceleration_row @ P @ acceleration_row), float(change), float(speed)
+    )
 
 
-def _table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _read_table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
     f = increasing("frequency", samples("frequency", frequency, minimum=2))
     table = samples("psd", psd, minimum=2)
     same_length(frequency=f, psd=table)
@@ -286,13 +288,15 @@ def _table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, Fl
 def _integrate_table(
     model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
 ) -> RandomResponse:
-    at = _lines(f, model_modes(model, mass))
+    at = _place_lines(f, model_modes(model, mass))
     return _integrate_response(
-        at, _density(at, f, table), *_over_base(model, mass, 2 * np.pi * at, coupled)
+        at,
+        _interpolate_density(at, f, table),
+        *_compute_base_ratios(model, mass, 2 * np.pi * at, coupled),
     )
 
 
-def _over_base(
+def _compute_base_ratios(
     model: Solid, mass: float, w: FloatArray, coupled: float
 ) -> tuple[ComplexArray, ComplexArray]:
     """Transmissibility, and stretch per acceleration of the base, s^2."""
@@ -301,7 +305,9 @@ def _over_base(
     return (K + coupled * w**2) * ratio, (mass + coupled) * ratio
 
 
-def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LINES) -> FloatArray:
+def _place_lines(
+    f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LINES
+) -> FloatArray:
     """Return frequencies over a table, dense about the resonances."""
     grids = [np.geomspace(f[0], f[-1], count), f]
     for mode in modes:
@@ -312,9 +318,9 @@ def _lines(f: FloatArray, modes: Sequence[Mode | ComplexMode], count: int = _LIN
     return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
 
 
-def _density(at: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
+def _interpolate_density(frequency: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore"):
-        return np.exp(np.interp(np.log(at), np.log(f), np.log(table)))
+        return np.exp(np.interp(np.log(frequency), np.log(f), np.log(table)))
 
 
 def _integrate_response(
@@ -322,13 +328,13 @@ def _integrate_response(
 ) -> RandomResponse:
     """Return the response from transmissibility, and relative motion per acceleration."""
     change = np.abs(relative) ** 2
-    return _response(
+    return _make_response(
         float(np.trapezoid(np.abs(carried) ** 2 * S, f)),
         float(np.trapezoid(change * S, f)),
         float(np.trapezoid((2 * np.pi * f) ** 2 * change * S, f)),
     )
 
 
-def _response(acceleration: float, stretch: float, speed: float) -> RandomResponse:
+def _make_response(acceleration: float, stretch: float, speed: float) -> RandomResponse:
     rate = np.sqrt(speed / stretch) / (2 * np.pi) if stretch > 0 else 0.0
     return RandomResponse(float(np.sqrt(acceleration)), float(np.sqrt(stretch)), float(rate))

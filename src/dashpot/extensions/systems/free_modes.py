@@ -29,7 +29,7 @@ class FreeModes(EqualByValue):
     shapes : array, shape (r, p, 3)
         :math:`\phi`, along x, y and z, 1/sqrt(kg).
     damping_ratio : float or array, shape (r,)
-        Of the structure by itself.
+        Damping ratio of the structure by itself.
     source : Source or None
     """
 

@@ -127,14 +127,16 @@ class BalanceEquation:
         ]
         return np.array(forces)
 
-    def solve_from_previous(self, before: ComplexArray | None) -> ComplexArray:
+    def solve_from_previous(self, previous_stretch: ComplexArray | None) -> ComplexArray:
         """Return the stable answer next to that of the line before; the smallest to begin with."""
         if len(self.stretch) > 1:
-            return self._newton(before)
+            return self._newton(previous_stretch)
         answers = [answer for answer in self.all_answers() if self.is_stable(answer)]
-        if before is None or not before.any():
+        if previous_stretch is None or not previous_stretch.any():
             return answers[0]
-        return min(answers, key=lambda e: abs(np.log(max(abs(e[0]), 1e-300) / abs(before[0]))))
+        return min(
+            answers, key=lambda e: abs(np.log(max(abs(e[0]), 1e-300) / abs(previous_stretch[0])))
+        )
 
     def all_answers(self) -> list[ComplexArray]:
         """Return every stretch, the smallest first: |1 + C N(X)| X = |e_0| for the one mount."""
@@ -168,9 +170,9 @@ class BalanceEquation:
             (total.conjugate() * (total + complex(self.compliance[0, 0]) * slope[0])).real > 0
         )
 
-    def _newton(self, before: ComplexArray | None) -> ComplexArray:
+    def _newton(self, previous_stretch: ComplexArray | None) -> ComplexArray:
         starts = [self._stuck(), self.stretch]
-        for start in starts if before is None else [before, *starts]:
+        for start in starts if previous_stretch is None else [previous_stretch, *starts]:
             values = self._descend(np.array(start, dtype=complex))
             if values is not None:
                 return values
@@ -209,19 +211,25 @@ class BalanceEquation:
         return np.asarray(step[: len(e)] + 1j * step[len(e) :])
 
 
-def several_harmonics(
-    rest: LinearSubsystem, line: BalanceEquation, first: ComplexArray, harmonics: tuple[int, ...]
+def solve_several_harmonics(
+    subsystem: LinearSubsystem,
+    line: BalanceEquation,
+    first: ComplexArray,
+    harmonics: tuple[int, ...],
 ) -> tuple[ComplexArray, ComplexArray, float]:
     """First harmonics of stretch and pull, and the largest higher one over the first (AFT)."""
     from scipy.optimize import root  # costs an import that few need
 
-    C = [rest.compliance(h * line.omega) for h in harmonics]
+    C = [subsystem.compliance(h * line.omega) for h in harmonics]
     size, p = float(np.abs(first).max()), len(first)
     transform = AlternatingFrequencyTime(harmonics, _SAMPLES)
 
     def pulls(e: ComplexArray) -> ComplexArray:
         dt, path = 2 * np.pi / line.omega / _SAMPLES, transform.path(e)
-        loops = [_steady(part, dt, item) for part, item in zip(line.friction, path, strict=True)]
+        loops = [
+            _compute_steady_cycle(part, dt, item)
+            for part, item in zip(line.friction, path, strict=True)
+        ]
         return transform.harmonics_of(np.array(loops))
 
     def stretches(z: FloatArray) -> ComplexArray:
@@ -247,7 +255,7 @@ def several_harmonics(
     return e[0], pulls(e)[0], share
 
 
-def _steady(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:
+def _compute_steady_cycle(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:
     """Return force over a cycle once the loop has closed, N, shape (samples,)."""
     state, last = part.start(), np.full(len(path), np.inf)
     for _ in range(_LAPS):

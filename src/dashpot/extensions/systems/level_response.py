@@ -12,7 +12,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.systems.harmonic_balance import (
     LinearSubsystem,
-    several_harmonics,
+    solve_several_harmonics,
     with_friction,
     with_slope,
 )
@@ -123,7 +123,7 @@ def response_at_level(
         answer = before = line.solve_from_previous(before)
         third_harmonic, third_amplitude = line.pull(answer), 0.0
         if len(harmonics) > 1 and answer.any():
-            answer, third_harmonic, third_amplitude = several_harmonics(
+            answer, third_harmonic, third_amplitude = solve_several_harmonics(
                 rest, line, answer, harmonics
             )
         motion = line.without - line.spread @ third_harmonic
@@ -149,7 +149,7 @@ def sweep_mass_at_level(
     )
 
 
-def responses_at(
+def find_all_responses(
     system: System,
     *,
     response: str | Point,
@@ -194,7 +194,7 @@ class Backbone(FrozenArrays):
     Attributes
     ----------
     amplitude : array, shape (n,)
-        Of the stretch of the mount that was asked for, m.
+        Amplitude of the stretch of the mount that was asked for, m.
     frequency : array, shape (n,)
         Natural frequency, Hz.
     damping_ratio : array, shape (n,)

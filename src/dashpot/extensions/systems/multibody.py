@@ -136,7 +136,7 @@ class Mount:
         Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
         leaves it to ``dashpot.systems.response_at_level``.
     name : str
-        Of the part that it belongs to: those of one name share its energy.
+        Name of the part that it belongs to: those of one name share its energy.
     """
 
     solid: Solid
@@ -181,7 +181,7 @@ class ModalSpring:
     Attributes
     ----------
     name : str
-        Of the body.
+        Name of the body.
     linearised_solid : GeneralizedMaxwell
     """
 
@@ -209,7 +209,7 @@ class Point:
     rotary: bool = False
 
 
-def motion_of(point: Point, centre: Vector) -> FloatArray:
+def get_point_motion(point: Point, centre: Vector) -> FloatArray:
     r"""Return the motion of a point by the six motions of its body about `centre`, shape (6,).
 
     .. math:: d \cdot (u + \theta \times r) = d \cdot u + (r \times d) \cdot \theta
@@ -225,7 +225,7 @@ def motion_of(point: Point, centre: Vector) -> FloatArray:
     return np.array((a, b, c, y * c - z * b, z * a - x * c, x * b - y * a))
 
 
-def bent_by(body: Body, point: Point) -> FloatArray:
+def get_modal_motion(body: Body, point: Point) -> FloatArray:
     """Return how the modes of its body move a point along its direction, shape (modes,)."""
     if point.rotary or body.modes is None:
         raise DataError(
@@ -484,9 +484,11 @@ class System:
             raise DataError(f"no body '{place.body}'; the system has {', '.join(bodies)}")
         body = bodies[place.body]
         at = (0.0, 0.0, 0.0) if body is None else body.at
-        motion = dict(zip(MOTIONS, motion_of(place, at), strict=True))
+        motion = dict(zip(MOTIONS, get_point_motion(place, at), strict=True))
         if body is not None and body.modes:
-            motion |= zip(body.motions[len(body.free) :], bent_by(body, place), strict=True)
+            motion |= zip(
+                body.motions[len(body.free) :], get_modal_motion(body, place), strict=True
+            )
         for name, value in motion.items():
             dof = f"{place.body}.{name}"
             if dof in names:  # a motion that is held does not move the point

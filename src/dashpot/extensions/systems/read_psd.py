@@ -48,7 +48,7 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
     """
     matched_text = _TYPED.match(str(text))
     if matched_text and not Path(text).is_file():
-        return BasePSD(float(matched_text[1]) * _factor(matched_text[2], f"'{text}'"))
+        return BasePSD(float(matched_text[1]) * _get_unit_factor(matched_text[2], f"'{text}'"))
     with channels.open_file(text, options) as file:
         (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
         other_columns = [
@@ -63,7 +63,7 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
                 f"{list_columns(file.table.columns)}"
             )
         column = file.table.columns[other_columns[0]]
-        factor = _factor(column.unit or "", f"'{column.label(other_columns[0] + 1)}'")
+        factor = _get_unit_factor(column.unit or "", f"'{column.label(other_columns[0] + 1)}'")
         hertz = file.unit(lines.index, "frequency")
         loaded_columns = channels.load(
             file.table, [lines.index, other_columns[0]], file.options.segment
@@ -79,7 +79,7 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
         )
 
 
-def _factor(word: str, source: str) -> float:
+def _get_unit_factor(word: str, source: str) -> float:
     """Return what one of a unit is in (m/s^2)^2/Hz."""
     unit_text = word.strip()
     if unit_text in _CUBED:

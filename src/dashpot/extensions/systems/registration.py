@@ -48,7 +48,7 @@ EXTENSION = Extension(
             "dashpot.extensions.systems.door.population:DoorPopulation": "dashpot.extensions.systems.door.population_figure:lay_out_population",
             "dashpot.extensions.systems.door.result:DoorResult": "dashpot.extensions.systems.door.app_page:page",
         },
-        "mounts": {"dashpot.extensions.systems.door.seal_line:SealLine": "dashpot.extensions.systems.door.mounts:line_mounts"},
+        "mounts": {"dashpot.extensions.systems.door.seal_line:SealLine": "dashpot.extensions.systems.door.mounts:make_line_mounts"},
         "text": {
             "dashpot.extensions.systems.door.population:DoorPopulation": "dashpot.extensions.systems.door.population_text:render_population",
             "dashpot.extensions.systems.door.leak_result:LeakResult": "dashpot.extensions.systems.door.leak_text:render_leak",

@@ -13,24 +13,26 @@ from dashpot.extensions.systems.read_psd import read_psd
 from dashpot.workflow.frf_prediction import MountedMass, ShakenMass
 
 
-def shake_mass(on: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | None) -> ShakenMass:
+def shake_mass(
+    mounted_mass: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | None
+) -> ShakenMass:
     """Return what a base that shakes at random does to a mass on seals, and at most.
 
     Parameters
     ----------
-    on : MountedMass
+    mounted_mass : MountedMass
     psd : str
         A file, or a word such as ``"0.01g^2/Hz"``.
     bounded : callable or None
         What bounds the FRF by the relaxation tests.
     """
     base = read_psd(psd)
-    f, mass, coupled = base.frequency, on.load.mass, on.load.coupled
+    f, mass, coupled = base.frequency, mounted_mass.load.mass, mounted_mass.load.coupled
     options: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
-    response, limits = random_base(on.solid, mass=mass, **options), None
+    response, limits = random_base(mounted_mass.solid, mass=mass, **options), None
     if bounded is not None:
         limits = random_limits(
-            on.solid,
+            mounted_mass.solid,
             lambda at, kind: bounded(frequency=at, kind=kind).unmeasured,
             mass=mass,
             **options,

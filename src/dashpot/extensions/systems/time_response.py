@@ -177,18 +177,22 @@ def respond(
     t = increasing("time", samples("time", time, minimum=2))
     F = np.zeros((len(system.dofs), len(t)))
     for point, values in (force or {}).items():
-        F += np.outer(system.participation(point), _history(f"force at {point}", values, t))
+        F += np.outer(
+            system.participation(point), _validate_history(f"force at {point}", values, t)
+        )
     u = np.zeros((len(system.base_dofs), len(t)))
     for name, values in (base or {}).items():
         if name not in system.base_dofs:
             raise DataError(f"'{name}' is no ground motion; known: {', '.join(system.base_dofs)}")
-        u[system.base_dofs.index(name)] += _history(f"motion of {name}", values, t)
+        u[system.base_dofs.index(name)] += _validate_history(f"motion of {name}", values, t)
     moving = np.flatnonzero(np.abs(u).max(axis=1) > 0).tolist()
     form = state_space(system, moving=moving)
-    return _observe(system, form, t, inputs=(F, u), states=_march(form, t, F, u[moving]))
+    return _observe_outputs(
+        system, form, t, inputs=(F, u), states=_march_states(form, t, F, u[moving])
+    )
 
 
-def _march(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> FloatArray:
+def _march_states(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> FloatArray:
     """Return the states at every sample, shape (states, t)."""
     steps = np.diff(t)
     slope = np.diff(u, axis=1) / steps
@@ -202,13 +206,13 @@ def _march(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray) -> Flo
     for i, step in enumerate(steps):
         h = float(f"{step:.13g}")  # equal steps differ by rounding
         if h not in exact:
-            exact[h] = _step(form.A, B, h)
+            exact[h] = _compute_step_matrices(form.A, B, h)
         free, hold, ramp = exact[h]
         z[:, i + 1] = free @ z[:, i] + hold @ start[:, i] + ramp @ derivative[:, i]
     return z
 
 
-def _observe(
+def _observe_outputs(
     system: System,
     form: StateSpace,
     t: FloatArray,
@@ -230,7 +234,9 @@ def _observe(
     return Motion(t, system.dofs, z[:n], z[n : 2 * n], np.asarray(acceleration), tension)
 
 
-def _step(A: FloatArray, B: FloatArray, h: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _compute_step_matrices(
+    A: FloatArray, B: FloatArray, h: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     r"""Exact step: :math:`e^{Ah}`, and what a constant and a rising input add over h."""
     from scipy.linalg import expm
 
@@ -243,7 +249,7 @@ def _step(A: FloatArray, B: FloatArray, h: float) -> tuple[FloatArray, FloatArra
     return exponential[:n, :n], exponential[:n, n : n + m], exponential[:n, n + m :]
 
 
-def _history(owner: str, values: npt.ArrayLike, t: FloatArray) -> FloatArray:
+def _validate_history(owner: str, values: npt.ArrayLike, t: FloatArray) -> FloatArray:
     history = samples(owner, values)
     same_length(time=t, **{owner: history})
     return history
@@ -312,7 +318,7 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     # rounding may leave a hair of an imaginary part on a real pole
     tolerance = 1e-9 * np.abs(poles) + 1e-13 * np.abs(poles).max()
     poles = np.where(np.abs(poles.imag) <= tolerance, poles.real, poles)
-    rigid = _rigid_below(system)
+    rigid = _get_rigid_pole_limit(system)
     indices = np.flatnonzero((poles.imag >= 0) & (np.abs(poles) > rigid))
     with np.errstate(all="ignore"):  # the slope of an arm at its own rate
         slopes = system.spring_slope(poles[indices])
@@ -322,7 +328,7 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
         )
         for i, slope in zip(indices.tolist(), slopes, strict=True)
     ]
-    return tuple(sorted(modes, key=lambda m: (not m.oscillates, abs(m.pole) * _sign(m))))
+    return tuple(sorted(modes, key=lambda m: (not m.oscillates, abs(m.pole) * _get_sign(m))))
 
 
 def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode, ...]:
@@ -337,8 +343,8 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
     results: list[complex] = []
     modes = []
     for start in _find_newton_starts(system):
-        s, is_near = _newton(system, start, results, iterations, 1e-6)
-        s, is_converged = _newton(system, s, results, iterations, 1e-14)
+        s, is_near = _refine_pole(system, start, results, iterations, 1e-6)
+        s, is_converged = _refine_pole(system, s, results, iterations, 1e-14)
         s = s if s.imag >= 0 else s.conjugate()
         results.append(s)
         vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
@@ -366,7 +372,7 @@ def _find_newton_starts(system: System) -> list[complex]:
     return starts
 
 
-def _newton(
+def _refine_pole(
     system: System, s: complex, results: list[complex], iterations: int, tolerance: float
 ) -> tuple[complex, bool]:
     best = np.inf
@@ -374,7 +380,7 @@ def _newton(
         if any(min(abs(s - p), abs(s - p.conjugate())) < _THERE * abs(s) for p in results):
             s += _ASIDE * abs(s)
         try:
-            derivative = _derivative(system, s, system.spring_slope(s))
+            derivative = _compute_derivative(system, s, system.spring_slope(s))
             change = np.linalg.solve(system.dynamic_stiffness(s), derivative)
         except np.linalg.LinAlgError:  # singular to the last digit: this is the pole
             return s, True
@@ -391,7 +397,7 @@ def _newton(
     return s, False
 
 
-def _derivative(system: System, s: complex, slopes: ComplexArray) -> ComplexArray:
+def _compute_derivative(system: System, s: complex, slopes: ComplexArray) -> ComplexArray:
     """dD/ds: 2 s M + E^T K'(s) E."""
     E = system.stretch
     return np.asarray(2 * s * system.mass_matrix + (E.T * slopes) @ E)
@@ -402,12 +408,12 @@ def _normalise_shape(
 ) -> ComplexArray:
     """Return the shape; 0 of a relaxation so near that of its arm that nothing moves."""
     with np.errstate(all="ignore"):
-        size = complex(vector @ _derivative(system, s, slopes) @ vector)
+        size = complex(vector @ _compute_derivative(system, s, slopes) @ vector)
         shape = np.asarray(vector / np.sqrt(size))
     return shape if np.isfinite(shape).all() else np.zeros_like(vector)
 
 
-def _rigid_below(system: System) -> float:
+def _get_rigid_pole_limit(system: System) -> float:
     """Size of a pole, 1/s, below which it is 0, if the system has motions that stretch no spring.
 
     Otherwise less than any.
@@ -420,5 +426,5 @@ def _rigid_below(system: System) -> float:
     return float(np.sqrt(_RIGID * glass / inertia))
 
 
-def _sign(mode: ComplexMode) -> int:
+def _get_sign(mode: ComplexMode) -> int:
     return 1 if mode.oscillates else -1

@@ -9,11 +9,11 @@ import click
 
 from dashpot import workflow
 from dashpot.cli import _options as options
-from dashpot.cli._command import group, mark_advanced, opt, refuse_others, verb
+from dashpot.cli._command import group, mark_advanced, opt, refuse_options, verb
 from dashpot.cli._command_files import (
     PAGE_SUFFIXES,
     detect_file_kinds,
-    kinds_of,
+    get_file_kinds,
     print_detected_kinds,
 )
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
@@ -49,7 +49,7 @@ _MEASURED_KINDS = f"{_FRF} {_BASE} {_SWEEP_KINDS}"
 A force over a motion is the direct method, a transmissibility with the mass on
 the mount the indirect one. Of a fit, --mass shows what an indirect test would
 give.""",
-    options.files("FRF|FIT", "path", several=False),
+    options.file_argument("FRF|FIT", "path", multiple=False),
     group(
         "Mount",
         opt("--mass", type=WithUnit("mass"), metavar="MASS", kinds=f"{_BASE} {_FIT}",
@@ -82,11 +82,11 @@ give.""",
                 help="Temperature; of a fit, it is shifted there."),
             opt("--compression", type=WithUnit("length"), metavar="LENGTH", kinds=_FIT,
                 help="Compression at which the tangent is taken."),
-            options.relative(_BASE),
+            options.relative_motion_option(_BASE),
         ),
     ),
-    options.reading(),
-    options.result(
+    options.reading_options(),
+    options.result_options(
         "Page .html, third octaves .csv, document .json.", ".html", ".htm", ".csv", ".json"
     ),
     group(options.RESULT, mark_advanced(opt("--lines", help="With -o FILE.csv: the lines."))),
@@ -111,11 +111,11 @@ def command(
     if lines and not (output or "").lower().endswith(".csv"):
         raise click.UsageError("--lines is for a table of the lines: add -o FILE.csv")
     detections = detect_file_kinds([path], options)
-    kind = kinds_of(detections, options)[path]
+    kind = get_file_kinds(detections, options)[path]
     is_on_base = options.base_acceleration is not None
     kind = _BASE if is_on_base else kind
     choices = {name: value for name, value in choices.items() if value is not None}
-    refuse_others(command, click.get_current_context(), {path: kind})
+    refuse_options(command, click.get_current_context(), {path: kind})
     if kind == _FIT:
         tests = prepared_files(records, options=options) if records else ()
         sheet = compute_transfer_stiffness(workflow.read_fit(path), record=tests, **choices)

@@ -146,7 +146,7 @@ def estimate_line_noise(stiffness: ComplexArray) -> float:
     Parameters
     ----------
     stiffness : complex array, shape (n,)
-        Of neighbouring lines.
+        Stiffness of neighbouring lines.
     """
     if len(stiffness) < LEAST_LINES:
         return 0.0

@@ -62,7 +62,7 @@ class SensorErrors(NamedTuple):
     phase : float
         Between them, rad.
     mass : float or None
-        Of the blocking mass, kg; None is 1 % of it.
+        Mass of the blocking mass, kg; None is 1 % of it.
     """
 
     gain: float = RELATIVE_ERROR
@@ -135,9 +135,9 @@ def compute_transfer_stiffness(
     preload, temperature : float or str, optional
         N and K, as the sheet states them; to the temperature a fit is shifted.
     compression : float or str, optional
-        Of a fit: at which the tangent is taken, m.
+        For a fit: at which the tangent is taken, m.
     seals : float
-        Of a fit: how many in parallel.
+        For a fit: how many in parallel.
     record : RelaxationTest, RampHold or sequence of them
         Behind the fit: the limits then hold every arm that it does not exclude.
 
@@ -401,7 +401,7 @@ def _assemble(
     transmissibility : complex array, shape (n,), or None
         Output over input.
     own_checks : tuple of Check
-        Of noise and flange.
+        Checks of noise and flange.
     """
     standard, corrected = formulas
     lines = corrected if request.exact else standard

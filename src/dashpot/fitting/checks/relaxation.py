@@ -416,7 +416,7 @@ def hold_and_full_agree(
 
 @criterion("change of a parameter", "<=", 0.01, "our choice; cut-off >= 5/tau_1, not causal")
 def filter_bias(
-    by: Filter | None,
+    applied_filter: Filter | None,
     changes: Mapping[str, Mapping[str, float]] | str = "",
     fastest: float = np.inf,
 ) -> Finding:
@@ -425,20 +425,22 @@ def filter_bias(
     `changes` holds that of each parameter by method, or says why there is none; `fastest` is the
     shortest relaxation time, s.
     """
-    if by is None:
+    if applied_filter is None:
         return Finding("The record is not filtered")
     if isinstance(changes, str):
         return Finding(
-            f"The error that {by} makes is not known. The raw record has no fit: {changes}",
+            f"The error that {applied_filter} makes is not known. The raw record has no fit: "
+            f"{changes}",
             remedy=Remedy("Leave the filter out.", "filter"),
             always_fails=True,
         )
-    is_slow_filter = by.kind == "lowpass" and by.cutoff < 5 / fastest
+    is_slow_filter = applied_filter.kind == "lowpass" and applied_filter.cutoff < 5 / fastest
     message = (
-        f"{by} changes, by eq. 5 on the hold, {_format_changes(changes['hold'])}. With the "
+        f"{applied_filter} changes, by eq. 5 on the hold, {_format_changes(changes['hold'])}. With "
+        "the "
         "whole record "
     )
-    if by.linear:
+    if applied_filter.linear:
         largest_change = max(changes["full"].values(), key=abs)
         message += (
             f"it changes at most {100 * largest_change:+.3g} %, because the displacement is "
@@ -448,13 +450,13 @@ def filter_bias(
         message += f"it changes {_format_changes(changes['full'])}"
     if is_slow_filter:
         message += f". The cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
-    if by.causal:
+    if applied_filter.causal:
         message += ". A causal filter delays the force"
     return Finding(
         message,
         max(abs(change) for entry in changes.values() for change in entry.values()),
         remedy=Remedy("Fit the raw record.", "filter"),
-        always_fails=is_slow_filter or by.causal,
+        always_fails=is_slow_filter or applied_filter.causal,
     )
 
 

@@ -58,13 +58,13 @@ def fractional_model_suffices(ratio: float, arms: int) -> Finding:
 @criterion(
     "frequency from which they differ, Hz", ">", HEARD, "2 % of stiffness, 10 % of loss factor"
 )
-def model_families_distinguished(other: Alternative | None) -> Finding:
+def model_families_distinguished(alternative: Alternative | None) -> Finding:
     """No other family of models fits the data and predicts another response."""
-    if other is None or not other.is_sufficient:
+    if alternative is None or not alternative.is_sufficient:
         return Finding("No other family of models explains the data as well", always_passes=True)
     return Finding(
-        other.message,
-        other.differs_from_hz,
+        alternative.message,
+        alternative.differs_from_hz,
         remedy="Add a hammer test.",
-        always_passes=other.differs_from_hz is None,
+        always_passes=alternative.differs_from_hz is None,
     )

@@ -85,9 +85,9 @@ class ArmColumns:
             np.array([high + SOUGHT, ALPHA[1]]),
         )
 
-    def weights(self, at: FloatArray) -> Weights:
+    def weights(self, element: FloatArray) -> Weights:
         """Return weights of the arms that stand for an element."""
-        return weights_at(self.log_tau - at[0], float(at[1]))
+        return weights_at(self.log_tau - element[0], float(element[1]))
 
     @cached_property
     def problem(self) -> Problem:
@@ -297,7 +297,7 @@ class AlternativeFamily(NamedTuple):
     residual : float
         Standard deviation of what the best of the family taken leaves, over that of this.
     bic : float
-        Of this, less that of the family taken.
+        BIC of this, less that of the family taken.
     explains : bool
         What this leaves may be chance, or BIC does not distinguish the two.
     """
@@ -454,7 +454,7 @@ def with_linear_fractional(
     residuals : sequence of array
         What it leaves of each test, up to the end of the hold, N.
     fit : FractionalFit
-        Of the same tests.
+        Fit of the same tests.
     """
     pairs = [
         (residual[-min(len(residual), len(other)) :], other[-min(len(residual), len(other)) :])
@@ -522,7 +522,7 @@ def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray
 
 def build_alternative(
     own_solid: Solid,
-    other: Solid,
+    other_solid: Solid,
     bic_difference: float,
     band: tuple[float, float],
     *,
@@ -533,7 +533,7 @@ def build_alternative(
 
     Parameters
     ----------
-    own_solid, other : Solid
+    own_solid, other_solid : Solid
     bic_difference : float
         BIC of the other, less that of the fit's own.
     band : (float, float)
@@ -543,11 +543,11 @@ def build_alternative(
     extra : str
         What would distinguish the two.
     """
-    frequency = divergence_frequency(own_solid, other, band)
-    if isinstance(other, FractionalZener):
-        name = f"a fractional model (alpha = {other.alpha:.3g})"
+    frequency = divergence_frequency(own_solid, other_solid, band)
+    if isinstance(other_solid, FractionalZener):
+        name = f"a fractional model (alpha = {other_solid.alpha:.3g})"
     else:
-        arms = other.maxwell.arms
+        arms = other_solid.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
     both_text = f"{name} explains the data too (BIC {bic_difference:+.3g})"
     if not explains:
@@ -557,7 +557,8 @@ def build_alternative(
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (
-            complex(item.complex_stiffness(omega=2 * np.pi * at)) for item in (own_solid, other)
+            complex(item.complex_stiffness(omega=2 * np.pi * at))
+            for item in (own_solid, other_solid)
         )
         advice = sentence(f"{extra} separates them")
         message = (
@@ -565,4 +566,4 @@ def build_alternative(
             f"is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
             f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
         )
-    return Alternative(other, bic_difference, explains, frequency, sentence(message))
+    return Alternative(other_solid, bic_difference, explains, frequency, sentence(message))

@@ -131,7 +131,8 @@ def explain_discrepancy(
     refit : callable
         The best candidate, over numbers of arms, of a problem.
     law : ElasticLaw, optional
-        Of the relaxation test: a stiffness it has somewhere is that of another compression.
+        Elastic law of the relaxation test: a stiffness it has somewhere is that of another
+        compression.
     compression : float, optional
         Where the seals under the hammer were supposed to be, m.
     """
@@ -292,7 +293,7 @@ def _refit_at_scale(candidate: Candidate, scale: float) -> Candidate:
 def _build_explanation(
     cause: DiscrepancyCause,
     candidate: Candidate,
-    before: Candidate,
+    original: Candidate,
     law: ElasticLaw | None,
     compression: float | None,
     *,
@@ -300,7 +301,7 @@ def _build_explanation(
 ) -> Explanation:
     explains = not is_contradicted(candidate)
     value, error = _read_free_quantity(candidate, cause.quantity)
-    supposed = float(getattr(before.problem.priors, cause.quantity).mean)
+    supposed = float(getattr(original.problem.priors, cause.quantity).mean)
     message = cause.phrase
     if explains and is_leading:
         message = _SENTENCES[cause.quantity](value, error)
@@ -316,7 +317,7 @@ def _build_explanation(
         standard_error=error,
         unit=cause.unit,
         relative_deviation=value / supposed - 1,
-        deviance_fall=before.cost - candidate.cost,
+        deviance_fall=original.cost - candidate.cost,
         is_sufficient=explains,
         message=message,
     )

@@ -118,10 +118,10 @@ def chosen_rival(
 
 
 def reselect_family(
-    family_rival: AlternativeCandidate, free: Callable[[Candidate], Candidate]
+    family_rival: AlternativeCandidate, refit_freed: Callable[[Candidate], Candidate]
 ) -> AlternativeCandidate:
     """Return the same two fits with the contradicted quantity free: a wrong mass misleads."""
-    best, other = free(family_rival.best), free(family_rival.other)
+    best, other = refit_freed(family_rival.best), refit_freed(family_rival.other)
     return AlternativeCandidate(best, other, _explains(other, best))
 
 
@@ -133,7 +133,7 @@ def is_at_bound(candidate: Candidate) -> bool:
 
 
 def family_checks(
-    best: Candidate, alternative: AlternativeCandidate | None, other: Alternative | None
+    best: Candidate, alternative: AlternativeCandidate | None, rival: Alternative | None
 ) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     all_checks = []
@@ -147,7 +147,7 @@ def family_checks(
             all_checks.append(
                 fractional_model_suffices(alternative.worst_misfit_ratio, alternative.other.arms)
             )
-    return all_checks if alternative is None else [*all_checks, model_families_distinguished(other)]
+    return all_checks if alternative is None else [*all_checks, model_families_distinguished(rival)]
 
 
 def _compute_misfits(candidate: Candidate) -> np.ndarray:
@@ -155,9 +155,9 @@ def _compute_misfits(candidate: Candidate) -> np.ndarray:
     return np.array([candidate.line_misfit, *candidate.relaxation_chi2])
 
 
-def _explains(other: Candidate, best: Candidate) -> bool:
-    extra_parameters = len(best.theta) - len(other.theta)
-    bic_difference = other.bic - best.bic
+def _explains(rival: Candidate, best: Candidate) -> bool:
+    extra_parameters = len(best.theta) - len(rival.theta)
+    bic_difference = rival.bic - best.bic
     deviance_fall = bic_difference + extra_parameters * float(np.log(best.samples))
     return bic_difference < VERY_STRONG or not is_significant_fall(
         deviance_fall, max(extra_parameters, 1)
@@ -250,9 +250,9 @@ def build_identified_fit(
     *,
     frf: FRF,
     tests: Sequence[RampHold],
-    before: Fit | None,
+    earlier_fit: Fit | None,
     fit: Fit | None,
-    doubtful: Sequence[RelaxationData],
+    doubtful_tests: Sequence[RelaxationData],
     request: int | str,
     requested_arms: int,
     discrepancy: Discrepancy | None,
@@ -262,17 +262,17 @@ def build_identified_fit(
 ) -> Fit:
     """Return the fit of one seal, with everything needed to judge it.
 
-    `before` is what was known of the seal before the hammer, `fit` that of the same family;
-    `doubtful` are its tests with all that their rigs may have done without a trace.
+    `earlier_fit` is what was known of the seal before the hammer, `fit` that of the same family;
+    `doubtful_tests` are its tests with all that their rigs may have done without a trace.
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
-    unmeasured = _compute_rig_sensitivity(best, physical, doubtful, rig)
+    unmeasured = _compute_rig_sensitivity(best, physical, doubtful_tests, rig)
     if discrepancy is not None:
         # which of the two solids is right is a doubt of its own
         physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
     residual, samples = _residual(best)
-    band = data_band(best, before)
+    band = data_band(best, earlier_fit)
     other = None if family_rival is None else family_rival.alternative(band)
     estimate = ParameterEstimate(
         names,
@@ -283,18 +283,18 @@ def build_identified_fit(
     )
     in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
     errors = (np.inf, np.inf)
-    if before is None and isinstance(best.problem.sought, Arms):
+    if earlier_fit is None and isinstance(best.problem.sought, Arms):
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
-        *_checks(best, covariance, before, discrepancy, errors),
+        *_checks(best, covariance, earlier_fit, discrepancy, errors),
         *family_checks(best, family_rival, other),
         *dashpot,
     )
     of_noise, estimate = estimate, estimate.with_rig(unmeasured)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
     all_checks = (*all_checks, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
-    end = end_of_data(best, before, estimate)
-    law = None if before is None else before.elastic_law
+    end = end_of_data(best, earlier_fit, estimate)
+    law = None if earlier_fit is None else earlier_fit.elastic_law
     return build_fit(
         SolidEstimate(
             point.model,
@@ -315,18 +315,18 @@ def build_identified_fit(
             band_error=known_there,
         ),
         Provenance(
-            "joint" if tests or before is not None else "frf",
+            "joint" if tests or earlier_fit is not None else "frf",
             (*frf.source, *sources_of(tests)),
             (*frf.steps, *steps_of(tests), _step(best)),
-            _specimen(tests, before),
+            _specimen(tests, earlier_fit),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
-        temperatures=None if before is None else _shifts(before),
+        temperatures=None if earlier_fit is None else _shifts(earlier_fit),
     )
 
 
 def end_of_data(
-    best: Candidate, before: Fit | None, estimate: ParameterEstimate
+    best: Candidate, earlier_fit: Fit | None, estimate: ParameterEstimate
 ) -> EndOfHold | None:
     r"""Return what the tests leave open of the stiffness at rest; None where nothing bounds it.
 
@@ -335,8 +335,8 @@ def end_of_data(
     :math:`K' - k_\infty = \sum_j k_j \omega^2\tau_j^2/(1 + \omega^2\tau_j^2) \ge 0`.
     """
     solid = best.point.model
-    if before is not None and before.evidence.end_of_hold is not None:
-        return before.evidence.end_of_hold.widen_to_contain(solid)
+    if earlier_fit is not None and earlier_fit.evidence.end_of_hold is not None:
+        return earlier_fit.evidence.end_of_hold.widen_to_contain(solid)
     of_arms = estimate.convert_to_arms(solid) if isinstance(solid, FractionalZener) else estimate
     model = solid.maxwell
     rows = [of_arms.parameters.index(name) for name in parameter_names(model.arms)]
@@ -357,19 +357,19 @@ def end_of_data(
     ).widen_to_contain(solid)
 
 
-def _shifts(before: Fit) -> TemperatureShifts | None:
+def _shifts(earlier_fit: Fit) -> TemperatureShifts | None:
     """Return how the solid of the relaxation tests moves with temperature; the hammer is of one."""
-    shifts = before.temperatures
+    shifts = earlier_fit.temperatures
     return None if shifts is None else replace(shifts, cross=shifts.cross[-1:])
 
 
-def _specimen(tests: Sequence[RampHold], before: Fit | None) -> Specimen:
+def _specimen(tests: Sequence[RampHold], earlier_fit: Fit | None) -> Specimen:
     """Return the piece that the relaxation tests were made on."""
-    if before is not None and before.temperatures is not None:
-        return before.specimen
+    if earlier_fit is not None and earlier_fit.temperatures is not None:
+        return earlier_fit.specimen
     if tests:
         return max(tests, key=lambda test: test.depth).specimen
-    return Specimen() if before is None else before.specimen
+    return Specimen() if earlier_fit is None else earlier_fit.specimen
 
 
 def _physical(
@@ -399,7 +399,7 @@ def _physical(
 def _compute_rig_sensitivity(
     best: Candidate,
     covariance: FloatArray,
-    doubtful: Sequence[RelaxationData],
+    doubtful_tests: Sequence[RelaxationData],
     rig: HammerRig,
 ) -> FloatArray:
     r"""Return the errors of the solid by the rigs of relaxation and hammer test, shape (p, d).
@@ -409,7 +409,7 @@ def _compute_rig_sensitivity(
     was moved by.
     """
     size = len(covariance)
-    gradients = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful]
+    gradients = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful_tests]
     before = best.problem.constraints.before
     if before is not None and best.problem.earlier is not None:
         earlier_indices, _, root = best.problem.earlier
@@ -434,9 +434,9 @@ def _slope_of_physical(best: Candidate) -> FloatArray:
     return slope
 
 
-def _compute_rig_covariance_root(before: Fit, best: Candidate) -> FloatArray:
+def _compute_rig_covariance_root(earlier_fit: Fit, best: Candidate) -> FloatArray:
     """A root of what rigs add to the covariance of an earlier fit, in the rows that are kept."""
-    estimate = before.estimate
+    estimate = earlier_fit.estimate
     rows = best.problem.earlier_rows
     added_covariance = (estimate.covariance - estimate.noise_only.covariance)[np.ix_(rows, rows)]
     values, vectors = np.linalg.eigh(added_covariance)
@@ -510,12 +510,14 @@ def _find_loss_factor_band(
     )
 
 
-def data_band(best: Candidate, before: Fit | None) -> tuple[float, float]:
+def data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
     """Return the valid band: an octave about the peak, and that of the relaxation test."""
     frf_data = best.problem.frf_data
     low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
     high = min(frf_data.peak_hz * 2, float(frf_data.lines.frequency[-1]))
-    return (low, high) if before is None else (min(low, before.band[0]), max(high, before.band[1]))
+    return (
+        (low, high) if earlier is None else (min(low, earlier.band[0]), max(high, earlier.band[1]))
+    )
 
 
 def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
@@ -552,7 +554,7 @@ def _step(best: Candidate) -> Step:
 
 
 def _compare_parameters(
-    before: Fit,
+    earlier_fit: Fit,
     solid: Solid,
     names: tuple[str, ...],
     covariance: FloatArray,
@@ -560,22 +562,22 @@ def _compare_parameters(
 ) -> tuple[ParameterChange, ...]:
     """Return each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
-    of_noise = before.estimate.noise_only.covariance
+    of_noise = earlier_fit.estimate.noise_only.covariance
     old, new = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
-        for rows, matrix in ((before.estimate.parameters, of_noise), (names, covariance))
+        for rows, matrix in ((earlier_fit.estimate.parameters, of_noise), (names, covariance))
     )
     # title and unit, then value and row before and after
     if isinstance(solid, FractionalZener):
         rows: list[tuple[str, str, float | None, str, float, str]] = [
-            (name, unit, getattr(before.solid, name), row, getattr(solid, name), row)
+            (name, unit, getattr(earlier_fit.solid, name), row, getattr(solid, name), row)
             for name, unit, row in (
                 ("k_inf", "N/m", "k_inf"), ("k_0", "N/m", "k_0"), ("tau", "s", "ln_tau"),
                 ("alpha", "1", "alpha"),
             )
         ]  # fmt: skip
     else:
-        first, last = before.model, solid.maxwell
+        first, last = earlier_fit.model, solid.maxwell
         rows = [("k_inf", "N/m", first.k_inf, "k_inf", last.k_inf, "k_inf")]
         partner = _partners(first.tau, last.tau)
         for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
@@ -585,7 +587,7 @@ def _compare_parameters(
             rows.append((f"k_{j + 1}", "N/m", k0, f"k_{arm_number}", k, f"k_{j + 1}"))
             rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{arm_number}", tau, f"ln_tau_{j + 1}"))
     if solid.maxwell.b > 0:
-        rows.append(("b", "N s/m", before.model.b, "", solid.maxwell.b, "b"))
+        rows.append(("b", "N s/m", earlier_fit.model.b, "", solid.maxwell.b, "b"))
 
     def error(errors: dict[str, float], row: str, value: float) -> float:
         return errors[row] * (value if row.startswith("ln_") else 1.0)
@@ -602,7 +604,7 @@ def _compare_parameters(
                     value_after,
                     None,
                     unit,
-                    before.intervals()["k_inf"][1],
+                    earlier_fit.intervals()["k_inf"][1],
                     upper_limit,
                 )
             )
@@ -638,14 +640,14 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
 def _checks(
     best: Candidate,
     covariance: FloatArray,
-    before: Fit | None,
+    earlier_fit: Fit | None,
     discrepancy: Discrepancy | None,
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
     lead = None if discrepancy is None else discrepancy.explanations[0]
     all_checks = [optimum_found(stationary=best.optimum.stationary)]
     requested_checks = agreement(best, None if discrepancy is None else discrepancy.priors)
-    if before is not None:
+    if earlier_fit is not None:
         check = checks.tests_agree(lead)
         if lead is not None and lead.is_sufficient:
             # what follows from the cause is no graver than the cause
@@ -660,7 +662,7 @@ def _checks(
     if isinstance(best.problem.sought, Arms):
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
-        new = 0 if before is None else arms - before.model.arms
+        new = 0 if earlier_fit is None else arms - earlier_fit.model.arms
         resolved_check = checks.arms_identified(
             arms, worst, unknown=best.unknown, new=new, in_band=in_band
         )

@@ -42,7 +42,7 @@ class FRFData:
     kind : Kind
         What was measured.
     weighed_mass : float or None
-        Of a motion over a base, the mass with which it was made an accelerance, kg.
+        For a motion over a base, the mass with which it was made an accelerance, kg.
     reach : float
         How many times slower than the lowest line an arm may be to be determined.
     """
@@ -81,18 +81,23 @@ class FRFData:
         return np.asarray(line_gain * (share * response.accelerance - base) + base)
 
     def slopes(
-        self, response: Response, gain: float, delay: float, by: ComplexArray
+        self, response: Response, gain: float, delay: float, columns: ComplexArray
     ) -> tuple[ComplexArray, ...]:
         """Return derivative of :meth:`predict` by some parameters, and by ln m beside, ln g and d.
 
-        `by` is that of the accelerance by those parameters, shape (n, q).
+        `columns` is that of the accelerance by those parameters, shape (n, q).
         """
         share, base = self._over_base(response.mass)
         line_gain = gain * np.exp(-self.lines.s * delay)
         moving = line_gain * share * response.accelerance
         moving_part = moving - line_gain * base
         extra = moving if self.weighed_mass is not None else 0 * moving
-        return (line_gain * share)[:, None] * by, extra, moving_part, -self.lines.s * moving_part
+        return (
+            (line_gain * share)[:, None] * columns,
+            extra,
+            moving_part,
+            -self.lines.s * moving_part,
+        )
 
     def _over_base(self, mass: float) -> tuple[float, float]:
         """Return the factor on the accelerance, and its value where the mass does not move."""

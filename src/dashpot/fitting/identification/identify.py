@@ -45,12 +45,12 @@ from dashpot.fitting.identification.parametrisation import (
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
 from dashpot.fitting.identification.problem_inputs import (
     PriorTests,
-    before_hammer,
-    constraints_of,
-    numbers_of,
-    point_of,
-    priors_of,
-    seals_of,
+    find_operating_point,
+    find_prior_tests,
+    list_arm_counts,
+    make_constraints,
+    make_priors,
+    require_seals,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import EXTRA_ARMS
@@ -112,12 +112,12 @@ def identify(
     seals : float
         How many such seals carry the mass.
     compression : float, optional
-        Of the seals under the hammer, m; by default that of the mass's weight. Where the relaxation
-        test's elastic law is not straight, they are there as stiff as its tangent, within its
-        error.
+        Compression of the seals under the hammer, m; by default that of the mass's weight. Where
+        the relaxation test's elastic law is not straight, they are there as stiff as its tangent,
+        within its error.
     temperature : float, optional
-        Of the seals under the hammer, K, where the tests are of several temperatures; by default
-        that of their solid. The solid found is that of the hammer.
+        Temperature of the seals under the hammer, K, where the tests are of several temperatures;
+        by default that of their solid. The solid found is that of the hammer.
     band : (float, float), optional
         Lines to explain, Hz; by default those within a factor of 3 of the peak.
     arms : int or "auto"
@@ -150,15 +150,19 @@ def identify(
     mass, compression = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
-    frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
-    before = before_hammer(records, fit, convert_to_si(temperature, "temperature"), family, bench)
-    point = point_of(before.primary_fit, mass, seals, compression)
-    priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
+    frf_data = frf_data_of(
+        frf, seals=require_seals(seals), band=si_range(band, "frequency"), mass=mass
+    )
+    before = find_prior_tests(
+        records, fit, convert_to_si(temperature, "temperature"), family, bench
+    )
+    point = find_operating_point(before.primary_fit, mass, seals, compression)
+    priors, constraints = make_priors(mass, rig, point), make_constraints(known, before)
     full_problem = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
     parallel_dashpot = known.parallel_dashpot
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
-    numbers = numbers_of(arms, before.arms)
+    numbers = list_arm_counts(arms, before.arms)
     problems = _reaching(problems, max(numbers))
     best, candidates, family_rival = _best(problems, numbers, before, family)
     scale = best.line_scale
@@ -187,9 +191,9 @@ def identify(
         orders,
         frf=frf,
         tests=records,
-        before=earlier_fit,
+        earlier_fit=earlier_fit,
         fit=element,
-        doubtful=before.doubtful,
+        doubtful_tests=before.doubtful,
         request=arms,
         requested_arms=max(numbers),
         discrepancy=discrepancy,
@@ -234,15 +238,15 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
 def _best(
     problems: Sequence[IdentificationProblem],
     numbers: Sequence[int],
-    before: PriorTests,
+    prior_tests: PriorTests,
     family: str,
 ) -> tuple[Candidate, list[Candidate], AlternativeCandidate | None]:
     """The candidate to take, every number of arms tried beside it, and the other family's."""
-    candidate = None if family == "maxwell" else _fit_fractional(problems, before)
-    if candidate is not None and before.primary_fit is not before.arms:
+    candidate = None if family == "maxwell" else _fit_fractional(problems, prior_tests)
+    if candidate is not None and prior_tests.primary_fit is not prior_tests.arms:
         # an earlier fit of four parameters is no prior of arms
         return candidate, [], None
-    candidates = _solve_every_order(problems, numbers, before.arms)
+    candidates = _solve_every_order(problems, numbers, prior_tests.arms)
     best = _chosen(candidates)
     if candidate is None:
         return best, candidates, None
@@ -250,9 +254,11 @@ def _best(
     return family_rival.best, candidates if family_rival.best is best else [], family_rival
 
 
-def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTests) -> Candidate:
+def _fit_fractional(
+    problems: Sequence[IdentificationProblem], prior_tests: PriorTests
+) -> Candidate:
     """Return the best fractional element, from the linear start of dynamic stiffness."""
-    element, attempts = FractionalElement.from_relaxations(before.relaxations), []
+    element, attempts = FractionalElement.from_relaxations(prior_tests.relaxations), []
     for problem in (
         replace(identification_problem, sought=element) for identification_problem in problems
     ):
@@ -265,10 +271,10 @@ def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTest
             tau, alpha = float(np.exp(grid_start.theta[0])), float(grid_start.theta[1])
             solid = FractionalZener(k_inf + k, k_inf, tau, alpha, b)
             starts.append((solid, _mass(problem, fixed)))
-        if before.fractional_fit is not None and isinstance(
-            before.fractional_fit.solid, FractionalZener
+        if prior_tests.fractional_fit is not None and isinstance(
+            prior_tests.fractional_fit.solid, FractionalZener
         ):
-            starts.append((before.fractional_fit.solid, starts[0][1]))
+            starts.append((prior_tests.fractional_fit.solid, starts[0][1]))
         rough = [
             descend(
                 problem,
@@ -293,15 +299,19 @@ def _fit_fractional(problems: Sequence[IdentificationProblem], before: PriorTest
 
 
 def _solve_every_order(
-    problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Fit | None
+    problems: Sequence[IdentificationProblem], numbers: Sequence[int], earlier_fit: Fit | None
 ) -> list[Candidate]:
     """Return the optimum for every number of arms, or for fewer where the data reject so many."""
-    candidates = [best for problem in problems for best in _candidates(problem, numbers, before)]
+    candidates = [
+        best for problem in problems for best in _candidates(problem, numbers, earlier_fit)
+    ]
     fewest_arms = 0 if problems[0].constraints.before is not None else min(numbers)
     while not candidates and fewest_arms > 0:
         fewest_arms -= 1
         candidates = [
-            best for problem in problems for best in _candidates(problem, [fewest_arms], before)
+            best
+            for problem in problems
+            for best in _candidates(problem, [fewest_arms], earlier_fit)
         ]
     if not candidates:
         raise FitError("no model with arms of positive stiffness explains the FRF; widen --band")
@@ -311,7 +321,7 @@ def _solve_every_order(
 def _candidates(
     whole_problem: IdentificationProblem,
     numbers: Sequence[int],
-    before: Fit | None,
+    earlier_fit: Fit | None,
     *,
     start: Parameters | None = None,
 ) -> list[Candidate]:
@@ -329,7 +339,7 @@ def _candidates(
         problem = replace(whole_problem, sought=Arms(number))
         # found one after another, in the order of `numbers`: no more of them than are tried
         starts = next((points for arms, points in linear if arms == number), [])
-        best = _lowest(problem, [*starts, *_spread(problem, before)])
+        best = _lowest(problem, [*starts, *_spread(problem, earlier_fit)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.is_complete(best.point.model) and not (
             candidates and best.cost > ASTRAY * candidates[-1].cost
@@ -352,14 +362,17 @@ def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Can
 
 
 def _solve_from_start(
-    problem: IdentificationProblem, start: Parameters, numbers: Sequence[int], before: Fit | None
+    problem: IdentificationProblem,
+    start: Parameters,
+    numbers: Sequence[int],
+    earlier_fit: Fit | None,
 ) -> Candidate:
     """Return the best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, FractionalElement):
         return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     start_arms = start.model.maxwell.arms
     smaller_numbers = [number for number in numbers if number < start_arms]
-    candidates = _candidates(problem, [*smaller_numbers, start_arms], before, start=start)
+    candidates = _candidates(problem, [*smaller_numbers, start_arms], earlier_fit, start=start)
     # where an arm has left every candidate, as it is
     return (
         _chosen(candidates)
@@ -401,7 +414,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
 
 
 def _arms_enough(
-    best: Candidate, request: int | Literal["auto"], before: Fit | None
+    best: Candidate, request: int | Literal["auto"], earlier_fit: Fit | None
 ) -> tuple[Check, ...]:
     """Return whether the data support no further arm, where their number was asked for."""
     parametrisation = best.problem.sought
@@ -409,7 +422,7 @@ def _arms_enough(
         return ()
     arm_count, shortage = parametrisation.count, None
     larger_numbers = [arm_count + index for index in range(1, EXTRA_ARMS + 1)]
-    candidates = [best, *_candidates(best.problem, larger_numbers, before)]
+    candidates = [best, *_candidates(best.problem, larger_numbers, earlier_fit)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     are_significant = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers = [candidate.arms for candidate in candidates]
@@ -426,7 +439,7 @@ def _arms_enough(
     return (arms_enough(shortage, arm_count, unit="sd"),)
 
 
-def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
+def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
     parametrisation = best.problem.sought
     if best.problem.dashpot:
@@ -437,10 +450,10 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
         return dashpot_not_missed(0.0, parametrisation.format_model_order(), 0.0)
     attempts = []
     if isinstance(parametrisation, Arms):
-        fewest_arms = 0 if before is None else before.model.arms
+        fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
         for arms in range(max(parametrisation.count - 1, fewest_arms), parametrisation.count + 1):
             problem = replace(best.problem, dashpot=True, sought=Arms(arms))
-            attempts += [(problem, start) for start in _spread(problem, before)]
+            attempts += [(problem, start) for start in _spread(problem, earlier_fit)]
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
         attempts = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
@@ -469,10 +482,10 @@ def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:
     return [*blocks, frf_data.stiffness_block(mean, dashpot=problem.dashpot)]
 
 
-def _mass(problem: IdentificationProblem, fixed: Mapping[str, float]) -> float:
+def _mass(problem: IdentificationProblem, fixed_values: Mapping[str, float]) -> float:
     """Return the mass that is known, or that a linear solution found."""
     prior = problem.priors.mass
-    return fixed["mass@frf"] if prior is None else prior.mean
+    return fixed_values["mass@frf"] if prior is None else prior.mean
 
 
 def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Parameters]]:
@@ -493,7 +506,7 @@ def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Para
         yield [_start(problem, model, mass)] if mass > 0 else []
 
 
-def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Parameters]:
+def _spread(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Parameters]:
     """Starts from the earlier fit, or from nothing, with arms spread over the lines."""
     omega = 2 * np.pi * problem.frf_data.peak_hz
     prior = problem.priors.mass
@@ -501,9 +514,9 @@ def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Paramete
     # at the peak the mass holds the storage stiffness in balance
     level = mass * omega**2 / (problem.frf_data.seals * problem.priors.factor.mean)
     base, part = GeneralizedMaxwell(level * 0.8), 0.2
-    if before is not None:
-        level = level if prior is None else before.model.k_0
-        base, part = before.model, 0.1
+    if earlier_fit is not None:
+        level = level if prior is None else earlier_fit.model.k_0
+        base, part = earlier_fit.model, 0.1
     assert isinstance(problem.sought, Arms)  # noqa: S101  # an element has a start of its own
     arms = problem.sought.count
     new = arms - base.arms

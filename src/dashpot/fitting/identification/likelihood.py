@@ -491,7 +491,7 @@ class Candidate:
         noise, faded = white_noise(self.optimum, 1.0), size <= UNFELT * size.max()
         # lines that nobody measured stand far above what is known of the mass
         return estimate(
-            self.optimum, noises=[noise], is_fixed=faded, prior_variance=1.0, finely=True
+            self.optimum, noises=[noise], is_fixed=faded, prior_variance=1.0, with_fine_scales=True
         )
 
     @property

@@ -38,7 +38,7 @@ class RelaxationResiduals(NamedTuple):
     Attributes
     ----------
     residual : array, shape (n,)
-        Of the solid without a parallel dashpot.
+        Residual of the solid without a parallel dashpot.
     jacobian : array, shape (n, size)
         By the parametrisation's own numbers.
     dashpot : array, shape (n,)
@@ -212,9 +212,9 @@ class FractionalElement:
             (spring, column, alpha * rotated_column, np.log(s * tau) * rotated_column)
         )
 
-    def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
+    def extract_earlier_values(self, earlier_fit: Fit) -> tuple[dict[str, float], list[int]]:
         """Return what an earlier fit found."""
-        values = self.physical(self.pack(before.solid))[1]
+        values = self.physical(self.pack(earlier_fit.solid))[1]
         return dict(zip(ELEMENT, values.tolist(), strict=True)), [*range(4)]
 
     def is_identified(self, error: FloatArray) -> bool:

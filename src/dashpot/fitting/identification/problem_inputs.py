@@ -50,7 +50,7 @@ class PriorTests(NamedTuple):
         return self.fractional_fit if self.arms is None else self.arms
 
 
-def before_hammer(
+def find_prior_tests(
     records: Sequence[RampHold],
     fit: Fit | None,
     temperature: float | None,
@@ -67,38 +67,38 @@ def before_hammer(
         If the family asked for is not that of an earlier fit, or knows of one temperature alone.
     """
     if not records:
-        return _without_tests(fit, temperature, family)
+        return _use_earlier_fit(fit, temperature, family)
     if len(temperatures_of(records)) > 1:
         require_maxwell_family(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
-    before = _select_family_fit("maxwell", fit) or fit_tests(list(records), **bench.choices)
+    earlier_fit = _select_family_fit("maxwell", fit) or fit_tests(list(records), **bench.choices)
     if temperature is not None:
-        before = before.at_temperature(temperature)
-    is_same_fit = len(records) == 1 and before.method in get_choice_values(Method)
+        earlier_fit = earlier_fit.at_temperature(temperature)
+    is_same_fit = len(records) == 1 and earlier_fit.method in get_choice_values(Method)
     # a test by itself has one temperature
-    alone = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
-    fits = [before] if is_same_fit else [fit_tests(record, **alone) for record in records]
-    relaxation_datasets, doubtful = (
+    single = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
+    fits = [earlier_fit] if is_same_fit else [fit_tests(record, **single) for record in records]
+    relaxation_datasets, doubtful_tests = (
         tuple(
-            build_relaxation_data(record, before, single_fit=fit, for_limits=claimed)
+            build_relaxation_data(record, earlier_fit, single_fit=fit, for_limits=for_limits)
             for record, fit in zip(records, fits, strict=True)
         )
-        for claimed in (False, True)
+        for for_limits in (False, True)
     )
-    is_nonlinear = before.elastic_law is not None and before.elastic_law.kind != "linear"
+    is_nonlinear = earlier_fit.elastic_law is not None and earlier_fit.elastic_law.kind != "linear"
     if family == "maxwell" or is_nonlinear:
-        return PriorTests(before, None, relaxation_datasets, doubtful)
-    element = _select_family_fit("fractional", fit) or fit_tests(
+        return PriorTests(earlier_fit, None, relaxation_datasets, doubtful_tests)
+    fractional_fit = _select_family_fit("fractional", fit) or fit_tests(
         list(records), family="fractional", **bench.choices
     )
-    return PriorTests(before, element, relaxation_datasets, doubtful)
+    return PriorTests(earlier_fit, fractional_fit, relaxation_datasets, doubtful_tests)
 
 
 def _select_family_fit(family: str, fit: Fit | None) -> Fit | None:
     return fit if fit is not None and fit.family == family else None
 
 
-def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> PriorTests:
+def _use_earlier_fit(fit: Fit | None, temperature: float | None, family: str) -> PriorTests:
     if fit is None:
         return PriorTests(None, None, ())
     if fit.family != family:
@@ -112,23 +112,23 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> P
     return PriorTests(None, fit, ()) if family == "fractional" else PriorTests(fit, None, ())
 
 
-def point_of(
-    before: Fit | None, mass: float | None, seals: float, compression: float | None
+def find_operating_point(
+    earlier_fit: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
     """Return the operating point under the hammer; None if not needed or not known."""
-    law = None if before is None else before.elastic_law
-    if before is None or law is None or law.kind == "linear":
+    law = None if earlier_fit is None else earlier_fit.elastic_law
+    if earlier_fit is None or law is None or law.kind == "linear":
         return None
     if mass is None and compression is None:
         raise DataError(
             "the stiffness of the seals depends on their compression: give --mass, or --compression"
         )
-    return operating_point(before, MassOnSeals(mass or 1.0, seals, compression))
+    return operating_point(earlier_fit, MassOnSeals(mass or 1.0, seals, compression))
 
 
-def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
+def list_arm_counts(arms: int | str, earlier_fit: Fit | None) -> list[int]:
     """Return the numbers of arms to try: from those of the earlier fit on, or as asked."""
-    fewest_arms = 0 if before is None else before.model.arms
+    fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
     if arms == "auto":
         return list(range(fewest_arms, fewest_arms + MOST_ARMS + 1))
     if not isinstance(arms, int | np.integer) or arms < 0:
@@ -141,22 +141,25 @@ def numbers_of(arms: int | str, before: Fit | None) -> list[int]:
     return [int(arms)]
 
 
-def seals_of(seals: float) -> float:
+def require_seals(seals: float) -> float:
     """Return how many seals there are, > 0."""
     if not (np.isfinite(seals) and seals > 0):
         raise DataError(f"seals = {seals!r}; expected a number > 0")
     return seals
 
 
-def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
+def make_priors(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
     """Return what is known of mass, rig and seals before the hammer."""
     factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
     return NuisancePriors(
-        _mass_of(mass, rig.mass_sd), Prior(1.0, rig.gain_sd), Prior(0.0, rig.delay_sd), factor
+        _make_mass_prior(mass, rig.mass_sd),
+        Prior(1.0, rig.gain_sd),
+        Prior(0.0, rig.delay_sd),
+        factor,
     )
 
 
-def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
+def make_constraints(solid_prior: KnownSolid, prior_tests: PriorTests) -> Constraints:
     """Return the constraints on the solid: its priors, and an earlier fit without its tests."""
 
     def prior(name: str) -> Prior | None:
@@ -167,11 +170,11 @@ def constraints_of(solid_prior: KnownSolid, before: PriorTests) -> Constraints:
         prior("static_stiffness"),
         prior("natural_frequency"),
         prior("damping_ratio"),
-        before=None if before.relaxations else before.primary_fit,
+        before=None if prior_tests.relaxations else prior_tests.primary_fit,
     )
 
 
-def _mass_of(mass: float | None, sd: float | None) -> Prior | None:
+def _make_mass_prior(mass: float | None, sd: float | None) -> Prior | None:
     """Return what is known of a mass, kg."""
     if mass is None:
         return None

@@ -102,19 +102,19 @@ class RampLaw:
     model : GeneralizedMaxwell
         Secant at the depth of the law.
     estimate : ParameterEstimate
-        Of the parameters of `model`.
+        Estimate of the parameters of `model`.
     law_covariance : array, shape (p + P, p + P)
-        Of the parameters of `model` and then of the law's shape at its knots.
+        Covariance of the parameters of `model` and then of the law's shape at its knots.
     hold : Hold
         What the holds say without their ramps.
     linear_qualities : tuple of LinearFitQuality
-        Of each record under the linear law with the full weight of its ramp.
+        Qualities of each record under the linear law with the full weight of its ramp.
     optimum : RampHoldOptimum
         The optimum of the law, and what it leaves.
     scores : tuple of ElasticLawScore
         The laws tried, the linear one first.
     residuals : tuple of array
-        Of every sample from contact to the end of the hold, N.
+        Residuals of every sample from contact to the end of the hold, N.
     """
 
     law: ElasticLaw
@@ -270,7 +270,7 @@ def select_elastic_law(
     Parameters
     ----------
     tests : sequence of RampHold
-        Of any depths and ramp rates; they share the law, the stiffnesses and the relaxation
+        Tests of any depths and ramp rates; they share the law, the stiffnesses and the relaxation
         times, and each has its own offset and drift, bound by
         :func:`~dashpot.fitting.nuisance_priors.build_load_cell_priors`. The force is free of hum.
     law : "auto", "linear" or "nonlinear"

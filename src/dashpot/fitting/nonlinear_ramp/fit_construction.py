@@ -43,7 +43,7 @@ def build_ramp_fit(
     tests: Sequence[RampHold],
     law: RampLaw,
     *,
-    requested: int | None = None,
+    requested_arms: int | None = None,
     by_depth: tuple[DepthStiffness, ...] = (),
     checks: Sequence[Check] = (),
     end: EndOfHold | None = None,
@@ -56,7 +56,7 @@ def build_ramp_fit(
     ----------
     tests : sequence of RampHold
     law : RampLaw
-    requested : int or None
+    requested_arms : int or None
         Requested number of arms; None if the holds chose.
     by_depth, checks
         The stiffnesses of each test, and checks besides those of the law.
@@ -91,7 +91,7 @@ def build_ramp_fit(
         SolidEstimate(
             model,
             estimate if unmeasured is None else estimate.with_rig(unmeasured),
-            has_fewer_arms=requested is not None and model.arms < requested,
+            has_fewer_arms=requested_arms is not None and model.arms < requested_arms,
         ),
         Evidence(
             band,
@@ -219,10 +219,10 @@ def _select_nuisances(kind: str, law: RampLaw) -> list[Nuisance]:
     return [nuisance for nuisance in law.estimate.nuisance if nuisance.name.startswith(kind)]
 
 
-def end_stiffness(test: RampHold, rest: float) -> float:
+def end_stiffness(test: RampHold, equilibrium_force: float) -> float:
     """Return the force over the last twentieth of the hold, less that at rest, over x, N/m."""
     last_samples = select_hold_end(test)
-    return float(np.mean(test.force[last_samples]) - rest) / float(
+    return float(np.mean(test.force[last_samples]) - equilibrium_force) / float(
         np.mean(test.displacement[last_samples])
     )
 

@@ -29,7 +29,7 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.numerics.exponential_fit import Solution, full_jacobian, solve_orders
-from dashpot.numerics.inference.correlated_noise import directions, noise_of, white
+from dashpot.numerics.inference.correlated_noise import make_directions, noise_of, white
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import deviance
 from dashpot.numerics.least_squares import Optimum
@@ -319,7 +319,9 @@ def with_residual_statistics(
     """Return an optimum with the residual statistics of each ramp and hold."""
     rows, nuisance = weighted.solid.rows, best.beta[-len(weighted.nuisances.names) :]
     residual = rows.force - weighted.force(best) - weighted.nuisances.columns @ nuisance
-    leverage = np.sum(directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[: len(residual)]
+    leverage = np.sum(make_directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[
+        : len(residual)
+    ]
     scaled = np.sqrt(rows.count) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):

@@ -177,7 +177,7 @@ class LinearityResult(NamedTuple):
     fractional_fit : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.
     quality : LinearFitQuality or None
-        Of the record that a linear solid explains worst; None where no ramp is judged.
+        Quality of the record that a linear solid explains worst; None where no ramp is judged.
     """
 
     initial_fit: InitialFit

@@ -61,7 +61,7 @@ class DownsampledRows:
     noise : tuple of float
         Scatter of each record's force from sample to sample, N.
     priors : tuple of LoadCellPriors
-        Of each record's nuisance terms.
+        Priors of each record's nuisance terms.
     """
 
     time: FloatArray
@@ -217,7 +217,7 @@ class QuasiLinear:
     knots : array, shape (P,)
         m, from 0 to the deepest compression.
     weights : array, shape (P,)
-        Of each hat in the mean of the tangent: :math:`w \cdot s = 1`.
+        Weights of each hat in the mean of the tangent: :math:`w \cdot s = 1`.
     """
 
     def __init__(self, rows: DownsampledRows, knots: FloatArray) -> None:

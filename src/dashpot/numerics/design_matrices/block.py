@@ -135,7 +135,7 @@ class DelayedForce(NamedTuple):
         q over the window.
     k, tau : array, shape (N,)
     k_g : float
-        Of k_inf and all arms together.
+        Number of k_inf and all arms together.
     """
 
     column: FloatArray
@@ -280,7 +280,7 @@ class DataBlock:
     delayed : callable, optional
         Adds the column of a force that comes late, where that costs less than any column.
     variance : float or None
-        Of every row, where it is known: the rows are what was known before the data.
+        Variance of every row, where it is known: the rows are what was known before the data.
     """
 
     rows: Rows

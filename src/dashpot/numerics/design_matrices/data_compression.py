@@ -466,7 +466,7 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
     Parameters
     ----------
     block : DataBlock
-        Of any rows, compressed or not.
+        Block of any rows, compressed or not.
     excess : float
         Relaxation times up to this factor outside the window are to be evaluated.
     """

@@ -342,7 +342,7 @@ def sandwich(
     with m independent errors of unit variance. A parameter that the data do not determine has an
     infinite variance and no correlation.
     """
-    information = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
+    information = jacobians if isinstance(jacobians, Directions) else make_directions(jacobians)
     return information.covariance(information.sum_noise_gain(noises), other_columns=other_columns)
 
 
@@ -381,7 +381,7 @@ def noise_gain_differs(ratio: float) -> bool:
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
     """Return the covariance for independent residuals of this variance, shape (p, p)."""
-    information = directions([jacobian])
+    information = make_directions([jacobian])
     return information.covariance(variance * information.gram)
 
 
@@ -471,19 +471,20 @@ class Directions(NamedTuple):
         return np.asarray(covariance)
 
 
-def directions(
-    jacobians: Sequence[FloatArray], *, shared: bool = False, finely: bool = False
+def make_directions(
+    jacobians: Sequence[FloatArray], *, shared: bool = False, with_fine_scales: bool = False
 ) -> Directions:
     """Turn Jacobians into orthonormal columns; `shared`, each record knows that it is one of some.
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
-    directions; what counts is taken from the turned columns. `finely`, what J'J no longer knows is
-    asked of J, whose rounding is the root of it: for data that are known to a millionth or better.
+    directions; what counts is taken from the turned columns. `with_fine_scales`, what J'J no longer
+    knows is asked of J, whose rounding is the root of it: for data that are known to a millionth or
+    better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
     turn, is_undetermined = _turn(information)
-    if finely and is_undetermined.any():
+    if with_fine_scales and is_undetermined.any():
         turn, is_undetermined = _turn_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
@@ -551,7 +552,7 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     exact : DataBlock
         Every sample a row, in the order of time.
     noise : Noise
-        Of its residuals, with a positive variance.
+        Noise of its residuals, with a positive variance.
     """
     basis = reduced_basis(exact, compute_averaging_length(noise))
     variance, axes = _principal(basis, noise)
@@ -559,17 +560,19 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     return basis.block.transform_rows(lambda part: whiten @ part)
 
 
-def marginal(free: FloatArray, error_columns: FloatArray) -> Callable[[FloatArray], FloatArray]:
+def marginal(
+    free_columns: FloatArray, error_columns: FloatArray
+) -> Callable[[FloatArray], FloatArray]:
     """Return what makes noise of covariance 1 + C C' white, free columns projected out.
 
     Parameters
     ----------
-    free : array, shape (n, q)
+    free_columns : array, shape (n, q)
         Columns of which nothing is known.
     error_columns : array, shape (n, m)
         C, known columns times their standard deviation.
     """
-    private = np.linalg.qr(free)[0]
+    private = np.linalg.qr(free_columns)[0]
     axes, stretch, _ = np.linalg.svd(
         error_columns - private @ (private.T @ error_columns), full_matrices=False
     )

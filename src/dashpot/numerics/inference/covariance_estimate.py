@@ -21,7 +21,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
-from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich
+from dashpot.numerics.inference.correlated_noise import Noise, make_directions, noise_of, sandwich
 from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum
 
@@ -60,9 +60,9 @@ class Estimate:
     covariance : array, shape (p + q, p + q)
         Zero for what rests at a bound, infinite for what the data do not determine.
     noises : tuple of Noise
-        Of each record.
+        Noises of each record.
     prior_variance : float or None
-        Of the rows of priors, where it is not the mean power of the noises.
+        Variance of the rows of priors, where it is not the mean power of the noises.
     """
 
     optimum: Optimum
@@ -105,9 +105,9 @@ class Estimate:
             G[:, i] = (function(up) - function(shifted_down)) / (up[i] - shifted_down[i])
         return DerivedQuantity(values, propagate_covariance(self.covariance, G), G)
 
-    def add_parameter_error(self, by: FloatArray) -> Estimate:
+    def add_parameter_error(self, error: FloatArray) -> Estimate:
         """Return the estimate with one more error, which changes theta and beta by so much."""
-        return replace(self, covariance=self.covariance + np.outer(by, by))
+        return replace(self, covariance=self.covariance + np.outer(error, error))
 
     def profile(self, index: int, *, level: float = 0.95) -> list[ProfileSlice]:
         r"""Return the problem with one theta held, all others at their best, across its interval.
@@ -120,20 +120,21 @@ class Estimate:
         D. G. Watts, Nonlinear Regression Analysis (1988), ch. 6.
         """
         best, parameter = self.optimum, self.optimum.problem.parameters[index]
-        count = [noise.samples for noise in self.noises]
-        power = float(np.average([noise.power for noise in self.noises], weights=count))
+        sample_counts = [noise.samples for noise in self.noises]
+        power = float(np.average([noise.power for noise in self.noises], weights=sample_counts))
         half_width, middle = self.quantile(level), float(best.theta[index])
         width = float(self.standard_error[index])
-        sized = 0 < width < np.inf
-        rest, direction = np.delete(best.theta, index), self.covariance[: len(best.theta), index]
-        tangent = np.delete(direction, index) / width**2 if sized else np.zeros(len(rest))
-        first = half_width * width / _SLICES if sized else parameter.scale
+        has_width = 0 < width < np.inf
+        nuisances = np.delete(best.theta, index)
+        direction = self.covariance[: len(best.theta), index]
+        tangent = np.delete(direction, index) / width**2 if has_width else np.zeros(len(nuisances))
+        first_step = half_width * width / _SLICES if has_width else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
             """Return what is held has no error; None where the model says nothing."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
-                    [start], cost_tolerance=_END_TOLERANCE / sum(count)
+                    [start], cost_tolerance=_END_TOLERANCE / sum(sample_counts)
                 )
                 return None if optimum is None else slice_of(value, optimum)
             except DataError:
@@ -141,7 +142,10 @@ class Estimate:
 
         def slice_of(value: float, new_optimum: Optimum) -> ProfileSlice:
             covariance = estimate(
-                new_optimum, parts=count, noises=self.noises, prior_variance=self.prior_variance
+                new_optimum,
+                parts=sample_counts,
+                noises=self.noises,
+                prior_variance=self.prior_variance,
             ).covariance
             covariance = np.insert(np.insert(covariance, index, 0.0, axis=0), index, 0.0, axis=1)
             optimum = best.problem.solve_linear(np.insert(new_optimum.theta, index, value))
@@ -150,44 +154,44 @@ class Estimate:
 
         def side(sign: float, limit: float) -> list[ProfileSlice]:
             slices: list[ProfileSlice] = []
-            last, (value_here, nuisances_here, root) = (
-                (middle - first, rest - first * tangent),
-                (middle, rest, 0.0),
+            previous, (value_here, nuisances_here, root) = (
+                (middle - first_step, nuisances - first_step * tangent),
+                (middle, nuisances, 0.0),
             )
-            step, excess, worse_root = first, np.nan, np.inf
+            step, value_beyond, root_beyond = first_step, np.nan, np.inf
             for _ in range(_TRIALS):
                 is_at_target = (
                     root > half_width * (1 - _END_TOLERANCE)
-                    or abs(excess - value_here) < _END_TOLERANCE * first
+                    or abs(value_beyond - value_here) < _END_TOLERANCE * first_step
                 )
                 if is_at_target or value_here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
-                share = (half_width - root) / (worse_root - root) if worse_root < np.inf else 0.5
+                share = (half_width - root) / (root_beyond - root) if root_beyond < np.inf else 0.5
                 step_length = min(step, abs(limit - value_here))
                 step_length = (
                     step_length
-                    if np.isnan(excess)
-                    else min(max(share, 0.1), 0.9) * abs(excess - value_here)
+                    if np.isnan(value_beyond)
+                    else min(max(share, 0.1), 0.9) * abs(value_beyond - value_here)
                 )
                 value = value_here + sign * step_length
                 # the others begin where the last two lead
-                start = nuisances_here + (nuisances_here - last[1]) * (
-                    (value - value_here) / (value_here - last[0])
+                start = nuisances_here + (nuisances_here - previous[1]) * (
+                    (value - value_here) / (value_here - previous[0])
                 )
                 new = solve_slice(value, start)
                 if new is None or new.root > half_width * (1 + _END_TOLERANCE):
-                    excess, worse_root = value, np.inf if new is None else new.root
+                    value_beyond, root_beyond = value, np.inf if new is None else new.root
                     continue
                 slices.append(new)
                 step *= min(max(half_width / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
-                last, (value_here, nuisances_here, root) = (
+                previous, (value_here, nuisances_here, root) = (
                     (value_here, nuisances_here),
                     (value, np.delete(new.estimate.optimum.theta, index), new.root),
                 )
             return slices
 
-        centre = slice_of(middle, best.problem.fix_parameter(index, middle).solve_linear(rest))
+        centre = slice_of(middle, best.problem.fix_parameter(index, middle).solve_linear(nuisances))
         return [*side(-1.0, parameter.low)[::-1], centre, *side(1.0, parameter.high)]
 
 
@@ -210,7 +214,7 @@ class ProfileSlice(NamedTuple):
     Attributes
     ----------
     root : float
-        Of the deviance: how many standard errors away that is.
+        Root of the deviance: how many standard errors away that is.
     estimate : Estimate
     """
 
@@ -227,7 +231,7 @@ def estimate(
     is_bounded: BoolArray | None = None,
     is_fixed: BoolArray | None = None,
     prior_variance: float | None = None,
-    finely: bool = False,
+    with_fine_scales: bool = False,
 ) -> Estimate:
     """Return what the residuals of each record say of an optimum.
 
@@ -239,23 +243,23 @@ def estimate(
     rounding : float
         Rms that rounding alone leaves.
     noises : sequence of Noise
-        Of each record, where it is known otherwise (:func:`white_noise`).
+        Noises of each record, where it is known otherwise (:func:`white_noise`).
     is_bounded : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
     is_fixed : array, shape (p,), optional
         Thetas that have no error: such as press against an end that is no mere window.
     prior_variance : float, optional
-        Of the rows of priors; by default the mean power of the noises.
-    finely : bool
-        As :func:`~dashpot.numerics.inference.correlated_noise.directions` has it.
+        Variance of the rows of priors; by default the mean power of the noises.
+    with_fine_scales : bool
+        As :func:`~dashpot.numerics.inference.correlated_noise.make_directions` has it.
     """
     free, count = optimum.free, optimum.problem.priors
     if is_fixed is not None:
         free[: len(is_fixed)] &= ~is_fixed
-    sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
-    cuts = np.cumsum(sizes)[:-1]
+    row_counts = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
+    cuts = np.cumsum(row_counts)[:-1]
     split = np.split(optimum.jacobian[:, free], cuts)
-    information = directions(split, shared=len(cuts) > 0, finely=finely)
+    information = make_directions(split, shared=len(cuts) > 0, with_fine_scales=with_fine_scales)
     # rows of priors are no record
     records = list(zip(np.split(optimum.all_residuals, cuts), information.columns, strict=True))
     noises = tuple(noises) or tuple(
@@ -264,7 +268,7 @@ def estimate(
     )
     if is_bounded is not None:
         free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), is_bounded))
-        information = directions(np.split(optimum.jacobian[:, free], cuts))
+        information = make_directions(np.split(optimum.jacobian[:, free], cuts))
     weights = [*noises]
     if count:
         power = np.mean([noise.power for noise in noises])
@@ -294,7 +298,8 @@ def score(optimum: Optimum, effective: float, *, rounding_sse: float = 0.0) -> f
     ----------
     optimum : Optimum
     effective : float
-        Of the model that leaves least, for what another leaves more is no noise.
+        Effective number of samples of the model that leaves least, for what another leaves more is
+        no noise.
     rounding_sse : float
         Sum of squares that rounding alone leaves.
     """

@@ -94,11 +94,11 @@ class ProfileTrace:
         has_reached_end = end_value in (self.start, visited[-1][0] if visited else self.start)
         return lowest_points if has_reached_end else [*lowest_points, (end_value, self.without)]
 
-    def update_without_arm(self, without: float) -> None:
+    def update_without_arm(self, deviance: float) -> None:
         """Take note of the deviance without its arm, which no value of the arm's exceeds."""
-        if without < self.limit:
-            self.without = self.limit = without
-            self.ended = self.ended or without < _SPARE
+        if deviance < self.limit:
+            self.without = self.limit = deviance
+            self.ended = self.ended or deviance < _SPARE
 
     def update_walk(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
@@ -195,56 +195,56 @@ class BatchedDescent:
             return sse - promised, self.here[i] + self.move[i]
         return sse, self.here[i]
 
-    def take(self, trial: FloatArray, trials: SolvedTrials, on: IndexArray) -> BoolArray:
-        """Learn from one trial each of the descents `on`; True where that is enough."""
+    def take(self, trial: FloatArray, trials: SolvedTrials, indices: IndexArray) -> BoolArray:
+        """Learn from one trial each of the descents `indices`; True where that is enough."""
         solved_trials = self.known
-        gain = solved_trials.sse[on] - trials.sse
+        gain = solved_trials.sse[indices] - trials.sse
         is_better = gain > 0
-        kept_rows = on[is_better]
+        kept_rows = indices[is_better]
         self.here[kept_rows] = trial[is_better]
         for own_trial, new in zip(solved_trials, trials, strict=True):
             own_trial[kept_rows] = new[is_better]
-        damping = self.damping[on]
-        self.damping[on] = np.where(is_better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
+        damping = self.damping[indices]
+        self.damping[indices] = np.where(is_better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
         # where the parabola has failed it is believed nearby only
-        distance_moved = np.abs(self.move[on]).max(axis=1, initial=0.0)
-        self.reach[on] = np.where(
+        distance_moved = np.abs(self.move[indices]).max(axis=1, initial=0.0)
+        self.reach[indices] = np.where(
             is_better,
-            np.minimum(2.0 * np.maximum(distance_moved, self.reach[on]), _MAX_STEP),
+            np.minimum(2.0 * np.maximum(distance_moved, self.reach[indices]), _MAX_STEP),
             _STEP_REDUCTION * distance_moved,
         )
-        self.tried[on] += 1
-        self.move[on], self.promised[on] = self._step(on)
+        self.tried[indices] += 1
+        self.move[indices], self.promised[indices] = self._step(indices)
         return np.asarray(
-            (np.abs(gain) < self.tolerance[on])
-            | (self.promised[on] < _LEAST_PROMISE * self.tolerance[on])
-            | (self.damping[on] > 1e6)
-            | (self.tried[on] >= _ITERATIONS)
+            (np.abs(gain) < self.tolerance[indices])
+            | (self.promised[indices] < _LEAST_PROMISE * self.tolerance[indices])
+            | (self.damping[indices] > 1e6)
+            | (self.tried[indices] >= _ITERATIONS)
         )
 
-    def _step(self, on: IndexArray) -> tuple[FloatArray, FloatArray]:
+    def _step(self, indices: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Return the next move (A, N), and by how much the SSE would fall if it were parabolic."""
-        curvature, gradient = self.known.curvature[on], self.known.gradient[on]
+        curvature, gradient = self.known.curvature[indices], self.known.gradient[indices]
         if not curvature.shape[1]:
-            return gradient, np.zeros(len(on))
+            return gradient, np.zeros(len(indices))
         arms = np.arange(curvature.shape[1])
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
         curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
         right_sides = np.concatenate(
-            (self.known.residual_curvature[on], gradient[:, :, None]), axis=2
+            (self.known.residual_curvature[indices], gradient[:, :, None]), axis=2
         )
         solutions = np.linalg.solve(curvature, right_sides)
         share, first = solutions[..., :-1], solutions[..., -1]
         # what the move takes off the residual bends nothing where it leads
-        reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[on], 1e-300)
+        reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[indices], 1e-300)
         remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
         believed = _moderate(remainder * share)[:, None, None]
-        curvature += np.where(believed, remainder, 0.0) * self.known.residual_curvature[on]
-        curvature[:, arms, arms] += stretch * self.damping[on][:, None]
+        curvature += np.where(believed, remainder, 0.0) * self.known.residual_curvature[indices]
+        curvature[:, arms, arms] += stretch * self.damping[indices][:, None]
         step = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(step).max(axis=1, keepdims=True)
-        step = step * np.minimum(1.0, self.reach[on][:, None] / np.maximum(longest, 1e-300))
+        step = step * np.minimum(1.0, self.reach[indices][:, None] / np.maximum(longest, 1e-300))
         return step, np.vecdot(step, gradient)
 
 
@@ -456,15 +456,17 @@ class _SimultaneousProfiles:
         descents: BatchedDescent,
         goals: FloatArray,
         sides: _Sides,
-        on: IndexArray,
+        indices: IndexArray,
         bounds: tuple[FloatArray, FloatArray] | None = None,
     ) -> IndexArray:
-        """Try each of the descents `on` once, in reach; those that are at their end."""
+        """Try each of the descents `indices` once, in reach; those that are at their end."""
         low, high = bounds or self.reach
         # `numpy.clip` takes as long as all of this
-        trial = np.minimum(np.maximum(descents.here[on] + descents.move[on], low), high)
-        trial = sides.set_fixed_times(trial, goals, on)
-        return on[descents.take(trial, self._solve_trials(trial, goals[on], sides, on), on)]
+        trial = np.minimum(np.maximum(descents.here[indices] + descents.move[indices], low), high)
+        trial = sides.set_fixed_times(trial, goals, indices)
+        return indices[
+            descents.take(trial, self._solve_trials(trial, goals[indices], sides, indices), indices)
+        ]
 
     def _deviance(
         self, trace: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
@@ -487,14 +489,14 @@ class _SimultaneousProfiles:
         return phi, values
 
     def _solve_trials(
-        self, log_tau: FloatArray, goals: FloatArray, sides: _Sides, on: IndexArray
+        self, log_tau: FloatArray, goals: FloatArray, sides: _Sides, indices: IndexArray
     ) -> SolvedTrials:
         phi, values = self._phi(log_tau)
-        row, arm, column = np.arange(len(on)), sides.arm[on], sides.column[on]
-        amount, base = sides.amount(log_tau, goals, on), phi[row, column]
+        row, arm, column = np.arange(len(indices)), sides.arm[indices], sides.column[indices]
+        amount, base = sides.amount(log_tau, goals, indices), phi[row, column]
         target = self.target - amount[:, None] * base
         # where a relaxation time is held no coefficient is
-        linear = ~sides.log_tau[on]
+        linear = ~sides.log_tau[indices]
         normal = _Normal(phi)
         normal.leave_out(row[linear], column[linear])
         projected_target = phi @ target[:, :, None]
@@ -506,14 +508,14 @@ class _SimultaneousProfiles:
             beta = normal.solve_moments(projected_target)[..., 0]
         residual = target - (beta[:, None, :] @ phi)[:, 0]
         beta[row, column] += amount
-        stiffness = beta[:, self.fixed :].reshape(len(on), self.groups, self.arms)
+        stiffness = beta[:, self.fixed :].reshape(len(indices), self.groups, self.arms)
         rotated = (values[..., 1, :] * stiffness[..., None]).sum(axis=1)
         # columns, slopes and curves meet the residual
         moments = (values @ residual[:, None, None, :, None])[..., 0]
         second = (stiffness * moments[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
-        goal_slope = amount * sides.log_b[on]
-        at_zero, moment_slope, _ = moments.reshape(len(on), -1, 3)[
+        goal_slope = amount * sides.log_b[indices]
+        at_zero, moment_slope, _ = moments.reshape(len(indices), -1, 3)[
             row, np.maximum(column - self.fixed, 0)
         ].T
         second[row, arm] -= goal_slope * (2.0 * moment_slope - at_zero)
@@ -521,7 +523,9 @@ class _SimultaneousProfiles:
         # a coefficient and its own tau meet in the residual
         meets = np.zeros((*beta.shape, self.arms))
         diagonal = np.arange(self.groups * self.arms)
-        meets[:, self.fixed + diagonal, diagonal % self.arms] = moments[..., 1].reshape(len(on), -1)
+        meets[:, self.fixed + diagonal, diagonal % self.arms] = moments[..., 1].reshape(
+            len(indices), -1
+        )
         moment = phi @ rotated.swapaxes(1, 2)
         solutions = normal.solve_moments(np.concatenate((moment, meets), axis=2))
         arm_part, meet_part = solutions[..., : self.arms], solutions[..., self.arms :]
@@ -569,25 +573,31 @@ class _Normal:
 class _Sides:
     """The sides of the profiles: which coordinate each holds."""
 
-    def __init__(self, targets: Sequence[ProfileTarget], fixed: int, arms: int) -> None:
+    def __init__(self, targets: Sequence[ProfileTarget], fixed_count: int, arms: int) -> None:
         kinds = [target.coordinate for target in targets]
         index = np.array([target.index for target in targets])
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])
         self.log_b = np.array([kind is Coordinate.LOG_B for kind in kinds])
         # where a relaxation time is held the column named stays free
-        self.column: IndexArray = np.where(self.log_b | self.log_tau, fixed + index, index)
-        self.arm: IndexArray = np.where(self.column >= fixed, (self.column - fixed) % arms, 0)
+        self.column: IndexArray = np.where(self.log_b | self.log_tau, fixed_count + index, index)
+        self.arm: IndexArray = np.where(
+            self.column >= fixed_count, (self.column - fixed_count) % arms, 0
+        )
         #: the arm that each belongs to; -1 of a fixed column
-        self.owner: IndexArray = np.where(self.column >= fixed, self.arm, -1)
+        self.owner: IndexArray = np.where(self.column >= fixed_count, self.arm, -1)
 
-    def set_fixed_times(self, log_tau: FloatArray, goals: FloatArray, on: IndexArray) -> FloatArray:
+    def set_fixed_times(
+        self, log_tau: FloatArray, goals: FloatArray, indices: IndexArray
+    ) -> FloatArray:
         """Return the trials with a held relaxation time at its goal."""
-        fixed_time_rows = np.flatnonzero(self.log_tau[on])
-        log_tau[fixed_time_rows, self.arm[on][fixed_time_rows]] = goals[on][fixed_time_rows]
+        fixed_time_rows = np.flatnonzero(self.log_tau[indices])
+        log_tau[fixed_time_rows, self.arm[indices][fixed_time_rows]] = goals[indices][
+            fixed_time_rows
+        ]
         return log_tau
 
-    def amount(self, log_tau: FloatArray, goals: FloatArray, on: IndexArray) -> FloatArray:
+    def amount(self, log_tau: FloatArray, goals: FloatArray, indices: IndexArray) -> FloatArray:
         """Return the coefficient that is held, zero where none is."""
-        values = log_tau[np.arange(len(on)), self.arm[on]]
-        of_b = np.exp(np.minimum(np.where(self.log_b[on], goals - values, 0.0), 600.0))
-        return np.where(self.log_b[on], of_b, np.where(self.log_tau[on], 0.0, goals))
+        values = log_tau[np.arange(len(indices)), self.arm[indices]]
+        of_b = np.exp(np.minimum(np.where(self.log_b[indices], goals - values, 0.0), 600.0))
+        return np.where(self.log_b[indices], of_b, np.where(self.log_tau[indices], 0.0, goals))

@@ -174,8 +174,8 @@ def temperatures_of_segments(file: OpenedFile, loaded_columns: LoadedColumns) ->
     return np.repeat(list(sums), lengths)
 
 
-def _or_before(before: float, stated_value: float) -> float:
-    return before if np.isnan(stated_value) else stated_value
+def _or_before(default: float, stated_value: float) -> float:
+    return default if np.isnan(stated_value) else stated_value
 
 
 def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:

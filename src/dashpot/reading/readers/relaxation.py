@@ -70,9 +70,9 @@ def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
     _refuse_swapped(file, channels_chosen, displacement, force)
     notes += _refuse_sizes(file, channels_chosen, time, displacement, force)
     specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
-    specimen, rested = stated_rest(file, specimen)
+    specimen, rest_notes = stated_rest(file, specimen)
     source = channels.source(
-        file, [c.message for c in channels_chosen], [*notes, *sentences, *rested]
+        file, [c.message for c in channels_chosen], [*notes, *sentences, *rest_notes]
     )
     return RelaxationTest(time, displacement, force, specimen, source, units="SI")
 
@@ -180,7 +180,7 @@ def _refuse_sizes(
     )
     has_ramp = has_loading and ramp_stop - ramp_start >= _MIN_RAMP_STEPS
     ramp_time = float(time[ramp_stop] - time[ramp_start]) if has_ramp else 0.0
-    lasted = float(np.ptp(time))
+    duration = float(np.ptp(time))
     change = find_rate_change(time)
 
     def check_step_unit(steps: ClockJump, ticks: str) -> Check:
@@ -191,41 +191,42 @@ def _refuse_sizes(
     def evaluate_sizes(
         times: Mapping[Role, float], unit: Mapping[Role, str], stated_roles: AbstractSet[Role]
     ) -> list[tuple[Role, list[Check]]]:
-        motion_range, push = travel * times["displacement"], force_range * times["force"]
+        motion_range, force_size = travel * times["displacement"], force_range * times["force"]
         clock = times.get("time", 1.0)
         ramp = 0.0 if "displacement" in stated_roles else ramp_time * clock
         # a speed is made of both: of an unusual travel that is too fast the travel is asked first
         is_too_fast = bool(ramp) and size_checks.ramp_not_fast(motion_range / ramp, "s").failed
-        motion_unit, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        motion_unit, force_unit = unit["displacement"], unit["force"]
+        time_unit = unit.get("time", "s")
         of_seal = replace(
             size_checks.travel_of_a_seal(motion_range, motion_unit),
             grade="stop" if is_too_fast else "note",
         )
         answers: dict[Role, list[Check]] = {
             "force": [
-                size_checks.size_possible("force", push, pushes, role="force"),
-                size_checks.force_of_a_seal(push, pushes),
-                size_checks.force_of_a_bench(push, pushes, travel=motion_range),
+                size_checks.size_possible("force", force_size, force_unit, role="force"),
+                size_checks.force_of_a_seal(force_size, force_unit),
+                size_checks.force_of_a_bench(force_size, force_unit, travel=motion_range),
                 size_checks.stiffness_of_a_seal(
-                    push, pushes, travel=motion_range, travel_unit=motion_unit
+                    force_size, force_unit, travel=motion_range, travel_unit=motion_unit
                 ),
             ],
             "displacement": [
                 size_checks.size_possible("travel", motion_range, motion_unit, role="displacement"),
                 of_seal,
                 *(
-                    [size_checks.travel_of_a_bench(motion_range, motion_unit, force=push)]
+                    [size_checks.travel_of_a_bench(motion_range, motion_unit, force=force_size)]
                     if has_loading
                     else []
                 ),
             ],
             "time": [
-                size_checks.time_of_a_test(lasted * clock, ticks),
-                size_checks.size_possible("record", lasted * clock, ticks, role="time"),
-                size_checks.size_possible("ramp", ramp, ticks, role="time"),
-                size_checks.ramp_not_slow(ramp, ticks),
-                *([] if change is None else [check_step_unit(change, ticks)]),
-                *([size_checks.ramp_not_fast(motion_range / ramp, ticks)] if ramp else []),
+                size_checks.time_of_a_test(duration * clock, time_unit),
+                size_checks.size_possible("record", duration * clock, time_unit, role="time"),
+                size_checks.size_possible("ramp", ramp, time_unit, role="time"),
+                size_checks.ramp_not_slow(ramp, time_unit),
+                *([] if change is None else [check_step_unit(change, time_unit)]),
+                *([size_checks.ramp_not_fast(motion_range / ramp, time_unit)] if ramp else []),
             ],
         }
         return [(role, answers[role]) for role in answers if role in unit]
@@ -282,9 +283,9 @@ def moving_columns(
     clocks = find_separate_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
         return channels.choose(file, channels.add_time_role(file, moving, pushing)), []
-    of_displacement, of_force = channels.with_units(file, clocks)
+    displacement_clock, force_clock = channels.with_units(file, clocks)
     signals = channels.choose(file, [moving, pushing])
-    return [of_force, *signals], [of_displacement]
+    return [force_clock, *signals], [displacement_clock]
 
 
 def check_joined_segments(time: FloatArray, loaded_columns: LoadedColumns) -> str:

@@ -156,13 +156,13 @@ time_of_a_test = make_size_criterion(
     "our choice: rates change by 10 and 100, units by 1,000",
     grade="stop",
 )
-def clock_unit_constant(before: float, step_after: float, at: float, unit: str) -> Finding:
+def clock_unit_constant(step_before: float, step_after: float, time: float, unit: str) -> Finding:
     """The time steps have one unit from first to last."""
-    decades = abs(np.log10(step_after / before))
+    decades = abs(np.log10(step_after / step_before))
     distance_from_thousand = abs(decades - 3 * max(round(decades / 3), 1))
     message = (
-        f"The clock's steps go from {format_quantity_short(before, 's')} to "
-        f"{format_quantity_short(step_after, 's')} at {at:.6g} s"
+        f"The clock's steps go from {format_quantity_short(step_before, 's')} to "
+        f"{format_quantity_short(step_after, 's')} at {time:.6g} s"
     )
     return Finding(
         message,

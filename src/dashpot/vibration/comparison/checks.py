@@ -66,12 +66,12 @@ def checks(
     return tuple(checks)
 
 
-def _no_peak(c: Comparison) -> bool:
+def _explain_no_peak(c: Comparison) -> bool:
     """The prediction is highest at an end of the lines: its peak lies elsewhere."""
     return int(np.argmax(np.abs(c.predicted.value))) in {0, len(c.predicted.value) - 1}
 
 
-def _grade(limits: float) -> Grade | None:
+def _get_grade(limits: float) -> Grade | None:
     """Return the grade of a prediction that misses the measurement by so many limits."""
     return "stop" if limits > MAX_LIMIT_RATIO else None
 
@@ -86,14 +86,14 @@ def _grade(limits: float) -> Grade | None:
 def stiffness_agrees(c: Comparison) -> Finding:
     """The predicted and the measured peak have the same frequency."""
     error = c.frequency_error
-    if _no_peak(c):
+    if _explain_no_peak(c):
         f = c.predicted.frequency
         return Finding(
             f"The prediction has no peak from {f[0]:.3g} to {f[-1]:.3g} Hz. The measured one is at "
             f"{c.measured_hz:.4g} Hz",
             abs(error),
             remedy=_MASS_REMEDY,
-            grade=_grade(abs(error) / FREQUENCY_LIMIT),
+            grade=_get_grade(abs(error) / FREQUENCY_LIMIT),
         )
     return Finding(
         f"The predicted peak is at {c.predicted_hz:.3f} Hz, the measured one at "
@@ -101,7 +101,7 @@ def stiffness_agrees(c: Comparison) -> Finding:
         f"{100 * ((1 + error) ** 2 - 1):+z.1f} %",
         abs(error),
         remedy=_MASS_REMEDY,
-        grade=_grade(abs(error) / FREQUENCY_LIMIT),
+        grade=_get_grade(abs(error) / FREQUENCY_LIMIT),
     )
 
 
@@ -114,13 +114,13 @@ def stiffness_agrees(c: Comparison) -> Finding:
 )
 def peak_agrees(c: Comparison) -> Finding:
     """The predicted and the measured peak have the same height."""
-    if _no_peak(c):
+    if _explain_no_peak(c):
         return Finding(
             f"No predicted line is higher than {10 ** (c.ratio_db / 20):.3g} times the measured "
             f"peak ({c.ratio_db:+z.1f} dB)",
             c.ratio_db,
             remedy=_MASS_REMEDY,
-            grade=_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
+            grade=_get_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
         )
     return Finding(
         f"The predicted peak is {10 ** (c.ratio_db / 20):.3g} times as high as the measured one "
@@ -128,7 +128,7 @@ def peak_agrees(c: Comparison) -> Finding:
         c.ratio_db,
         f"The model has too {'little' if c.ratio_db > 0 else 'much'} damping there",
         JOINT_FIT_REMEDY,
-        grade=_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
+        grade=_get_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
     )
 
 
@@ -153,7 +153,7 @@ def damping_agrees(c: Comparison, measured: Peak) -> Finding:
         f"{100 * c.measured_damping:.3g} % (ratio {ratio:.3g})",
         ratio,
         remedy=JOINT_FIT_REMEDY,
-        grade=_grade(abs(float(np.log(ratio))) / np.log(DAMPING_LIMIT)),
+        grade=_get_grade(abs(float(np.log(ratio))) / np.log(DAMPING_LIMIT)),
     )
 
 
@@ -234,14 +234,16 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     tau = 1 / (2 * np.pi * c.measured_hz)
     if low <= c.measured_hz <= high:
         return Finding(
-            f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_time(tau)}, "
+            f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about "
+            f"{_format_time(tau)}, "
             "which the test behind the fit can see",
             tau,
         )
     fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
     message = (
-        f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_time(tau)}. The "
-        f"relaxation test covers {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
+        f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_format_time(tau)}. "
+        "The "
+        f"relaxation test covers {_format_time(fastest)} to {_format_time(1 / (2 * np.pi * low))}"
     )
     lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
     if lead is not None:
@@ -314,7 +316,7 @@ def format_conclusion(c: Comparison) -> str:
     second = _format_damping_error(c)
     sentences = [second, first] if has_stiffness else [first, second]
     if tested is not None and tested.failed:
-        unmeasured = _time(tested.value or 0.0)
+        unmeasured = _format_time(tested.value or 0.0)
         sentences.append(f"The relaxation test does not cover relaxation within {unmeasured}.")
         return clip_sentences(MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY])
     return clip_sentences(
@@ -339,5 +341,5 @@ def _format_damping_error(c: Comparison) -> str:
     return f"Damping ratio {predicted:.3g} % predicted, {measured:.3g} % measured."
 
 
-def _time(value: float) -> str:
+def _format_time(value: float) -> str:
     return format_quantity(value, "ms", ".3g") if value < 1 else f"{value:.3g} s"

@@ -84,7 +84,7 @@ def compare(
     band : (float, float), optional
         Lines to compare, Hz. By default those within a factor of 4 of the measured peak.
     compression : float, optional
-        Of the seals of a `fit`, m; by default that of the mass's weight.
+        Compression of the seals of a `fit`, m; by default that of the mass's weight.
 
     Raises
     ------

@@ -63,11 +63,12 @@ class Trend:
     Attributes
     ----------
     stiffness_line, damping_line : RegressionLine
-        Of the logarithms of the squared frequency and of the damping ratio.
+        Lines through the logarithms of the squared frequency and of the damping ratio.
     mass, mass_se : float
         Modal mass, kg: the median over the hits, and the standard error of its logarithm.
     amplitudes : (float, float)
-        Of the motion that their resonances are of: `DECAYED` times that after the hit, m.
+        Amplitudes of the motion that their resonances are of: `DECAYED` times that after the hit,
+        m.
     range : float
         Highest over lowest.
     """
@@ -137,7 +138,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
         )
         new_modes = local_frf.modes(band=band, count=1)
         modes.append(new_modes[0] if new_modes and new_modes[0].damping_ratio > 0 else None)
-    masses = [_modal_mass(mode) for mode in modes if mode is not None]
+    masses = [_get_modal_mass(mode) for mode in modes if mode is not None]
     if not masses:
         return frf.hits
     rows = iter(zip(modes, np.abs(spectra.force[:, at]).tolist(), strict=True))
@@ -152,14 +153,14 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
                 hit,
                 frequency=float(mode.frequency),
                 damping_ratio=float(mode.damping_ratio),
-                modal_mass=_modal_mass(mode),
+                modal_mass=_get_modal_mass(mode),
                 amplitude=size / (float(np.median(masses)) * float(mode.pole.imag)),
             )
         )
     return tuple(hits)
 
 
-def _modal_mass(mode: Mode) -> float:
+def _get_modal_mass(mode: Mode) -> float:
     return float(1 / (2 * mode.pole.imag * abs(mode.residue)))
 
 
@@ -186,8 +187,8 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
     if np.ptp(size) < EQUAL:
         return None
     return Trend(
-        _line(size, 2 * np.log(rows[:, 1])),
-        _line(size, np.log(rows[:, 2])),
+        _fit_line(size, 2 * np.log(rows[:, 1])),
+        _fit_line(size, np.log(rows[:, 2])),
         float(np.median(rows[:, 3])),
         float(_OF_MEDIAN * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
         (float(X.min()), float(X.max())),
@@ -195,7 +196,7 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
     )
 
 
-def _line(x: FloatArray, y: FloatArray) -> RegressionLine:
+def _fit_line(x: FloatArray, y: FloatArray) -> RegressionLine:
     middle, value = float(x.mean()), float(y.mean())
     x, y = x - middle, y - value
     norm = float(np.sqrt(x @ x))

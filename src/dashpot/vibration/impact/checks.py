@@ -146,17 +146,17 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
 
 
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
-def coherence(frf: FRF, at: int) -> Finding:
-    """The coherence is high at the resonance, the line `at`, and at the lines beside it."""
+def coherence(frf: FRF, line: int) -> Finding:
+    """The coherence is high at the resonance, the line `line`, and at the lines beside it."""
     if frf.coherence is None:
         return Finding(
             "A single hit has no coherence; it would be 1 whatever was measured. More hits would "
             "give one"
         )
-    first = max(at - 1, 0)
-    lowest_line = first + int(np.argmin(frf.coherence[first : at + 2]))
+    first = max(line - 1, 0)
+    lowest_line = first + int(np.argmin(frf.coherence[first : line + 2]))
     value = float(frf.coherence[lowest_line])
-    location = "at" if lowest_line == at else "beside"
+    location = "at" if lowest_line == line else "beside"
     return Finding(
         f"The coherence {location} the resonance ({frf.frequency[lowest_line]:.4g} Hz) is "
         f"{value:.4f}; at least {COHERENT:g} is expected",
@@ -190,7 +190,7 @@ def mass_over_base(frf: FRF) -> Finding:
     """The transmissibility is of mass over base: 1 at rest, falling above the resonance."""
     lines = frf.only(frf.usable)
     T, f = lines.to(Kind.TRANSMISSIBILITY).value, lines.frequency
-    at = _turn(np.abs(lines.value))
+    at = _find_peak_line(np.abs(lines.value))
     low = np.zeros(len(f), dtype=bool) if at is None else (f >= f[at] / 4) & (f <= 0.6 * f[at])
     if at is None or np.count_nonzero(low) < MIN_HITS:
         return Finding(
@@ -201,12 +201,12 @@ def mass_over_base(frf: FRF) -> Finding:
     if frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY:
         # (1 - 1/T) / r^2 of a mass on a spring, linear in the gain of the one sensor
         part = float(np.median((T[low] - 1).real * (1 - r2) / r2))
-        cause, remedy = _relative_cause(
+        cause, remedy = _explain_relative(
             part, complex(np.median(T[low].real) - 1, np.median(T[low].imag))
         )
     else:
         part = float(np.median((1 - 1 / T[low]).real / r2))
-        cause, remedy = _absolute_cause(complex(np.median(T[low].real), np.median(T[low].imag)))
+        cause, remedy = _explain_absolute(complex(np.median(T[low].real), np.median(T[low].imag)))
     return Finding(
         f"The transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
         part,
@@ -217,7 +217,7 @@ def mass_over_base(frf: FRF) -> Finding:
     )
 
 
-def _absolute_cause(size: complex) -> tuple[str, Remedy]:
+def _explain_absolute(size: complex) -> tuple[str, Remedy]:
     """Why a transmissibility may be of this size below its resonance, and what to do."""
     if 0.5 < abs(size) < 2:
         if size.real > 0:
@@ -232,7 +232,7 @@ def _absolute_cause(size: complex) -> tuple[str, Remedy]:
     )
 
 
-def _relative_cause(part: float, size: complex) -> tuple[str, Remedy]:
+def _explain_relative(part: float, size: complex) -> tuple[str, Remedy]:
     """Why a relative motion may be so many times that of a mass on a spring, and what to do.
 
     Below its resonance; over the motion of the base it is `size` there.
@@ -249,7 +249,7 @@ def _relative_cause(part: float, size: complex) -> tuple[str, Remedy]:
     return f"it is {part:.3g} times that of a mass on a spring", Remedy("Check its unit.")
 
 
-def _turn(size: FloatArray) -> int | None:
+def _find_peak_line(size: FloatArray) -> int | None:
     """Return the line at which a ratio of motions peaks, or is least if inverted."""
     top, lowest_index, end = int(size.argmax()), int(size.argmin()), len(size) - 1
     if 0 < top < NO_TURN * end:

@@ -181,7 +181,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     tests : sequence of ImpactTest
         With what their files state.
     hits : sequence of HitBlock
-        Of all of them, of one length.
+        Hits: samples of all of them, of one length.
     """
     rates = {test.window_rate for test in tests if test.window_rate is not None}
     stated_rate = next((rate for rate in rates if np.isfinite(rate)), None)
@@ -244,7 +244,7 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     Parameters
     ----------
     rows : sequence of array, shape (n,)
-        Of one channel, one for each hit.
+        Rows of one channel, one for each hit.
     hits : sequence of HitBlock
     """
     quiet_samples = min(hit.onset for hit in hits)

@@ -75,7 +75,7 @@ class Window:
                 force = True
             elif name == "exponential":
                 exponential = True
-                end = _end(value, window) if value else None
+                end = _find_end(value, window) if value else None
             elif name != "none" or value or window != "none":
                 raise DataError(
                     f"window {window!r} does not suit a hammer test; expected one of {FORMS}"
@@ -95,7 +95,7 @@ class Window:
         return float(-np.log(end) / hits[0].length)
 
 
-def _end(value: str, window: str) -> float:
+def _find_end(value: str, window: str) -> float:
     try:
         end = float(value)
     except ValueError:
@@ -108,7 +108,7 @@ def _end(value: str, window: str) -> float:
     return end
 
 
-def _force_window(hit: HitBlock) -> FloatArray:
+def _make_force_window(hit: HitBlock) -> FloatArray:
     """One over the pulse, a half-cosine down over twice its length, then zero: shape (n,)."""
     pulse = hit.pulse(0.01)
     flat_stop = pulse.stop + max(pulse.stop - pulse.start, 4)
@@ -175,7 +175,7 @@ def average_hits(
     transforms = _transform(hits, choices, choices.window.decay(accepted_hits)).band(
         *(choices.band or _find_excited_band(accepted_hits))
     )
-    transforms = transforms.apply_signs(_signs(transforms.only(accepted), choices.polarity))
+    transforms = transforms.apply_signs(_find_signs(transforms.only(accepted), choices.polarity))
     weights, rocking = _combine(transforms.only(accepted), choices)
     qualities, accepted = agreement(
         transforms.combine_channels(weights), qualities, accepted, choices.accept
@@ -200,7 +200,7 @@ def _transform(hits: Sequence[HitBlock], choices: AveragingOptions, decay: float
     decay_factor = np.exp(-decay * time)
     # of the response alone: the force is given the same
     faded = [decay_factor * recorded.compute_response_only_window(b) for b in hits]
-    force = [f * b.force * (_force_window(b) if choices.window.force else 1.0)
+    force = [f * b.force * (_make_force_window(b) if choices.window.force else 1.0)
              for f, b in zip(faded, hits, strict=True)]  # fmt: skip
     response = np.array([b.acceleration * decay_factor for b in hits]).swapaxes(0, 1)
     return ChannelSpectra(
@@ -217,13 +217,13 @@ def _transform(hits: Sequence[HitBlock], choices: AveragingOptions, decay: float
 def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
     """Return lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
-    power = (np.abs(np.fft.rfft([b.force * _force_window(b) for b in hits])) ** 2).mean(axis=0)
+    power = (np.abs(np.fft.rfft([b.force * _make_force_window(b) for b in hits])) ** 2).mean(axis=0)
     weak_lines = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
     top = float(weak_lines[0]) if weak_lines.size else np.inf
     return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
 
 
-def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatArray:
+def _find_signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatArray:
     """Sign of each accelerometer: a hit sets a block moving in its own direction."""
     count = len(transforms.channels)
     if polarity is not None:
@@ -234,7 +234,7 @@ def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatA
                 f"accelerometers ({', '.join(transforms.channels)})"
             )
         return values
-    band_transforms = transforms.band(*_mounts(transforms))
+    band_transforms = transforms.band(*_find_mount_band(transforms))
     h = np.array([estimate(spectra) for spectra in band_transforms.split_channels()])
     # the real part of the mobility, summed, is the velocity just after the hit
     mobility = (h / band_transforms.s).real
@@ -262,7 +262,7 @@ def _combine(
         return np.array([float(name == choices.combine) for name in transforms.channels]), None
     if count < 2:
         return mean, None
-    band_transforms = transforms.band(*_mounts(transforms))
+    band_transforms = transforms.band(*_find_mount_band(transforms))
     values = np.array([estimate(spectra) for spectra in band_transforms.split_channels()])
     errors = [
         random_error(spectra, value)
@@ -284,7 +284,7 @@ def _combine(
     return np.array(combination.weights), combination
 
 
-def _mounts(transforms: ChannelSpectra) -> tuple[float, float]:
+def _find_mount_band(transforms: ChannelSpectra) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
     pairs = [(estimate(spectra), spectra) for spectra in transforms.split_channels()]
     value, spectra = max(pairs, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
@@ -385,7 +385,7 @@ def estimate_frf(
         band=band,
         accept=tuple(accept),
         channels=tests[0].channels,
-        reach=_reach(tests),
+        reach=_get_reach(tests),
         recorded=recorded,
     )
     average = _average_without_ringing(
@@ -393,9 +393,9 @@ def estimate_frf(
     )
     frf = replace(
         average.frf,
-        hits=_hits(average),
+        hits=_make_hits(average),
         source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
-        steps=_steps(average, choices),
+        steps=_make_steps(average, choices),
     )
     main = next(iter(frf.modes(band=resonance_band)), None)
     if main is not None:
@@ -471,13 +471,13 @@ def _select_accepted_hits(
     return np.isin([*faults], [*accepted])
 
 
-def _reach(tests: Sequence[ImpactTest]) -> float | None:
+def _get_reach(tests: Sequence[ImpactTest]) -> float | None:
     """Return how far the accelerometers are from the hammer's line, m, if that was given."""
     positions = tests[0].positions
     return None if positions is None else float(np.abs(positions).mean())
 
 
-def _hits(average: Average) -> tuple[Hit, ...]:
+def _make_hits(average: Average) -> tuple[Hit, ...]:
     return tuple(
         Hit(
             name=hit.name,
@@ -493,10 +493,10 @@ def _hits(average: Average) -> tuple[Hit, ...]:
     )
 
 
-def _steps(average: Average, choices: AveragingOptions) -> tuple[Step, ...]:
+def _make_steps(average: Average, choices: AveragingOptions) -> tuple[Step, ...]:
     name = choices.estimator.value
     return (
-        _cut_step(average.hits),
+        _make_cut_step(average.hits),
         *_calm_steps(average.hits),
         *_recorded_steps(choices.recorded),
         *_window_steps(average.transforms.shift - choices.recorded.rate, choices.window),
@@ -515,7 +515,7 @@ def _build_acceptance_parameters(choices: AveragingOptions) -> tuple[tuple[str, 
     return (("accepted by name", ", ".join(choices.accept)),) if choices.accept else ()
 
 
-def _cut_step(hits: Sequence[HitBlock]) -> Step:
+def _make_cut_step(hits: Sequence[HitBlock]) -> Step:
     length, before = hits[0].length, hits[0].onset / hits[0].rate
     return Step(
         "cut",

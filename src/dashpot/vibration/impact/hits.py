@@ -142,7 +142,7 @@ def cut_hits(
     Parameters
     ----------
     tests : sequence of ImpactTest
-        Of one sampling rate and one set of accelerometers.
+        Tests: of one sampling rate and one set of accelerometers.
     record : float, optional
         Length of a block, s, what lies before the hit included; the FRF's lines are 1/record
         apart. By default as long as every hit allows that is not followed hastily by another.
@@ -166,9 +166,9 @@ def cut_hits(
             )
     rate = tests[0].rate
     onsets = [hit for test in tests for hit in _find(test)]
-    before = _pretrigger(onsets, rate, pretrigger)
-    length = _length(onsets, rate, before, record)
-    return tuple(_cut(hit, str(i), before, length) for i, hit in enumerate(onsets, start=1))
+    before = _choose_pretrigger(onsets, rate, pretrigger)
+    length = _choose_length(onsets, rate, before, record)
+    return tuple(_cut_hit(hit, str(i), before, length) for i, hit in enumerate(onsets, start=1))
 
 
 def _belong_together(tests: Sequence[ImpactTest]) -> None:
@@ -202,7 +202,7 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
         if peak <= 0 or not hot.size:
             continue
         firsts = hot[np.concatenate(([True], np.diff(hot) > MIN_HIT_DISTANCE * test.rate))]
-        onsets = [_onset(sign * force, int(i), noise) for i in firsts]
+        onsets = [_find_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
         pulse_onsets += [
             _PulseOnset(test, sign, record, at, last, next_onset)
@@ -216,7 +216,7 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
     return pulse_onsets
 
 
-def _onset(force: FloatArray, crossing: int, noise: float) -> int:
+def _find_onset(force: FloatArray, crossing: int, noise: float) -> int:
     """Walk back from the trigger to where the pulse leaves its base line."""
     top = float(force[crossing : crossing + 5].max())
     base = max(0.01 * top, 3 * noise)
@@ -224,7 +224,7 @@ def _onset(force: FloatArray, crossing: int, noise: float) -> int:
     return int(indices_below[-1]) + 1 if indices_below.size else 0
 
 
-def _pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
+def _choose_pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
     if pretrigger is not None:
         require_nonnegative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
@@ -235,26 +235,28 @@ def _pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: float | 
     )
 
 
-def _length(onsets: Sequence[_PulseOnset], rate: float, before: int, record: float | None) -> int:
+def _choose_length(
+    onsets: Sequence[_PulseOnset], rate: float, samples_before: int, record: float | None
+) -> int:
     if record is not None:
         length = sample_count(record, rate) if np.isfinite(record) else 0
-        if length < before + 8:
+        if length < samples_before + 8:
             raise DataError(
-                f"record = {record!r} s; expected more than the {before / rate:.3g} s "
+                f"record = {record!r} s; expected more than the {samples_before / rate:.3g} s "
                 "before the hit"
             )
         return length
     space = []
     for hit in onsets:
-        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - before
-        space.append(end - hit.onset + min(before, hit.onset))
+        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - samples_before
+        space.append(end - hit.onset + min(samples_before, hit.onset))
     usual_spacing = float(np.median(space))
-    return max(before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
+    return max(samples_before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
 
 
-def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
+def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> HitBlock:
     test, size = hit.test, hit.record.stop - hit.record.start
-    onset = min(before, hit.onset)
+    onset = min(samples_before, hit.onset)
     start = hit.record.start + hit.onset - onset
     stop = min(start + length, hit.record.start + size)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
@@ -280,14 +282,14 @@ def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
         offset=offset,
         missing=missing,
         turned=hit.sign < 0,
-        past=_past(hit) - offset[1:, None],
+        past=_get_earlier_motion(hit) - offset[1:, None],
         since_start=hit.onset / test.rate
         if hit.previous is None and hit.next is None
         else float("nan"),
     )
 
 
-def _past(hit: _PulseOnset) -> FloatArray:
+def _get_earlier_motion(hit: _PulseOnset) -> FloatArray:
     """Accelerations before a hit, well after the one before."""
     rate, record = hit.test.rate, hit.record
     history_start = 0 if hit.previous is None else (hit.previous + hit.onset) // 2
@@ -308,7 +310,7 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     if ringing.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
         return hit
     before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD) / hit.rate
-    basis = _decays(before, np.array(poles))
+    basis = _make_decays(before, np.array(poles))
     c, *_ = np.linalg.lstsq(basis, ringing.T, rcond=1e-10)
     residual = ringing.T - basis @ c
     if residual.var() > (1 - EXPLAINED) * ringing.var():
@@ -316,11 +318,11 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     time_since_onset = (np.arange(len(hit.force)) - hit.onset) / hit.rate
     return replace(
         hit,
-        acceleration=hit.acceleration - (_decays(time_since_onset, np.array(poles)) @ c).T,
+        acceleration=hit.acceleration - (_make_decays(time_since_onset, np.array(poles)) @ c).T,
         calmed=True,
     )
 
 
-def _decays(t: FloatArray, poles: ComplexArray) -> FloatArray:
+def _make_decays(t: FloatArray, poles: ComplexArray) -> FloatArray:
     waves = np.exp(np.outer(t, poles))
     return np.column_stack((waves.real, waves.imag, np.ones_like(t)))

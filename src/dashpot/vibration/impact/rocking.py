@@ -32,9 +32,9 @@ class Combination:
     mean_ratio, ratio : float
         Height of the rocking peak over that of the bounce peak, in the plain mean and as weighted.
     eccentricity : tuple of float
-        Of each hit, :math:`e x/\rho^2`: how far from the centre e it struck, times how far from
-        there x the accelerometers are, over the squared radius of gyration. Rocking is to bounce
-        as this is to 1.
+        Eccentricity of each hit, :math:`e x/\rho^2`: how far from the centre e it struck, times how
+        far from there x the accelerometers are, over the squared radius of gyration. Rocking is to
+        bounce as this is to 1.
     reach : float or None
         That x, m, if known.
     """
@@ -68,13 +68,13 @@ def null_rocking(
     Combination or None
         None if no mode moves the accelerometers against each other.
     """
-    poles = _poles(lines, hits)
+    poles = _find_poles(lines, hits)
     if poles is None:
         return None
     bounce, rocking = complex(poles[0]), complex(poles[1])
     step = float(np.median(np.diff(lines.s.imag)))
     at_peak = np.abs(lines.s.imag - rocking.imag) <= max(-rocking.real, 1.5 * step)
-    weights = _weights(hits[:, :, at_peak].reshape(len(hits), -1))
+    weights = _solve_weights(hits[:, :, at_peak].reshape(len(hits), -1))
     # what is left is small: only lines about the two modes distinguish it from other modes' skirts
     omega, pair = lines.s.imag, (bounce.imag, rocking.imag)
     is_near_poles = (omega > min(pair) / FREQUENCY_FACTOR) & (omega < max(pair) * FREQUENCY_FACTOR)
@@ -97,12 +97,12 @@ def null_rocking(
         rocking=rocking,
         mean_ratio=ratio(np.full(len(hits), 1 / len(hits))),
         ratio=ratio(weights),
-        eccentricity=_eccentricity(lines, hits, poles),
+        eccentricity=_find_eccentricity(lines, hits, poles),
         reach=reach,
     )
 
 
-def _poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
+def _find_poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     """Poles: first what accelerometers do together, then what they do against each other, others.
 
     Hits to either side of the centre rock the block in opposite senses, so an average hides it;
@@ -132,7 +132,9 @@ def _poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     return np.asarray(fit.poles[order])
 
 
-def _eccentricity(lines: FRFLines, hits: ComplexArray, poles: ComplexArray) -> tuple[float, ...]:
+def _find_eccentricity(
+    lines: FRFLines, hits: ComplexArray, poles: ComplexArray
+) -> tuple[float, ...]:
     """Velocity that each hit gives to rocking over that to bounce, at the accelerometers."""
     channels, count, n = hits.shape
     rows = replace(lines, value=hits.reshape(-1, n), sd=np.repeat(lines.sd, count, axis=0))
@@ -143,7 +145,7 @@ def _eccentricity(lines: FRFLines, hits: ComplexArray, poles: ComplexArray) -> t
     return tuple(float(q) for q in (shape @ rocking) / channels / bounce)
 
 
-def _weights(response: ComplexArray) -> FloatArray:
+def _solve_weights(response: ComplexArray) -> FloatArray:
     """Real weights of sum 1 that leave least of a `response`, shape (channels, lines).
 
     Among equally good ones, those closest to the mean.

@@ -166,13 +166,13 @@ def estimate(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -> Com
     Crowley & Vold (1985); Wicks & Vold (1986).
     """  # noqa: E501
     estimator = Estimator(estimator)
-    ff, aa, fa = _powers(spectra)
+    ff, aa, fa = _compute_powers(spectra)
     with np.errstate(divide="ignore", invalid="ignore"):
         if estimator is Estimator.H1:
             return np.asarray(fa / ff)
         if estimator is Estimator.H2:
             return np.asarray(aa / fa.conj())
-        ratio = _noise_ratio(spectra, ff, aa, estimator)
+        ratio = _get_noise_ratio(spectra, ff, aa, estimator)
         if ratio == np.inf:
             return np.asarray(fa / ff)
         difference = ratio * ff - aa
@@ -194,7 +194,7 @@ def coherence(spectra: Spectra) -> FloatArray | None:
     """
     if spectra.averages < 2:
         return None
-    ff, aa, fa = _powers(spectra)
+    ff, aa, fa = _compute_powers(spectra)
     power = ff * aa
     safe = np.where(power > 0, power, 1.0)
     return np.asarray(np.where(power > 0, np.clip(np.abs(fa) ** 2 / safe, 0.0, 1.0), 0.0))
@@ -216,7 +216,7 @@ def random_error(spectra: Spectra, value: ComplexArray) -> FloatArray | None:
         return None
     unshared = (np.abs(spectra.response - value * spectra.force) ** 2).mean(axis=0) * n / (n - 1)
     half_width = int(np.ceil((POOLED / (2 * (n - 1)) - 1) / 2))
-    pooled = _moving_mean(unshared, max(half_width, 0))
+    pooled = _smooth(unshared, max(half_width, 0))
     return np.asarray(np.sqrt(pooled / (2 * (np.abs(spectra.force) ** 2).sum(axis=0))))
 
 
@@ -228,7 +228,7 @@ def leave_one_out(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -
     )
 
 
-def _powers(spectra: Spectra) -> tuple[FloatArray, FloatArray, ComplexArray]:
+def _compute_powers(spectra: Spectra) -> tuple[FloatArray, FloatArray, ComplexArray]:
     f, a = spectra.force, spectra.response
     return (
         (np.abs(f) ** 2).mean(axis=0),
@@ -237,14 +237,16 @@ def _powers(spectra: Spectra) -> tuple[FloatArray, FloatArray, ComplexArray]:
     )
 
 
-def _noise_ratio(spectra: Spectra, ff: FloatArray, aa: FloatArray, estimator: Estimator) -> float:
+def _get_noise_ratio(
+    spectra: Spectra, ff: FloatArray, aa: FloatArray, estimator: Estimator
+) -> float:
     force, response = spectra.noise
     if estimator is Estimator.HS and (force > 0 or response > 0):
         return np.inf if force == 0 else (response / force) ** 2
     return float(aa.mean() / ff.mean())
 
 
-def _moving_mean(values: FloatArray, half_width: int) -> FloatArray:
+def _smooth(values: FloatArray, half_width: int) -> FloatArray:
     """Return mean over `half_width` neighbours to either side, fewer at the ends."""
     width = np.ones(2 * half_width + 1)
     counts = np.convolve(np.ones(len(values)), width)[half_width : half_width + len(values)]

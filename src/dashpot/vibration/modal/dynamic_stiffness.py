@@ -107,11 +107,11 @@ class DynamicStiffness(EqualByValue):
         """Error of the loss stiffness by that phase error, N/m."""
         return np.asarray(self.phase_sd * np.abs(self.by_phase.imag))
 
-    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
+    def changes(self, name: str, size: float) -> tuple[FloatArray, FloatArray]:
         """Relative change of the storage, and change of the loss factor, by an error of `name`."""
         stiffness = self.storage + 1j * self.loss
         slope: ComplexArray = getattr(self, f"by_{name}") / stiffness
-        return compute_stiffness_change(by * slope, self.loss_factor)
+        return compute_stiffness_change(size * slope, self.loss_factor)
 
     @property
     def usable(self) -> BoolArray:
@@ -236,7 +236,7 @@ def dynamic_stiffness(
             f, peak, stiffness.storage_sd <= STORAGE_LIMIT * np.abs(storage)
         ),
         loss_band=_find_band_around_peak(f, peak, stiffness.loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=_causal(f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass),
+        checks=_is_causal(f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass),
     )
 
 
@@ -251,35 +251,39 @@ def _find_band_around_peak(
     return float(frequency[run.start]), float(frequency[run.stop - 1])
 
 
-def causal_loss_factor(frequency: FloatArray, storage: FloatArray, at: float) -> float:
+def causal_loss_factor(frequency: FloatArray, storage: FloatArray, centre: float) -> float:
     r"""Loss factor that the rise of the storage stiffness implies (local Kramers-Kronig rule).
 
     .. math:: \tan\delta \approx \frac{\pi}{2} \frac{d \ln K'}{d \ln \omega}
 
-    The slope is a straight line through ln K' over a factor of 1.6 to either side of `at` Hz.
-    Source: H. C. Booij and G. P. J. M. Thoone, Rheol. Acta 21 (1982).
+    The slope is a straight line through ln K' over a factor of 1.6 to either side of
+    `centre` Hz. Source: H. C. Booij and G. P. J. M. Thoone, Rheol. Acta 21 (1982).
 
     Raises
     ------
     DataError
         If fewer than 3 lines lie there.
     """
-    slope, share = _slope(frequency, storage, at)
+    slope, share = _make_slope_weights(frequency, storage, centre)
     return float(np.pi / 2 * share @ np.log(storage[slope]))
 
 
-def _slope(frequency: FloatArray, storage: FloatArray, at: float) -> tuple[BoolArray, FloatArray]:
-    """Return the lines about `at`, and what each contributes to the slope of a straight line."""
-    is_near = (frequency >= at / SLOPE_REACH) & (frequency <= at * SLOPE_REACH) & (storage > 0)
+def _make_slope_weights(
+    frequency: FloatArray, storage: FloatArray, centre: float
+) -> tuple[BoolArray, FloatArray]:
+    """Return the lines about `centre`, and their weights in the slope of a straight line."""
+    is_near = (
+        (frequency >= centre / SLOPE_REACH) & (frequency <= centre * SLOPE_REACH) & (storage > 0)
+    )
     if np.count_nonzero(is_near) < 3:
-        raise DataError(f"fewer than 3 lines about {at:g} Hz: no slope of the stiffness there")
+        raise DataError(f"fewer than 3 lines about {centre:g} Hz: no slope of the stiffness there")
     x = np.log(frequency[is_near])
     weight = np.exp(-x)  # lines crowd at the upper end of a logarithmic axis
     x = x - weight @ x / weight.sum()
     return is_near, np.asarray(weight * x / (weight @ x**2))
 
 
-def _causal(
+def _is_causal(
     frequency: FloatArray,
     storage: FloatArray,
     loss: FloatArray,
@@ -290,7 +294,7 @@ def _causal(
 ) -> tuple[Check, ...]:
     """Whether loss and slope of the stiffness belong together, as far as the errors can show."""
     try:
-        slope, share = _slope(frequency, storage, peak)
+        slope, share = _make_slope_weights(frequency, storage, peak)
     except DataError:
         return ()
     implied = causal_loss_factor(frequency, storage, peak)

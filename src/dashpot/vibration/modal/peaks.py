@@ -22,7 +22,7 @@ class Peak:
     frequency, height : float
         Hz and 1/kg, of the accelerance at s = j omega (an exponential window is undone).
     damping_ratio : float
-        Of the pole of the local parabola.
+        Damping ratio of the pole of the local parabola.
     frequency_se, damping_se : float
         Random standard errors, from the scatter of the lines or their standard deviation.
     half_power_lines : float
@@ -41,10 +41,10 @@ class Peak:
     decay: float
 
 
-def run_about(mask: BoolArray, at: int) -> slice:
+def run_about(mask: BoolArray, index: int) -> slice:
     """Return the unbroken run of True about an index."""
     gaps = np.flatnonzero(~mask)
-    left_gaps, right = gaps[gaps < at], gaps[gaps > at]
+    left_gaps, right = gaps[gaps < index], gaps[gaps > index]
     return slice(
         int(left_gaps[-1]) + 1 if left_gaps.size else 0, int(right[0]) if right.size else len(mask)
     )

@@ -156,9 +156,9 @@ class BackgroundProjection:
         rates = np.array(SLOW_POLES) * float(np.sqrt(s.imag[0] * s.imag[-1]))
         columns = [np.ones_like(s), (s / s.imag[-1]) ** 2]
         columns += list(pole_kernel(lines, -rates[:, None].astype(complex)) * rates[1])
-        rows = _rows(np.array(columns), lines.sd)
+        rows = _make_rows(np.array(columns), lines.sd)
         basis = np.linalg.qr(rows / np.linalg.norm(rows, axis=1, keepdims=True))[0]
-        y = _rows(lines.value[:, None], lines.sd)
+        y = _make_rows(lines.value[:, None], lines.sd)
         return cls(lines, basis, _subtract_projection(basis, y)[..., 0])
 
     @cached_property
@@ -176,7 +176,7 @@ class BackgroundProjection:
 
     def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
         """Weighted columns of shape (k, n) or (channels, k, n), the background taken off."""
-        return _subtract_projection(self.basis[part], _rows(columns, self.lines.sd[part]))
+        return _subtract_projection(self.basis[part], _make_rows(columns, self.lines.sd[part]))
 
 
 class _Residues(NamedTuple):
@@ -211,7 +211,7 @@ class PoleTrial:
     @cached_property
     def columns(self) -> ComplexArray:
         """Return the columns of a residue of 1 and of j, pole by pole: shape (2 modes, n)."""
-        return _pairs(self.ground.lines, self.poles)
+        return _make_residue_columns(self.ground.lines, self.poles)
 
     @cached_property
     def slopes(self) -> tuple[ComplexArray, ComplexArray]:
@@ -236,8 +236,8 @@ class PoleTrial:
     def _solve_residues(self, part: slice) -> _Residues:
         rows, q, inverse = self.basis(part)
         y = self.ground.rest[part]
-        c = _times(inverse, _times(q.swapaxes(1, 2), y))
-        residual = y - _times(rows, c)
+        c = _multiply(inverse, _multiply(q.swapaxes(1, 2), y))
+        residual = y - _multiply(rows, c)
         residues = c[:, 0::2] + 1j * c[:, 1::2]
         up, lower = (
             by[None] * slope
@@ -258,7 +258,7 @@ class PoleTrial:
             inverse,
             crossing,
             transposed @ jacobian,
-            _times(transposed, residual),
+            _multiply(transposed, residual),
         )
 
     @cached_property
@@ -318,14 +318,14 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     scans = []
     for at in range(0, len(starts), value):
         poles = np.array([complex(-sigma, omega) for sigma, omega in starts[at : at + value]])
-        rows = _pairs(lines, poles).view(float)
+        rows = _make_residue_columns(lines, poles).view(float)
         values, other = rows[0::2], rows[1::2]
         pairs = ((values, values), (values, other), (other, other))
         scans.append(Scan(poles, rows, np.array([weights @ (u * v).T for u, v in pairs])))
     return scans
 
 
-def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
+def _make_residue_columns(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """Return what a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
     p = poles[:, None]
     up, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
@@ -334,7 +334,7 @@ def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     return pairs
 
 
-def _rows(columns: ComplexArray, sd: FloatArray) -> FloatArray:
+def _make_rows(columns: ComplexArray, sd: FloatArray) -> FloatArray:
     """Weighted real and imaginary parts of each line, shape (channels, 2n, k)."""
     return np.ascontiguousarray(columns / sd[:, None]).view(float).swapaxes(1, 2)
 
@@ -344,7 +344,7 @@ def _subtract_projection(basis: FloatArray, rows: FloatArray) -> FloatArray:
     return np.asarray(rows - basis @ (basis.swapaxes(1, 2) @ rows))
 
 
-def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
+def _multiply(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     """Return the product of matrix and vector for each channel."""
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
@@ -381,11 +381,11 @@ class PoleFit:
     poles : complex array, shape (modes,)
         Upper half of the plane, 1/s.
     residues : complex array, shape (channels, modes)
-        Of the accelerance.
+        Residues of the accelerance.
     covariance : array, shape (2 modes, 2 modes)
-        Of sigma and omega of each mode.
+        Covariance of sigma and omega of each mode.
     residue_se : array, shape (channels, modes)
-        Of real and imaginary part together.
+        Standard error of real and imaginary part together.
     misfit : array, shape (modes,)
         Squared over its variance, of the lines about each mode, for each degree of freedom.
     """
@@ -417,7 +417,7 @@ def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> 
     failures = 0
     for _ in range(count or max_modes):
         last, trial = trial, _refine(_with_next_pole(trial), STEP_TOLERANCE)
-        if count is not None or _matters(trial, last):
+        if count is not None or _is_last_supported(trial, last):
             pole_trial, failures = trial, 0
         else:
             failures += 1  # one of two like modes does not matter before the other is there
@@ -478,14 +478,14 @@ def _with_next_pole(trial: PoleTrial) -> PoleTrial:
 
 def _with_best(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
     """Add the pole, of several, that explains most, and say how much that is."""
-    gains = np.concatenate([_gains(trial, scan) for scan in candidates])
+    gains = np.concatenate([_compute_gains(trial, scan) for scan in candidates])
     best = int(np.argmax(gains))
     pole = np.concatenate([scan.poles for scan in candidates])[best]
     theta = np.append(trial.theta, np.log((-pole.real, pole.imag)))
     return replace(trial, theta=theta), float(gains[best])
 
 
-def _gains(trial: PoleTrial, scan: Scan) -> FloatArray:
+def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     """Return what each of these poles, none of them refined, takes off the squared residuals."""
     ground, count = trial.ground, len(scan.poles)
     gains = np.zeros(count)
@@ -515,20 +515,23 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
     for _ in range(2):
         refined_trial, gain = _with_best(trial, scanned_poles)
         # a scan shows a part of what a refined pole explains
-        if 10 * gain < trial.sse * _worth(trial) / size:
+        if 10 * gain < trial.sse * _get_least_gain(trial) / size:
             break
         refined_trial = _refine(refined_trial)
         at = refined_trial.poles[-1].imag
         excess = low / BACKGROUND_FACTOR < at <= low or high <= at < high * BACKGROUND_FACTOR
-        if not excess or trial.sse - refined_trial.sse < refined_trial.sse * _worth(trial) / size:
+        if (
+            not excess
+            or trial.sse - refined_trial.sse < refined_trial.sse * _get_least_gain(trial) / size
+        ):
             break
         trial = refined_trial
     return trial
 
 
-def _worth(trial: PoleTrial) -> float:
+def _get_least_gain(trial: PoleTrial) -> float:
     """Return what a pole must explain, in variances, to be there."""
-    return float(3 * _parameters(trial.misfit) * np.log(trial.ground.rest.size))
+    return float(3 * _count_parameters(trial.misfit) * np.log(trial.ground.rest.size))
 
 
 def _finish(trial: PoleTrial, modes: int) -> PoleFit:
@@ -545,7 +548,7 @@ def _finish(trial: PoleTrial, modes: int) -> PoleFit:
     change = inverse @ (solution.crossing * scales)
     variance = (inverse**2).sum(axis=2) + ((change @ inverse_normal) * change).sum(axis=2)
     # what the model misses about a mode widens that mode's error
-    misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])
+    misfit = np.array([_compute_chi2(trial, p) for p in trial.poles[:modes]])
     error_factor = np.sqrt(np.maximum(misfit, 1.0))
     return PoleFit(
         poles=trial.poles[:modes],
@@ -556,27 +559,29 @@ def _finish(trial: PoleTrial, modes: int) -> PoleFit:
     )
 
 
-def _chi2(trial: PoleTrial, p: complex) -> float:
+def _compute_chi2(trial: PoleTrial, p: complex) -> float:
     """Misfit per degree of freedom of the lines about a mode."""
     misfit_near_mode = trial.misfit[:, _select_mode_lines(trial.ground.lines, p)]
     return float(misfit_near_mode.sum()) / max(
-        2 * misfit_near_mode.size - _parameters(misfit_near_mode), 1
+        2 * misfit_near_mode.size - _count_parameters(misfit_near_mode), 1
     )
 
 
-def _parameters(channels: FloatArray) -> int:
+def _count_parameters(channels: FloatArray) -> int:
     """Return the number of parameters of one mode: its pole, and a residue in each channel."""
     return 2 + 2 * len(channels)
 
 
-def _matters(trial: PoleTrial, before: PoleTrial) -> bool:
+def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
     """Tell whether the last mode added is one, and explains more than chance would."""
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
     mode_lines = _select_mode_lines(trial.ground.lines, p)
-    gain = float((before.misfit - trial.misfit)[:, mode_lines].sum()) / max(_chi2(trial, p), 1e-300)
-    return bool(gain > _worth(trial))
+    gain = float((previous.misfit - trial.misfit)[:, mode_lines].sum()) / max(
+        _compute_chi2(trial, p), 1e-300
+    )
+    return bool(gain > _get_least_gain(trial))
 
 
 def _is_mode(trial: PoleTrial, i: int) -> bool:

@@ -9,8 +9,8 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.extensions.batch.arrays.batched_solver import solve_many, solve_separately
 from dashpot.extensions.batch.arrays.shared_sampling import (
     SharedSampling,
-    hold_family,
-    recorded_family,
+    make_hold_family,
+    make_recorded_family,
 )
 from dashpot.numerics.design_matrices.recorded_motion import recorded_block
 from dashpot.numerics.exponential_fit import solve
@@ -18,11 +18,11 @@ from dashpot.numerics.exponential_fit import solve
 TIME = np.arange(3001) / 100
 X = 8e-3 * np.minimum(TIME, 1.0)
 FAMILIES = {
-    "step": lambda: hold_family(TIME, depth=1.0, ramp_time=0.0),
-    "hold": lambda: hold_family(TIME, depth=1.0, ramp_time=0.5),
-    "ramp and hold": lambda: hold_family(TIME, depth=8e-3, ramp_time=1.0, ramp=True),
-    "recorded": lambda: recorded_family(TIME, X),
-    "recorded hold": lambda: recorded_family(TIME, X, window=slice(100, None)),
+    "step": lambda: make_hold_family(TIME, depth=1.0, ramp_time=0.0),
+    "hold": lambda: make_hold_family(TIME, depth=1.0, ramp_time=0.5),
+    "ramp and hold": lambda: make_hold_family(TIME, depth=8e-3, ramp_time=1.0, ramp=True),
+    "recorded": lambda: make_recorded_family(TIME, X),
+    "recorded hold": lambda: make_recorded_family(TIME, X, window=slice(100, None)),
 }
 
 
@@ -107,7 +107,7 @@ def test_quiet_and_noisy_records_have_the_sse_of_every_sample(name: str, relativ
 
 
 def test_batched_solver_isolates_a_bad_record() -> None:
-    family = hold_family(TIME, depth=1.0, ramp_time=0.0)
+    family = make_hold_family(TIME, depth=1.0, ramp_time=0.0)
     data = records(family, 2, 6, seed=3)
     good = solve_many(family, data, 2)
     data = data.copy()
@@ -128,7 +128,7 @@ def test_batched_solver_isolates_a_bad_record() -> None:
 
 
 def test_clean_records_with_fewer_arms_return_fewer() -> None:
-    family = hold_family(TIME, depth=1.0, ramp_time=0.0)
+    family = make_hold_family(TIME, depth=1.0, ramp_time=0.0)
     data = 1 + 2 * np.exp(-TIME / np.array([[3.0], [0.7]]))
     many = solve_many(family, data, 2)
     assert many.order.tolist() == [1, 1]
@@ -141,10 +141,10 @@ def test_more_records_than_a_chunk_and_more_arms_than_the_first_look() -> None:
     generator = np.random.default_rng(0)
     data = 1 + np.exp(-time / generator.uniform(0.5, 3, (600, 1)))
     data += 1e-3 * generator.standard_normal(data.shape)
-    many = solve_many(hold_family(time, depth=1.0, ramp_time=0.0), data, 1)
+    many = solve_many(make_hold_family(time, depth=1.0, ramp_time=0.0), data, 1)
     assert many.converged.all()
     assert (many.order == 1).all()
-    five = solve_many(hold_family(time, depth=1.0, ramp_time=0.0), data[:2], 5)
+    five = solve_many(make_hold_family(time, depth=1.0, ramp_time=0.0), data[:2], 5)
     assert (five.order >= 1).all()
 
 
@@ -157,11 +157,11 @@ def test_batched_solver_accepts_records_without_shared_terms() -> None:
     assert many.converged.all()
     np.testing.assert_allclose(np.exp(many.log_tau), 2.0, rtol=0.02)
     with pytest.raises(DataError, match="uniform grid"):
-        recorded_family(time, x)
+        make_recorded_family(time, x)
 
 
 def test_refusals_say_what_was_expected() -> None:
     with pytest.raises(FitError, match="at least one"):
-        solve_many(hold_family(TIME, depth=1.0, ramp_time=0.0), np.zeros((1, len(TIME))), 0)
+        solve_many(make_hold_family(TIME, depth=1.0, ramp_time=0.0), np.zeros((1, len(TIME))), 0)
     with pytest.raises(FitError, match="use fewer arms or longer records"):
-        solve_many(hold_family(TIME[:4], depth=1.0, ramp_time=0.0), np.zeros((1, 4)), 3)
+        solve_many(make_hold_family(TIME[:4], depth=1.0, ramp_time=0.0), np.zeros((1, 4)), 3)

@@ -10,8 +10,8 @@ from dashpot.extensions.batch.statistics.control_chart import (
     SIDE,
     TREND,
     TWO_OF_THREE,
-    individuals,
-    means_and_deviations,
+    chart_individuals,
+    chart_means_and_deviations,
     run_signals,
 )
 
@@ -32,7 +32,7 @@ RINGS = np.array(TABLE.split(), dtype=float).reshape(25, 5)  # fmt: skip
 def test_individuals_are_those_of_the_worked_example():
     # NIST/SEMATECH e-Handbook of Statistical Methods, 6.3.2.2: a flow rate, ten samples
     flow = np.array([49.6, 47.6, 49.9, 51.3, 47.8, 51.2, 52.6, 52.4, 53.6, 52.1])
-    text, moving = individuals(flow)
+    text, moving = chart_individuals(flow)
     assert text.centre == pytest.approx(50.81)
     assert (text.lower[0], text.upper[-1]) == pytest.approx((45.8159, 55.8041), abs=6e-5)
     assert moving.centre == pytest.approx(1.8778, abs=5e-5)
@@ -41,12 +41,12 @@ def test_individuals_are_those_of_the_worked_example():
     assert not text.signals
     assert not moving.signals
     with pytest.raises(DataError, match="of 1 value"):
-        individuals(flow[:1])
+        chart_individuals(flow[:1])
 
 
 def test_means_and_deviations_are_those_of_the_worked_example():
     """Its example 6.3: 74.001 and 0.0094; limits 73.988 to 74.014, and 0 to 0.0196."""
-    mean, deviation = means_and_deviations(list(73.9 + 1e-3 * RINGS))
+    mean, deviation = chart_means_and_deviations(list(73.9 + 1e-3 * RINGS))
     assert mean.centre == pytest.approx(74.001, abs=5e-4)
     assert (mean.lower[0], mean.upper[0]) == pytest.approx((73.988, 74.014), abs=6e-4)
     assert deviation.centre == pytest.approx(0.0094, abs=5e-5)
@@ -59,7 +59,7 @@ def test_factors_are_those_of_the_tables():
     """A_3, B_3, B_4 of Montgomery's appendix VI."""
     for n, a3, b3, b4 in ((2, 2.659, 0, 3.267), (4, 1.628, 0, 2.266), (10, 0.975, 0.284, 1.716)):
         rows = np.random.default_rng(n).normal(size=(3, n))
-        mean, deviation = means_and_deviations(list(rows))
+        mean, deviation = chart_means_and_deviations(list(rows))
         s = rows.std(axis=1, ddof=1).mean()
         assert mean.upper[0] - mean.centre == pytest.approx(a3 * s, rel=6e-4)
         assert deviation.lower[0] == pytest.approx(b3 * s, abs=6e-4 * s)
@@ -69,14 +69,14 @@ def test_factors_are_those_of_the_tables():
 def test_control_limits_of_unequal_groups_share_one_scatter():
     rng = np.random.default_rng(3)
     sizes = rng.integers(1, 8, 4000)
-    mean, deviation = means_and_deviations([rng.normal(5, 2, n) for n in sizes])
+    mean, deviation = chart_means_and_deviations([rng.normal(5, 2, n) for n in sizes])
     assert (mean.upper - mean.centre) * np.sqrt(sizes) == pytest.approx(6, rel=0.02)
     assert np.isnan(deviation.values[sizes == 1]).all()
     single = {signal.point for signal in deviation.signals} & set(np.flatnonzero(sizes == 1))
     assert not single
     for groups in ([[1.0, 2.0]], [[1.0], [2.0]]):
         with pytest.raises(DataError, match="wants two groups"):
-            means_and_deviations([np.array(group) for group in groups])
+            chart_means_and_deviations([np.array(group) for group in groups])
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,10 @@ def test_each_rule_speaks_at_the_last_point_of_its_run(rule, breaks, keeps):
 
 
 def test_control_chart_of_equal_values_signals_nothing():
-    for chart in (*individuals(np.full(12, 0.1)), *means_and_deviations([np.full(3, 0.1)] * 9)):
+    for chart in (
+        *chart_individuals(np.full(12, 0.1)),
+        *chart_means_and_deviations([np.full(3, 0.1)] * 9),
+    ):
         assert not chart.signals
 
 
@@ -108,7 +111,9 @@ def test_a_lot_in_control_is_seldom_accused():
     """Three standard deviations are passed by 0.27 %; from 25 estimated limits a little more."""
     rng = np.random.default_rng(4)
     rules = [
-        signal.rule for _ in range(400) for signal in individuals(rng.normal(size=25))[0].signals
+        signal.rule
+        for _ in range(400)
+        for signal in chart_individuals(rng.normal(size=25))[0].signals
     ]
     assert 0.002 < rules.count(BEYOND) / 1e4 < 0.008
     assert len(rules) / 400 < 0.5  # false alarms of all five rules, for each lot of 25 seals

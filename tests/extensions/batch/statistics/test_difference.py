@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.extensions.batch.statistics.two_sample import difference, holm
+from dashpot.extensions.batch.statistics.two_sample import adjust_holm, difference
 
 pytestmark = pytest.mark.once
 
@@ -68,6 +68,6 @@ def test_lots_without_scatter_and_lots_too_small():
 
 def test_holm_adjusts_for_simultaneous_tests():
     # Holm (1979): the smallest times their number, and so on, never falling
-    assert holm([0.01, 0.04, 0.03]) == pytest.approx((0.03, 0.06, 0.06))
-    assert holm([0.9, 0.8]) == (1, 1)
-    assert holm([]) == ()
+    assert adjust_holm([0.01, 0.04, 0.03]) == pytest.approx((0.03, 0.06, 0.06))
+    assert adjust_holm([0.9, 0.8]) == (1, 1)
+    assert adjust_holm([]) == ()

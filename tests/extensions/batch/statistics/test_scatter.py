@@ -8,8 +8,8 @@ import pytest
 from dashpot.base.errors import DataError
 from dashpot.extensions.batch.statistics.variance_components import (
     components,
+    find_outlier_distances,
     robust_distance,
-    stands_out,
 )
 
 pytestmark = pytest.mark.once
@@ -92,7 +92,7 @@ def test_seals_that_are_not_normal_have_a_wider_interval(name, least):
     rng, held, normal, seeds = np.random.default_rng(7), 0, 0, 300
     for _ in range(seeds):
         values = np.concatenate((draw(rng, 8), draw(rng, 8)))
-        _, seal = components(values, [("lot", ["a"] * 8 + ["b"] * 8)], within="seal")
+        _, seal = components(values, [("lot", ["a"] * 8 + ["b"] * 8)], innermost_name="seal")
         held += seal.interval[0] <= truth <= seal.interval[1]
         normal += not seal.is_corrected_for_kurtosis
     assert held / seeds > least - 2 * np.sqrt(least * (1 - least) / seeds), held / seeds
@@ -105,7 +105,7 @@ def test_an_interval_of_bonett():
     """Worked by hand of its formula: ten values, one of them far."""
     values = np.array([1.0, 1.1, 0.9, 1.05, 0.95, 1.02, 0.98, 1.0, 1.01, 3.0])
     _, seal = components(
-        np.concatenate((values, values)), [("lot", ["a"] * 10 + ["b"] * 10)], within="seal"
+        np.concatenate((values, values)), [("lot", ["a"] * 10 + ["b"] * 10)], innermost_name="seal"
     )
     d, N, n, z = values - values.mean(), 20, 18, 1.959964
     d = np.sort(np.concatenate((d, d)))
@@ -173,11 +173,13 @@ def test_the_limit_is_3_5_in_a_large_lot_and_wider_in_a_small_one(size, below, a
         values = np.linspace(-1, 1, size)
         scale = 1.482602218505602 * np.median(np.abs(values - np.median(values)))
         values[-1] = np.median(values) + far * scale
-        assert bool(stands_out(values)[-1]) is out
+        assert bool(find_outlier_distances(values)[-1]) is out
 
 
 @pytest.mark.parametrize("size", [5, 8, 20, 100])
 def test_outlier_rule_has_a_false_alarm_rate_of_one_in_a_thousand(size):
     rng = np.random.default_rng(size)
     lots = rng.normal(size=(40_000 // size, size))
-    assert sum(np.count_nonzero(stands_out(lot)) for lot in lots) <= 55  # 40 and 2.4 sd of it
+    assert (
+        sum(np.count_nonzero(find_outlier_distances(lot)) for lot in lots) <= 55
+    )  # 40 and 2.4 sd of it

@@ -18,7 +18,7 @@ from dashpot.extensions.curves.creep.fit import fit_creep as fit
 from dashpot.extensions.curves.creep.load_noise import load_sensitivity
 from dashpot.extensions.curves.creep.preprocess import load_hold
 from dashpot.extensions.curves.creep.read import read_creep
-from dashpot.extensions.curves.creep.retardation_spectrum import relaxation_sensitivity
+from dashpot.extensions.curves.creep.retardation_spectrum import compute_relaxation_sensitivity
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.solids.demo_seals import PAPER
@@ -100,7 +100,7 @@ def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSp
         return np.array([k_inf, *k, *np.log(tau), b])
 
     at = np.array([creep.glass, *creep.d, *np.log(creep.lam), creep.flow])
-    expected = relaxation_sensitivity(creep, relaxation_spectrum(creep)[2])
+    expected = compute_relaxation_sensitivity(creep, relaxation_spectrum(creep)[2])
     for i, value in enumerate(at):
         if value == 0:  # beyond it lies another kind of solid
             continue

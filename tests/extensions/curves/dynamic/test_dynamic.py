@@ -17,7 +17,7 @@ from dashpot.extensions.curves.checks import kramers_kronig
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 from dashpot.extensions.curves.dynamic.read import read_dynamic
-from dashpot.extensions.curves.relaxation_spectrum import passive_misfit
+from dashpot.extensions.curves.relaxation_spectrum import compute_passive_misfit
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -290,7 +290,7 @@ def test_kramers_and_kronig_pass_what_is_passive_and_noisy(noise: float) -> None
     for slope in (0.05, 0.1, 0.2):
         solid = GeneralizedMaxwell(100.0, tuple(100 * tau**-slope), tuple(tau))
         for seed in range(10):
-            check = kramers_kronig(passive_misfit(sweep(solid, noise=noise, seed=seed)))
+            check = kramers_kronig(compute_passive_misfit(sweep(solid, noise=noise, seed=seed)))
             assert check.passed, check.message
 
 

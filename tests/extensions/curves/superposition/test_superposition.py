@@ -13,8 +13,12 @@ from dashpot.datamodel.shift_factors import Shift
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.creep.fit import fit_creep
 from dashpot.extensions.curves.modulus.read import read_modulus
-from dashpot.extensions.curves.superposition.isotherms import isotherms_of, join_tests
-from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, grid_of, spectrum_at
+from dashpot.extensions.curves.superposition.isotherms import join_tests, split_isotherms
+from dashpot.extensions.curves.superposition.joint_spectrum import (
+    ShiftSearch,
+    fit_spectrum,
+    make_grid,
+)
 from dashpot.reading.read_options import ReadOptions
 
 
@@ -60,9 +64,9 @@ def test_exact_creep_compliances_give_their_shifts_back(flow):
 
 @pytest.mark.parametrize("data", [sweeps, moduli, compliances], ids=lambda make: make.__name__)
 def test_the_slopes_of_shifted_isotherms_are_those_of_their_rows(data):
-    isotherms = isotherms_of(join_tests(data())[0])[:3]
+    isotherms = split_isotherms(join_tests(data())[0])[:3]
     shifts, free = np.array([2.0, 0.9, 0.0, -0.1, 0.04, 0.0]), np.array([0, 1, 3, 4])
-    search = ShiftSearch(isotherms, grid_of(isotherms, shifts[:3]), shifts, free, noise=0.01)
+    search = ShiftSearch(isotherms, make_grid(isotherms, shifts[:3]), shifts, free, noise=0.01)
     spectrum = isotherms[0].size.mean() * (0.1 + np.arange(1 + len(search.ln_tau)) % 3)
     hold_slopes(search.problem, shifts[free], spectrum)
 
@@ -248,11 +252,11 @@ def test_published_moduli_are_shifted_as_published_and_lie_closer(real_data):
 def test_a_published_master_curve_is_followed_by_three_times_per_decade(real_data):
     file = real_data / "pyvisco-master-curves" / "ansys-reference" / "freq_raw.input_master.csv"
     frequency, storage, loss = np.loadtxt(file, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
-    curve = isotherms_of(
+    curve = split_isotherms(
         dp.DynamicTest(frequency, storage, loss, np.full(len(loss), 300.0), units="SI")
     )
     at = np.zeros(1)
-    assert spectrum_at(curve, at, at, grid_of(curve, at, per_decade=3)).rms <= 0.024
+    assert fit_spectrum(curve, at, at, make_grid(curve, at, per_decade=3)).rms <= 0.024
 
 
 def test_superpose_names_a_temperature_with_another_gain():

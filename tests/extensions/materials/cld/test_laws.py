@@ -18,7 +18,7 @@ from kit.cld import (
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
-from dashpot.extensions.materials.cld.equilibrium_curve import relaxed_law
+from dashpot.extensions.materials.cld.equilibrium_curve import fit_relaxed_law
 from dashpot.extensions.materials.cld.fit_files import apply_elastic_law
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
@@ -42,7 +42,7 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
     outcome = evaluate_record(
         press_cycles(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT)
     )
-    relaxed = relaxed_law(outcome, fit_of(law))
+    relaxed = fit_relaxed_law(outcome, fit_of(law))
     slope = (law(AT + 1e-6) - law(AT - 1e-6)) / 2e-6
     # first contact is known to some 10 um where a force begins to rise between two samples
     assert (np.abs(relaxed.law.force(AT) - law(AT)) <= 1e-3 * law(AT) + 1e-5 * slope).all()
@@ -59,7 +59,7 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_counts_and_drift_leave_the_law_near(seed):
     outcome = evaluate_record(press_cycles(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
-    relaxed = relaxed_law(outcome, fit_of(stiffening))
+    relaxed = fit_relaxed_law(outcome, fit_of(stiffening))
     assert relaxed.law.force(AT[2:]) == pytest.approx(stiffening(AT[2:]), rel=0.015)
     z = (relaxed.law.tangent(AT) - 150 - 3 * 7.2656e5 * AT**2) / relaxed.law.stiffness
     assert np.abs(z / relaxed.law.factor_se(AT)).max() < 5
@@ -67,7 +67,7 @@ def test_noise_counts_and_drift_leave_the_law_near(seed):
 
 def test_relaxed_law_separates_softening_from_relaxation():
     outcome = evaluate_record(press_cycles(softening=0.12, **EXACT))
-    relaxed = relaxed_law(outcome, fit_of(stiffening))
+    relaxed = fit_relaxed_law(outcome, fit_of(stiffening))
     assert relaxed.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-3)
     assert outcome.softening > relaxed.softening + 0.015
 
@@ -75,23 +75,25 @@ def test_relaxed_law_separates_softening_from_relaxation():
 def test_relaxation_test_of_another_seal_leaves_hysteresis_or_another_force():
     outcome = evaluate_record(press_cycles(softening=0.0))
     half = tuple((g / 2, tau) for g, tau in ARMS)
-    wrong = relaxed_law(outcome, fit_of(stiffening, arms=half))
+    wrong = fit_relaxed_law(outcome, fit_of(stiffening, arms=half))
     assert "relaxation_explains_hysteresis" in {
         check.name for check in wrong.checks if check.failed
     }
-    other = relaxed_law(outcome, fit_of(stiffening, scale=1.1))
+    other = fit_relaxed_law(outcome, fit_of(stiffening, scale=1.1))
     agrees = next(check for check in other.checks if check.name == "relaxed_agrees")
     assert agrees.value == pytest.approx(1 / 1.1 - 1, abs=0.01)
     # of a fit to several depths, at each
-    law = relaxed_law(outcome, fit_of(stiffening)).law
+    law = fit_relaxed_law(outcome, fit_of(stiffening)).law
     depths = tuple(
-        relaxed_law(outcome, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
+        fit_relaxed_law(outcome, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
     )
     assert depths == pytest.approx(law.force([4e-3, 6e-3]) / stiffening(np.array([4e-3, 6e-3])) - 1)
 
 
 def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
-    relaxed = relaxed_law(evaluate_record(press_cycles(softening=0.0, **EXACT)), fit_of(stiffening))
+    relaxed = fit_relaxed_law(
+        evaluate_record(press_cycles(softening=0.0, **EXACT)), fit_of(stiffening)
+    )
     for held in (5e-3, 8e-3):
         fit = apply_elastic_law(fit_of(stiffening, depth=held), relaxed.law, checks=relaxed.checks)
         for x in (2.6e-3, 5e-3):
@@ -110,12 +112,12 @@ def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
     fit = fit_of(stiffening)
     bare = cld(dp.CLDTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
-        relaxed_law(bare, fit)
+        fit_relaxed_law(bare, fit)
     outcome = evaluate_record(truth)
     loose = replace(fit, solid=dp.GeneralizedMaxwell(0.0, (1.0,), (1.0,)))
     with pytest.raises(FitError, match="no stiffness at rest"):
-        relaxed_law(outcome, loose)
-    law = relaxed_law(outcome, fit).law
+        fit_relaxed_law(outcome, loose)
+    law = fit_relaxed_law(outcome, fit).law
     with pytest.raises(DataError, match="at least as deep"):
         apply_elastic_law(fit_of(stiffening, depth=9e-3), law)
     with pytest.raises(DataError, match="no pressed part"):
@@ -189,10 +191,10 @@ def with_relative_error(fit, part=0.05):
 def test_relaxed_law_propagates_the_error_of_the_relaxation():
     outcome, sure = evaluate_record(press_cycles(softening=0.0), at=6e-3), fit_of(stiffening)
     fit, at = with_relative_error(sure), 6e-3
-    relaxed = relaxed_law(outcome, fit)
+    relaxed = fit_relaxed_law(outcome, fit)
     assert len(relaxed.others) == 8  # six axes of the relaxation or zeros, and the clock
     in_step = replace(outcome, delay_sd=0.0)
-    exact = relaxed_law(in_step, with_relative_error(sure, 1e-9))
+    exact = fit_relaxed_law(in_step, with_relative_error(sure, 1e-9))
     assert len(exact.others) == 7
     # the zeros alone
     zeros = exact.law.tangent(at) * outcome.contact_se, outcome.zero_se
@@ -201,8 +203,8 @@ def test_relaxed_law_propagates_the_error_of_the_relaxation():
     # one arm larger by a standard error, and nothing else
     k = (1.05 * sure.model.k[0], sure.model.k[1])
     more = replace(sure, solid=dp.GeneralizedMaxwell(sure.model.k_inf, k, sure.model.tau))
-    off = abs(relaxed_law(outcome, more).law.force(at) - relaxed.law.force(at))
-    assert 0 < off < relaxed_law(in_step, fit).force_se(at) < min(5 * off, relaxed.force_se(at))
+    off = abs(fit_relaxed_law(outcome, more).law.force(at) - relaxed.law.force(at))
+    assert 0 < off < fit_relaxed_law(in_step, fit).force_se(at) < min(5 * off, relaxed.force_se(at))
 
 
 def press_between(back, speed, arms=((0.3, 2.0),)):
@@ -227,7 +229,7 @@ def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
     assert speeds.model.tau[0] == pytest.approx(2.0, rel=0.05)
     dashpot = fit_rate(records, speeds)
     assert np.isfinite(dashpot.damping_se).all()
-    for law in (relaxed_law(records[0], relaxation).law, speeds.elastic_law):
+    for law in (fit_relaxed_law(records[0], relaxation).law, speeds.elastic_law):
         assert law.force(x) == pytest.approx(stiffening(x), rel=0.01)
         assert law.tangent(x) == pytest.approx(slope, rel=0.05)
 
@@ -235,16 +237,16 @@ def test_relaxed_law_of_partial_cycles_equals_that_from_contact(back):
 def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
     outcome = evaluate_record(press_cycles(softening=0.0), at=4e-3)
     shallow, deep = fit_of(stiffening, depth=4e-3), fit_of(stiffening, depth=8e-3)
-    both = relaxed_law(outcome, [deep, shallow])
+    both = fit_relaxed_law(outcome, [deep, shallow])
     agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
     assert [check.passed for check in agreed] == [True, True]
-    assert both.relaxation == relaxed_law(outcome, shallow).relaxation
+    assert both.relaxation == fit_relaxed_law(outcome, shallow).relaxation
     assert "relaxation_tests_agree" not in {check.name for check in both.checks if check.failed}
     slower = fit_of(stiffening, arms=((0.35, 1.5), (0.15, 16.0)))
-    separate = relaxed_law(outcome, [shallow, slower])
+    separate = fit_relaxed_law(outcome, [shallow, slower])
     assert "relaxation_tests_agree" in {check.name for check in separate.checks if check.failed}
     with pytest.raises(FitError, match="no fit"):
-        relaxed_law(outcome, [])
+        fit_relaxed_law(outcome, [])
 
 
 def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():

@@ -12,7 +12,7 @@ from kit.fits import list_failed_checks
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.cld.preprocess import cld
-from dashpot.extensions.materials.strokes import LEAST_STROKE, strokes_of
+from dashpot.extensions.materials.strokes import LEAST_STROKE, find_strokes
 
 SPECIMEN = dp.Specimen(length=LENGTH)
 ELASTIC = {"arms": (), "softening": 0.0}
@@ -180,14 +180,14 @@ def test_nothing_pressed_is_refused(still):
 @pytest.mark.parametrize(("share", "strokes"), [(0.98, 1), (1.02, 3)])
 def test_a_stroke_is_a_twentieth_of_the_travel(share, strokes):
     way = np.interp(np.arange(301), [0, 100, 200, 300], [0, 0.5, 0.5 - share * LEAST_STROKE, 1])
-    assert len(strokes_of(way, resolution=0.0)) == strokes
+    assert len(find_strokes(way, resolution=0.0)) == strokes
 
 
 def test_noise_and_counts_make_no_strokes():
     truth = press_cycles(cycles=5, count=2e-5, rate=400.0)
     noisy = truth.displacement + 3e-5 * np.random.default_rng(0).standard_normal(len(truth.time))
     for x in (truth.displacement, noisy):
-        ways = strokes_of(x, resolution=1.2e-4)
+        ways = find_strokes(x, resolution=1.2e-4)
         assert [item.inward for item in ways] == [True, False] * 5
         assert np.diff([(item.first, item.last) for item in ways], axis=1).min() > 600
 

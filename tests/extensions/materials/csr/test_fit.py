@@ -19,7 +19,7 @@ from dashpot.extensions.materials.csr.datamodel import CSRTest
 from dashpot.extensions.materials.csr.fit import fit_aging
 from dashpot.extensions.materials.csr.law import BOUND, AgingLaw
 from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
-from dashpot.extensions.materials.csr.preprocess import readings_of
+from dashpot.extensions.materials.csr.preprocess import collect_readings
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
 
@@ -421,7 +421,7 @@ def test_lower_limit_law_loses_more_and_shifts_each_constant():
 
 def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
     fit = fit_usual_lot()
-    read = readings_of([make_test(lot(TRUE, 0))])
+    read = collect_readings([make_test(lot(TRUE, 0))])
     residual = np.zeros(len(read.time))
     ends = np.flatnonzero(np.diff(read.specimen_number))
     residual[ends] = residual[ends + 1] = (

@@ -13,8 +13,8 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.extensions.materials.hyperelastic import checks
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
-from dashpot.extensions.materials.hyperelastic.law_least_squares import power_law, weighed
-from dashpot.extensions.materials.hyperelastic.preprocess import elastic_curve
+from dashpot.extensions.materials.hyperelastic.law_least_squares import fit_power_law, weight_curves
+from dashpot.extensions.materials.hyperelastic.preprocess import extract_elastic_curve
 from dashpot.extensions.materials.hyperelastic.strain_energy import SHEARING, Hyperelastic
 
 pytestmark = pytest.mark.once
@@ -125,10 +125,11 @@ def test_a_bulk_modulus_comes_from_the_volumetric_test():
 def test_derivatives_of_the_power_laws_are_exact():
     """The Jacobian at the solution against differences of laws beside it, and of its rows."""
     curves = [
-        elastic_curve(simulate_loading(CLOSED, mode, (0.5, 1))) for mode in ("uniaxial", "planar")
+        extract_elastic_curve(simulate_loading(CLOSED, mode, (0.5, 1)))
+        for mode in ("uniaxial", "planar")
     ]
-    rows = weighed(curves)
-    result = power_law(rows, 2, "hyperfoam", None)
+    rows = weight_curves(curves)
+    result = fit_power_law(rows, 2, "hyperfoam", None)
 
     def stress(law):
         parts = zip(rows.weights, curves, strict=True)
@@ -270,12 +271,12 @@ def test_fit_hyperelastic_reports_hysteresis_and_softening(lost, softens, name):
 def test_the_last_whole_loading_is_taken_unless_another_is_named():
     test = simulate_cycles(RUBBER, softens=0.1)
     for cycle, part in ((None, 0.9), (1, 1.0), (2, 0.9)):
-        curve = elastic_curve(test, cycle=cycle)
+        curve = extract_elastic_curve(test, cycle=cycle)
         np.testing.assert_allclose(
             curve.stress, part * RUBBER.nominal("uniaxial", curve.stretch), rtol=1e-12
         )
     with pytest.raises(FitError, match="has 2 whole loadings"):
-        elastic_curve(test, cycle=3)
+        extract_elastic_curve(test, cycle=3)
 
 
 @pytest.mark.parametrize("slack", [0.04, -0.04])

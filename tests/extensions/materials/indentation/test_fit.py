@@ -238,7 +238,7 @@ def relaxing(seed, noise=0.003):
 
 def gap(test, starts):
     """By how much chi-squared the best of other starts is lower."""
-    solved = fit._fit_law(fit._window(test, largest_contact(test)), "hertz-maxwell")
+    solved = fit._fit_law(fit._select_window(test, largest_contact(test)), "hertz-maxwell")
     best = solved.optimum
     others = []
     for start in starts:
@@ -284,7 +284,7 @@ def test_intervals_of_a_relaxing_contact_cover():
 @pytest.mark.parametrize("law", LAWS)
 def test_slopes_are_those_of_the_model(of, pull, law):
     test = hit(of=of, ball_of=replace(BALL, drop_height=0.05 if pull else None))
-    window = fit._window(test, largest_contact(test))
+    window = fit._select_window(test, largest_contact(test))
     best = fit._fit_law(window, law).optimum
     theta = best.theta + np.append(np.full(len(best.theta) - 1, 5e-4), 0.0)
     # no sample at the touch or the release, where slopes jump

@@ -20,7 +20,7 @@ from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.extensions.batch.arrays.grid_search import POINTS, GridSearch
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
-from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, points_at
+from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, evaluate_trials
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import PLAIN
 from dashpot.numerics.exponential_fit import MAX_LN_TAU_SD, Solution, solve
@@ -65,13 +65,13 @@ def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySo
     """
     _refuse(family.template.samples, family.fixed_count, arms)
     count = len(records)
-    solutions = _empty(count, arms, family.fixed_count)
+    solutions = _make_empty_solutions(count, arms, family.fixed_count)
     search = GridSearch(family, arms) if arms in POINTS else None
     for first in range(0, count, CHUNK):
         chunk = records[first : first + CHUNK]
         index = first + np.arange(len(chunk))
         if search is None:
-            solutions.finite[index] = _usable(chunk)
+            solutions.finite[index] = _select_usable_records(chunk)
             index = index[solutions.finite[index]]
         else:
             with np.errstate(over="ignore", invalid="ignore"):
@@ -92,8 +92,8 @@ def solve_separately(
 ) -> ManySolutions:
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
     _refuse(records.shape[1], fixed_count, arms)
-    solutions = _empty(len(records), arms, fixed_count)
-    solutions.finite[:] = _usable(records)
+    solutions = _make_empty_solutions(len(records), arms, fixed_count)
+    solutions.finite[:] = _select_usable_records(records)
     for i in np.flatnonzero(solutions.finite):
         _solve_record(make, records[i], arms, int(i), solutions)
     return solutions
@@ -110,17 +110,17 @@ def _refuse(samples: int, fixed_count: int, arms: int) -> None:
         )
 
 
-def _usable(records: FloatArray) -> BoolArray:
+def _select_usable_records(records: FloatArray) -> BoolArray:
     """Return which records hold finite samples whose squares can be summed."""
     with np.errstate(over="ignore", invalid="ignore"):
         return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
 
 
-def _empty(count: int, arms: int, fixed: int) -> ManySolutions:
+def _make_empty_solutions(count: int, arms: int, fixed_count: int) -> ManySolutions:
     return ManySolutions(
         log_tau=np.full((count, arms), np.nan),
         arms=np.full((count, arms), np.nan),
-        fixed=np.full((count, fixed), np.nan),
+        fixed=np.full((count, fixed_count), np.nan),
         sse=np.full(count, np.nan),
         order=np.full(count, -1),
         finite=np.zeros(count, dtype=bool),
@@ -174,7 +174,9 @@ def _solve_chunk(
     q, (_, arms) = family.fixed_count, point.log_tau.shape
     small = np.flatnonzero(is_certain & (point.sse < PLAIN * reduced.energy))
     if len(small):
-        point.put(small, points_at(family, point.log_tau[small], reduced.take(small), exact=True))
+        point.put(
+            small, evaluate_trials(family, point.log_tau[small], reduced.take(small), exact=True)
+        )
     sse = reduced.floor + point.sse
     rows = index[is_certain]
     order = np.argsort(point.log_tau[is_certain], axis=1)

@@ -17,7 +17,7 @@ _AT_ONCE = 16
 _SINGULAR = 1e-13
 
 
-def many_errors(
+def compute_standard_errors(
     time: FloatArray, x: FloatArray, records: FloatArray, first: int, solutions: ManySolutions
 ) -> FloatArray:
     r"""Return standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
@@ -47,13 +47,13 @@ def many_errors(
         columns = np.concatenate(([0], 1 + np.arange(order), 1 + arms + np.arange(order)))
         for start in range(0, len(rows), _AT_ONCE):
             part = rows[start : start + _AT_ONCE]
-            jacobian, model = _model(clock, motion, solutions, part, order)
+            jacobian, model = _compute_jacobians(clock, motion, solutions, part, order)
             residual = (forces[part] - model)[:, used_samples]
             errors[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used_samples], residual)
     return errors
 
 
-def _model(
+def _compute_jacobians(
     time: FloatArray, x: FloatArray, solutions: ManySolutions, rows: IndexArray, order: int
 ) -> tuple[FloatArray, FloatArray]:
     """Jacobians (R, 1 + 2 N, n) by k_inf, k and ln tau, and the forces of the solids (R, n)."""

@@ -19,11 +19,11 @@ from dashpot.extensions.batch.arrays.batched_solver import (
     solve_many,
     solve_separately,
 )
-from dashpot.extensions.batch.arrays.batched_standard_errors import many_errors
+from dashpot.extensions.batch.arrays.batched_standard_errors import compute_standard_errors
 from dashpot.extensions.batch.arrays.shared_sampling import (
     SharedSampling,
-    hold_family,
-    recorded_family,
+    make_hold_family,
+    make_recorded_family,
     shares_correlation,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
@@ -156,7 +156,7 @@ def fit_many(
             "the history must be given once: displacement= as recorded, or ramp=(depth, ramp_time)"
         )
     if ramp is not None:
-        history = _ideal(clock, ramp, method=method)
+        history = _make_ideal_family(clock, ramp, method=method)
     else:
         x = samples("displacement", displacement if displacement is not None else ())
         history = _build_recorded_motion(clock, x, method=method)
@@ -166,8 +166,8 @@ def fit_many(
         k=solutions.arms,
         tau=np.exp(solutions.log_tau),
         sse=solutions.sse,
-        status=tuple(_status(solutions, row, arms) for row in range(len(records))),
-        errors=_errors(clock, records, history, solutions) if errors else None,
+        status=tuple(_get_status(solutions, row, arms) for row in range(len(records))),
+        errors=_compute_errors(clock, records, history, solutions) if errors else None,
     )
 
 
@@ -202,7 +202,9 @@ class _SharedMotion(NamedTuple):
         return solve_many(self.family(), values, arms)
 
 
-def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _SharedMotion:
+def _make_ideal_family(
+    clock: FloatArray, ramp: tuple[float, float], *, method: str
+) -> _SharedMotion:
     depth, ramp_time = ramp
     if not (depth > 0 and ramp_time >= 0):
         raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
@@ -214,7 +216,7 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _Sha
             0,
             slice(None),
             partial(hold_block, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
-            partial(hold_family, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(make_hold_family, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
         )
     first = int(np.searchsorted(elapsed, ramp_time))
     hold_time = elapsed[first:] - ramp_time
@@ -223,7 +225,7 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _Sha
         first,
         slice(first, None),
         partial(hold_block, hold_time, depth=depth, ramp_time=ramp_time),
-        partial(hold_family, hold_time, depth=depth, ramp_time=ramp_time),
+        partial(make_hold_family, hold_time, depth=depth, ramp_time=ramp_time),
     )
 
 
@@ -240,11 +242,11 @@ def _build_recorded_motion(clock: FloatArray, x: FloatArray, *, method: str) -> 
         first,
         slice(None),
         partial(recorded_block, clock, x, window=window),
-        partial(recorded_family, clock, x, window=window) if shared else None,
+        partial(make_recorded_family, clock, x, window=window) if shared else None,
     )
 
 
-def _status(solutions: ManySolutions, row: int, arms: int) -> Status:
+def _get_status(solutions: ManySolutions, row: int, arms: int) -> Status:
     at_bound = solutions.at_bound[row]
     return select_fit_status(
         (),
@@ -258,10 +260,10 @@ def _status(solutions: ManySolutions, row: int, arms: int) -> Status:
     )
 
 
-def _errors(
+def _compute_errors(
     clock: FloatArray, records: FloatArray, history: _SharedMotion, solutions: ManySolutions
 ) -> BatchErrors:
-    error = many_errors(clock, history.x, records, history.first, solutions)
+    error = compute_standard_errors(clock, history.x, records, history.first, solutions)
     arms = solutions.arms.shape[1]
     return BatchErrors(
         error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(solutions.log_tau)

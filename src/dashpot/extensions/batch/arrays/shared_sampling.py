@@ -104,7 +104,7 @@ class SharedSampling(ABC):
         """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
 
 
-def hold_family(
+def make_hold_family(
     time: FloatArray, *, depth: float, ramp_time: float, ramp: bool = False
 ) -> CompressedFamily:
     """Holds after an ideal ramp, or with it
@@ -118,7 +118,7 @@ def hold_family(
     return _make_compressed_family(time, plans, make, second_from=ramp_time)
 
 
-def recorded_family(
+def make_recorded_family(
     time: FloatArray, displacement: FloatArray, *, window: slice = slice(None)
 ) -> RecordedFamily:
     """Forces under one recorded displacement (:func:`.recorded_block`).
@@ -167,7 +167,9 @@ class ColumnSpace(NamedTuple):
     chosen: DataBlock
 
 
-def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock]) -> ColumnSpace:
+def build_column_space(
+    template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock]
+) -> ColumnSpace:
     """Return the space of a block's columns; `at_nodes` makes the block at some of its rows."""
     low, high = template.bounds
     log_tau = np.linspace(low, high, round(TIMES_PER_FOLD * (high - low)))
@@ -177,11 +179,11 @@ def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock
     u, s, _ = np.linalg.svd(projected / np.linalg.norm(columns, axis=0), full_matrices=False)
     # the last directions hold rounding along the fixed columns
     basis, r = np.linalg.qr(np.concatenate((values, u[:, s > RANK * s[0]]), axis=1))
-    nodes, q = _independent(basis), values.shape[1]
+    nodes, q = _select_independent_rows(basis), values.shape[1]
     return ColumnSpace(basis, r[:q, :q], np.linalg.inv(basis[nodes]), at_nodes(nodes))
 
 
-def _independent(basis: FloatArray) -> IndexArray:
+def _select_independent_rows(basis: FloatArray) -> IndexArray:
     """Return as many row indices as columns, each farthest from the span of those before it."""
     rest, indices = basis.copy(), []
     for _ in range(basis.shape[1]):
@@ -209,7 +211,7 @@ def _make_compressed_family(
 
     block = partial(make, time)
     template = block(np.zeros(len(time)))
-    return CompressedFamily(block, template, plans, column_space(template, make_node_block))
+    return CompressedFamily(block, template, plans, build_column_space(template, make_node_block))
 
 
 @dataclass(frozen=True, eq=False)

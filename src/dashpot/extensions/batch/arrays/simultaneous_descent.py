@@ -17,7 +17,7 @@ from dashpot.numerics.least_squares import (
 from dashpot.numerics.log_tau_descent import StackTrial
 
 
-def points_at(
+def evaluate_trials(
     family: SharedSampling, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool = False
 ) -> StackTrial:
     """Return one trial of each record, ln tau (R, N).
@@ -48,7 +48,7 @@ def descend_together(
     As :func:`~dashpot.numerics.log_tau_descent.descend`.
     """
     low, high = family.template.bounds
-    points = points_at(family, start.copy(), reduced)
+    points = evaluate_trials(family, start.copy(), reduced)
     rounding = family.rounding_floor * reduced.energy
     converged = np.zeros(len(start), dtype=bool)
     damping = np.full(len(start), 1e-6)
@@ -58,7 +58,7 @@ def descend_together(
         if not len(active):
             break
         current = points.take(active)
-        trial = np.clip(current.log_tau + _steps(current, damping[active]), low, high)
+        trial = np.clip(current.log_tau + _compute_steps(current, damping[active]), low, high)
         step = trial - current.log_tau
         change, expected_fall = np.abs(step).max(axis=1), np.abs(np.vecdot(current.gradient, step))
         sse = reduced.floor[active] + current.sse
@@ -75,7 +75,7 @@ def descend_together(
             )
         if not len(active):
             break
-        new = points_at(family, trial, reduced.take(active))
+        new = evaluate_trials(family, trial, reduced.take(active))
         is_tail, is_better = (
             change < TAIL,
             is_step_acceptable(new.sse, before, change, rounding[active]),
@@ -92,7 +92,7 @@ def descend_together(
     return points, converged
 
 
-def _steps(point: StackTrial, damping: FloatArray) -> FloatArray:
+def _compute_steps(point: StackTrial, damping: FloatArray) -> FloatArray:
     scale = np.maximum(np.diagonal(point.curvature, axis1=1, axis2=2), 1e-300)
     unit = point.curvature / np.sqrt(scale[:, :, None] * scale[:, None, :])
     unit = unit + (np.maximum(damping, 1e-14)[:, None, None]) * np.eye(scale.shape[1])

@@ -85,7 +85,7 @@ def compute_chance_limit(points: int) -> float:
     return CHANCE * points + 3 * math.sqrt(2 * CHANCE * points)
 
 
-def individuals(values: FloatArray) -> tuple[Chart, Chart]:
+def chart_individuals(values: FloatArray) -> tuple[Chart, Chart]:
     r"""Return the chart of individual values in their order, and that of their moving ranges.
 
     .. math:: \bar x \pm 3\,\overline{MR}/d_2, \qquad 0 \ldots D_4 \overline{MR}
@@ -106,12 +106,12 @@ def individuals(values: FloatArray) -> tuple[Chart, Chart]:
     sigma = np.full(len(x), mean_range / D2)
     zero = np.zeros(len(x))
     return (
-        _chart("individuals", x, float(x.mean()), sigma),
+        _make_chart("individuals", x, float(x.mean()), sigma),
         _make_scatter_chart("moving range", moving, mean_range, zero, zero + _D4 * mean_range),
     )
 
 
-def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
+def chart_means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
     r"""Return the X-bar chart and the s chart of groups, whose sizes may differ.
 
     .. math:: \bar{\bar x} \pm 3\hat\sigma/\sqrt{n_i}, \qquad
@@ -139,7 +139,7 @@ def means_and_deviations(groups: Sequence[FloatArray]) -> tuple[Chart, Chart]:
     centre = float(np.sum(sizes * means) / sizes.sum())
     low = sigma * np.maximum(c4 - 3 * deviation_factor, 0)
     return (
-        _chart("mean", means, centre, sigma / np.sqrt(sizes)),
+        _make_chart("mean", means, centre, sigma / np.sqrt(sizes)),
         _make_scatter_chart(
             "standard deviation", deviations, float(np.mean((sigma * c4)[has_several_values])),
             low, sigma * (c4 + 3 * deviation_factor),
@@ -152,7 +152,7 @@ def _c4(n: int) -> float:
     return math.sqrt(2 / (n - 1)) * math.exp(math.lgamma(n / 2) - math.lgamma((n - 1) / 2))
 
 
-def _chart(kind: Kind, values: FloatArray, centre: float, sigma: FloatArray) -> Chart:
+def _make_chart(kind: Kind, values: FloatArray, centre: float, sigma: FloatArray) -> Chart:
     scatters = sigma > _ROUNDING * abs(centre)
     signals = tuple(run_signals((values - centre) / np.where(scatters, sigma, np.inf)))
     return Chart(kind, values, centre, centre - 3 * sigma, centre + 3 * sigma, signals)

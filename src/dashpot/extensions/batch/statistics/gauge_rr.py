@@ -39,7 +39,7 @@ class Variation:
     interval : (float, float)
         95 %.
     share : float
-        Of the total deviation; the shares of deviations do not add up to 1.
+        Share of the total deviation; the shares of deviations do not add up to 1.
     share_interval : (float, float)
     """
 
@@ -66,7 +66,7 @@ class Gauge:
     categories_interval : (float, float)
         95 %.
     interaction_p : float or None
-        Of the F test for an interaction of operators and parts; above 0.25 it was pooled.
+        p value of the F test for an interaction of operators and parts; above 0.25 it was pooled.
     """
 
     parts: int
@@ -162,12 +162,12 @@ def gauge(
             name,
             float(entries[name]) ** 0.5,
             compute_interval(np.sqrt(intervals[name])),
-            _ratio(entries[name], entries["total"]),
-            compute_interval(_ratios(intervals[name], intervals["total"])),
+            _compute_ratio(entries[name], entries["total"]),
+            compute_interval(_compute_ratios(intervals[name], intervals["total"])),
         )
         for name in entries
     )
-    categories = DISTINCT * _ratio(entries["part"], entries["gauge"])
+    categories = DISTINCT * _compute_ratio(entries["part"], entries["gauge"])
     return Gauge(
         count,
         len(names),
@@ -175,16 +175,16 @@ def gauge(
         len(x) - value_count,
         variations,
         categories,
-        compute_interval(DISTINCT * _ratios(intervals["part"], intervals["gauge"])),
+        compute_interval(DISTINCT * _compute_ratios(intervals["part"], intervals["gauge"])),
         p_value,
     )
 
 
-def _ratio(first: FloatArray, second: FloatArray) -> float:
-    return float(_ratios(np.asarray(first), np.asarray(second)))
+def _compute_ratio(first: FloatArray, second: FloatArray) -> float:
+    return float(_compute_ratios(np.asarray(first), np.asarray(second)))
 
 
-def _ratios(first: FloatArray, second: FloatArray) -> FloatArray:
+def _compute_ratios(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return ratios of deviations, from variances; 0 over 0 is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(first == 0, 0.0, np.sqrt(first / second))

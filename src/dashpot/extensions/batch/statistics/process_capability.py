@@ -27,9 +27,9 @@ class Capability:
     Attributes
     ----------
     count : int
-        Of values.
+        Number of values.
     mean, deviation : float
-        Of the values, and their standard deviation.
+        Mean of the values, and their standard deviation.
     lower, upper : float or None
         The limits asked for.
     cp, cpk : float or None
@@ -112,7 +112,7 @@ def capability(
     unknown: _Index = (None, None)
     cp, cpk = unknown, unknown
     if scatters:
-        cp, cpk = _indices(mean, deviation, low, high, n=len(x), level=level)
+        cp, cpk = _compute_indices(mean, deviation, low, high, n=len(x), level=level)
     return Capability(
         len(x), mean, deviation, lower, upper, *cp, *cpk,
         outside, share_interval(outside, len(x), level),
@@ -120,7 +120,7 @@ def capability(
     )  # fmt: skip
 
 
-def _indices(
+def _compute_indices(
     mean: float, deviation: float, lower: float, upper: float, *, n: int, level: float
 ) -> tuple[_Index, _Index]:
     from scipy.stats import chi2
@@ -128,8 +128,8 @@ def _indices(
     tail_probability = (1 - level) / 2
     halves = [side / (3 * deviation) for side in (mean - lower, upper - mean)]
     values = [half_width for half_width in halves if math.isfinite(half_width)]
-    low = min(_true_index(value, n, 1 - tail_probability) for value in values)
-    high = min(_true_index(value, n, tail_probability / len(values)) for value in values)
+    low = min(_find_true_index(value, n, 1 - tail_probability) for value in values)
+    high = min(_find_true_index(value, n, tail_probability / len(values)) for value in values)
     of_cpk = min(values), (low, high)
     if len(values) < len(halves):
         return (None, None), of_cpk
@@ -141,7 +141,7 @@ def _indices(
     return (cp, (lower_bound, upper_bound)), of_cpk
 
 
-def _true_index(index: float, n: int, tail_probability: float) -> float:
+def _find_true_index(index: float, n: int, tail_probability: float) -> float:
     """Return the true index under which n values give this one, or a smaller one, so rarely."""
     from scipy.special import nctdtrinc
     from scipy.stats import chi2

@@ -24,12 +24,12 @@ class Difference:
     counts : (int, int)
         Seals of each.
     means, deviations : (float, float)
-        Of the seals.
+        Means and standard deviations of the seals.
     value : float
     interval : (float, float)
         95 %.
     p_value : float
-        Of Welch's test that there is no difference.
+        p value of Welch's test that there is no difference.
     freedom : float
         Degrees of freedom, by Welch and Satterthwaite.
     detectable : float
@@ -97,11 +97,11 @@ def difference(first: FloatArray, second: FloatArray, *, level: float = 0.95) ->
     return Difference(
         (n1, n2), (m1, m2), (s1, s2), value, (value - half_width, value + half_width), p_value,
         freedom,
-        error * _detectable(freedom), abs(value) + inner,
+        error * _compute_detectable_shift(freedom), abs(value) + inner,
     )  # fmt: skip
 
 
-def _detectable(freedom: float) -> float:
+def _compute_detectable_shift(freedom: float) -> float:
     """Return the shift, in standard errors, that a two-sided test of 5 % finds with that power."""
     from scipy.special import nctdtrinc
     from scipy.stats import t as student
@@ -110,7 +110,7 @@ def _detectable(freedom: float) -> float:
     return float(nctdtrinc(freedom, 1 - POWER, student.ppf(1 - SIGNIFICANCE / 2, freedom)))
 
 
-def holm(p_values: Sequence[float]) -> tuple[float, ...]:
+def adjust_holm(p_values: Sequence[float]) -> tuple[float, ...]:
     """Return p-values of several questions, each as large as asking them all at once makes it.
 
     Source: Holm, Scandinavian Journal of Statistics 6 (1979).

@@ -48,7 +48,7 @@ class Component:
     freedom : int or None
         Degrees of freedom of its mean square.
     share : float
-        Of the sum of all variances.
+        Share of the sum of all variances.
     normal : float or None
         Probability of such values if they were normal (Shapiro and Wilk 1965); None of fewer than
         six, of pairs, or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.
@@ -120,7 +120,7 @@ def components(
     values: FloatArray,
     levels: Sequence[tuple[str, Sequence[str]]],
     *,
-    within: str = "repeat",
+    innermost_name: str = "repeat",
     errors: FloatArray | None = None,
     level: float = 0.95,
 ) -> tuple[Component, ...]:
@@ -129,10 +129,10 @@ def components(
     The analysis of variance of the nested classification; where it is unbalanced, by the mean
     squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
     Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
-    called as `within` says, is what is left inside the innermost level, less the mean square of the
-    fits' own errors, ``"fit"``, if those are given. The innermost interval is that of its mean
-    square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are those of
-    Ting et al. (1990) for a difference of mean squares with such limits.
+    called as `innermost_name` says, is what is left inside the innermost level, less the mean
+    square of the fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
+    its mean square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are
+    those of Ting et al. (1990) for a difference of mean squares with such limits.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def components(
     levels : sequence of (str, sequence of str)
         Name of each level and the label of every value in it, outermost first; a label inside
         another is that of another thing.
-    within : str
+    innermost_name : str
     errors : array, shape (n,), optional
         Standard errors of the values.
     level : float
@@ -156,8 +156,8 @@ def components(
         keys = list(zip(*labels[:depth], strict=True))
         groups.append(np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1))
     names = [name for name, _ in levels]
-    strata = _strata(np.asarray(values, dtype=float), groups, [*names, within])
-    components = _estimates(strata, level)
+    strata = _compute_strata(np.asarray(values, dtype=float), groups, [*names, innermost_name])
+    components = _solve_variances(strata, level)
     if errors is not None:
         components = [*components[:-1], *_split(components[-1], float(np.mean(np.square(errors))))]
     total = sum(component.variance for component in components)
@@ -167,7 +167,7 @@ def components(
     )
 
 
-def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
+def _compute_strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
     """Mean squares of unweighted means: worked out from the innermost, outermost given first."""
     nested = [np.zeros(len(values), dtype=np.int64), *groups, np.arange(len(values))]
     counts = [int(row.max()) + 1 for row in nested]
@@ -195,7 +195,7 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
     return stratums
 
 
-def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
+def _solve_variances(strata: list[_Stratum], level: float) -> list[Component]:
     """Solve the expectations from the innermost out."""
     components: list[Component] = []
     estimates: list[float] = []  # of the levels inside, as they came out
@@ -266,7 +266,7 @@ def robust_distance(values: FloatArray) -> FloatArray:
         return np.where(deviations == 0, 0.0, deviations / scale)
 
 
-def stands_out(values: FloatArray) -> FloatArray:
+def find_outlier_distances(values: FloatArray) -> FloatArray:
     """Return the robust distances that are too large for chance, and 0 for the others.
 
     The limit is 3.5 for many values, and for few the quantile of Student's t that is as rare: the

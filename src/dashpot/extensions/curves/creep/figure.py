@@ -32,7 +32,7 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    panels = _curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
+    panels = _make_curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
     caption = "Creep: measured, the fit to it, and what that leaves."
     return Picture("creep", caption, (panels,), 1, stamp or format_fit_stamp(fit))
 
@@ -74,7 +74,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     return upper, lower
 
 
-def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
+def _make_curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
     return response_panels(
         data.time, data.compliance, compute_response=fit.solid.creep, unit=data.unit,
         name="creep compliance", axis="time since the step, s",

@@ -38,17 +38,17 @@ from dashpot.extensions.curves.creep.retardation_spectrum import (
     FLOW,
     GLASS,
     Retarded,
+    get_spectrum,
     make_retardation_block,
-    spectrum_of,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
     MIN_FREE_POINTS,
     CurveData,
-    band_of_curve,
-    curve_data,
-    end_of_curve,
-    spectra_of_curve,
+    find_admissible_spectra,
+    find_valid_band,
+    limit_end_of_curve,
+    weight_curve,
 )
 from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
@@ -77,7 +77,7 @@ from dashpot.fitting.nuisance_priors import (
 )
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covariance, rounding_rms
-from dashpot.fitting.relaxation_likelihood import noise_power
+from dashpot.fitting.relaxation_likelihood import estimate_noise_power
 from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
@@ -185,12 +185,13 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
 def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
     """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
-        select_order(_data(record, flows=flows), item) for flows, item in _candidates(options)
+        select_order(_build_data(record, flows=flows), item)
+        for flows, item in _list_candidates(options)
     ]
-    return _better([_add_load_errors(record, selection) for selection in selections])
+    return _choose_by_bic([_add_load_errors(record, selection) for selection in selections])
 
 
-def _candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
+def _list_candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
     """Without and with flow, and as many retardations as make that many arms."""
     arms = options.arms
     if arms == 0:
@@ -201,7 +202,7 @@ def _candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
 # -- a test ---------------------------------------------------------------------------------------
 
 
-def _data(record: LoadHold, *, flows: bool) -> FitData:
+def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     """The displacement as an answer to the load, with what is known of its zero before it."""
     baseline = estimate_preload_baseline(record)
     time = regularise_clock(record.time - record.time[0])
@@ -214,12 +215,12 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
         GLASS,
     )  # fmt: skip
     if flows:
-        block = block.with_column(FLOW, _impulse(time, record.load)[window])
+        block = block.with_column(FLOW, _integrate_load(time, record.load)[window])
     rough = solve(
         [block, *_limit_parameters(block, baseline)],
         min(_FIRST_ORDER, max_determinable_arms([block])),
     )
-    block = block.with_column("delay", _velocity(block, rough, time[window]))
+    block = block.with_column("delay", _compute_delay_column(block, rough, time[window]))
     # what is faster than the load is known answers its noise
     shortest, longest = block.window
     block = replace(block, window=(max(shortest, _RESOLVED * record.resolution), longest))
@@ -296,7 +297,7 @@ def _limit_parameters(
     return (baseline.terms.build_rows(block, baseline.noise if spreads is None else spreads[0]),)
 
 
-def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
+def _integrate_load(time: FloatArray, load: FloatArray) -> FloatArray:
     """Return the integral of the load over time, N s."""
     steps = 0.5 * (load[1:] + load[:-1]) * np.diff(time)
     return np.concatenate(([0.0], np.cumsum(steps)))
@@ -309,7 +310,7 @@ def _compute_response(block: DataBlock, solution: Solution) -> FloatArray:
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
-def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
+def _compute_delay_column(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
     """Return the column of a force that is recorded late: the velocity of the answer, m/s."""
     return np.gradient(_compute_response(block, rough), time)
 
@@ -317,7 +318,7 @@ def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray
 # -- a kind of part ------------------------------------------------------------------------------
 
 
-def _better(selections: Sequence[SelectedModel]) -> Retarded:
+def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
     """Return the kind of part that BIC supports, and by how much."""
     effective = min(selection.estimate.effective for selection in selections)
     scores = []
@@ -329,7 +330,7 @@ def _better(selections: Sequence[SelectedModel]) -> Retarded:
             parameters=len(model.estimate.names),
             rounding_sse=rounding_sse,
         )
-        scores.append(checked if _flow_stands_out(model) else np.inf)
+        scores.append(checked if _is_flow_significant(model) else np.inf)
     best = int(np.argmin(scores))
     other_scores = [score for i, score in enumerate(scores) if i != best]
     alternative = other_scores[0] - scores[best] if other_scores else None
@@ -345,7 +346,7 @@ def _better(selections: Sequence[SelectedModel]) -> Retarded:
     )
 
 
-def _flow_stands_out(selection: SelectedModel) -> bool:
+def _is_flow_significant(selection: SelectedModel) -> bool:
     """False if there is a flow and it is not significant, whatever BIC says."""
     if FLOW not in selection.solution.fixed_names:
         return True
@@ -365,18 +366,18 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     # between samples a delay and a fast retardation are one: nothing shows the loss there
     resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
     band = (band[0], max(min(band[1], resolved), band[0]))
-    end, band, error = _end_of_test(record, retardation, band)
+    end, band, error = _limit_end_of_test(record, retardation, band)
     word = "m" if record.unit == "N/m" else "1"
-    nuisance = _nuisances(record, retardation, word)
+    nuisance = _list_nuisances(record, retardation, word)
     all_checks = (
         retardation.convergence_check,
-        *_checks(retardation, record.unit, window, "the record", word),
-        *_flow_checks(creep, record.hold_time),
+        *_run_checks(retardation, record.unit, window, "the record", word),
+        *_run_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time),
-        *_plateau_checks(creep, end, record.unit),
-        *_drift_checks(record, retardation),
+        *_run_plateau_checks(creep, end, record.unit),
+        *_run_drift_checks(record, retardation),
         checks.displacement_residual_small(record, residual),
-        checks.levels_agree(*_departure(record, retardation)),
+        checks.levels_agree(*_measure_departure(record, retardation)),
         residuals_steady([residual], rounding=ROUNDING * retardation.data.peak),
         valid_band_exists(band),
         loss_factor_determined(error),
@@ -399,7 +400,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
             (
                 *record.steps,
                 *_make_lead_steps(record),
-                _step(retardation, f"{len(residual)} samples of a creep test", arms),
+                _make_step(retardation, f"{len(residual)} samples of a creep test", arms),
             ),
             record.specimen,
         ),
@@ -407,7 +408,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     )
 
 
-def _nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuisance, ...]:
+def _list_nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuisance, ...]:
     """Offset, drift and delay, which is what the load was moved by and what was found beside it."""
     lead = {"delay": record.lead}
     return retardation.nuisances(
@@ -444,11 +445,11 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
     data, choice, order = selection.data, selection.choice, selection.solution.order
     while True:
         solution = selection.scores[order].solution
-        rows = partial(load_rows, record=record, creep=spectrum_of(solution))
+        rows = partial(load_rows, record=record, creep=get_spectrum(solution))
         estimate = estimate_covariance(
             solution, data.samples, peak=data.peak, priors=data.priors, error_rows=[rows]
         )
-        if choice is None or order == 0 or _stand_out(selection, estimate):
+        if choice is None or order == 0 or _are_significant(selection, estimate):
             break
         order -= 1
     if choice is not None and order < choice.arms:
@@ -456,7 +457,7 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
     return replace(selection, estimate=estimate, choice=choice)
 
 
-def _stand_out(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
+def _are_significant(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
     """Return whether every retardation is significant, and every arm that they make."""
     numbers, function = range(1, estimate.solution.order + 1), estimate.standard_error
     if not significant(
@@ -472,7 +473,7 @@ def _stand_out(selection: SelectedModel, estimate: SolutionEstimate) -> bool:
     return significant(np.array(retarded_model.model.k), error[:arms], error[arms:])
 
 
-def _checks(
+def _run_checks(
     retardation: Retarded, unit: str, window: tuple[float, float], subject: str, left_in: str
 ) -> tuple[Check, ...]:
     """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
@@ -498,12 +499,12 @@ def _checks(
     )
 
 
-def _flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
+def _run_flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
     """Return whether a flow that was taken may be slow creep."""
     return [checks.flow_exceeds_slow_retardation(creep, hold)] if creep.flow > 0 else []
 
 
-def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
+def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     """Return whether a drift may be a flow, where none was taken."""
     if retardation.flows:
         return []
@@ -516,12 +517,12 @@ def _drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     ]
 
 
-def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
+def _run_plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
     """Return whether a part that is said to come to rest has done so, where that was asked."""
     return [] if end is None or creep.flow > 0 else [plateau_determined(end, unit)]
 
 
-def _end_of_test(
+def _limit_end_of_test(
     record: LoadHold, retardation: Retarded, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of the hold, and the valid band of the solid.
@@ -532,12 +533,12 @@ def _end_of_test(
     if FLOW not in block.fixed_names:
         time = regularise_clock(record.time - record.time[0])
         span = slice(len(time) - len(residual), None)
-        block = block.with_column(FLOW, _impulse(time, record.load)[span])
+        block = block.with_column(FLOW, _integrate_load(time, record.load)[span])
     terms = estimate_preload_baseline(record, for_limits=True).terms
     if record.unit == "N/m":
         give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
         terms = terms.add_terms(**{GLASS: Prior(0.0, give / record.level)})
-    power = max(noise_power(residual), block.rounding_floor)
+    power = max(estimate_noise_power(residual), block.rounding_floor)
     effective_samples = len(residual) * float(np.mean(residual**2)) / power
     data = CurveData(
         block.scale_rows(1 / float(np.sqrt(power))), block.window,
@@ -545,10 +546,10 @@ def _end_of_test(
         terms=terms,
     )  # fmt: skip
     lam = retardation.spectrum.lam
-    return _end_and_band(data, record.hold_time, retardation.model, lam, band)
+    return _limit_end_and_band(data, record.hold_time, retardation.model, lam, band)
 
 
-def _end_and_band(
+def _limit_end_and_band(
     data: CurveData,
     time: float,
     model: GeneralizedMaxwell,
@@ -556,12 +557,14 @@ def _end_and_band(
     band: tuple[float, float],
 ) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
     """Return the limits at the end of some data, and the valid band of their retardations."""
-    spectra = spectra_of_curve(data, time=time, extra=lam)
-    end = end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
-    return end, *band_of_curve(spectra, model, band, creep=True)
+    spectra = find_admissible_spectra(data, time=time, extra=lam)
+    end = limit_end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
+    return end, *find_valid_band(spectra, model, band, creep=True)
 
 
-def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, float | None]:
+def _measure_departure(
+    record: LoadHold, retardation: Retarded
+) -> tuple[float | None, float | None]:
     """Return how far the answer departs from proportion at its largest, and the standard error."""
     hold_segments = [
         segment for segment in find_segments(record.time, record.load) if segment.kind == "hold"
@@ -590,7 +593,7 @@ def _departure(record: LoadHold, retardation: Retarded) -> tuple[float | None, f
     return solution.coefficient("bend"), estimate.standard_error("bend")
 
 
-def _step(result: Retarded, limit_text: str, arms: int | Literal["auto"]) -> Step:
+def _make_step(result: Retarded, limit_text: str, arms: int | Literal["auto"]) -> Step:
     count = len(result.spectrum.d)
     flow = " and a flow" if result.flows else ""
     message = (
@@ -629,24 +632,26 @@ def _fit_curve(
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
     weight = 1 / values
     first = solve(
-        [_curve_block(t, values, weight, window, flows=True)], min(max_arm_count, len(t) // 3)
+        [_make_curve_block(t, values, weight, window, flows=True)], min(max_arm_count, len(t) // 3)
     )
-    expected = spectrum_of(first).compliance(t)
+    expected = get_spectrum(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
     weight = 1 / np.maximum(expected, MIN_FITTED_SHARE * values)
     selections = []
-    for flows, item in _candidates(options):
-        block = _curve_block(t, values, weight, window, flows=flows)
+    for flows, item in _list_candidates(options):
+        block = _make_curve_block(t, values, weight, window, flows=flows)
         data = FitData([block], [block])
         selections.append(select_order(data, item))
-    best = _better(selections)
+    best = _choose_by_bic(selections)
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     end, error = None, None
     if len(t) >= MIN_FREE_POINTS:
-        flowing = _curve_block(t, values, weight, window, flows=True)
-        curve_with_flow = curve_data(flowing, t, window=(window[0], 10 * window[1]))
-        end, band, error = _end_and_band(curve_with_flow, float(t[-1]), best.model, creep.lam, band)
+        flowing = _make_curve_block(t, values, weight, window, flows=True)
+        curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
+        end, band, error = _limit_end_and_band(
+            curve_with_flow, float(t[-1]), best.model, creep.lam, band
+        )
         if error is not None:
             line = 1 / (2 * np.pi * t)
             relative_misfit = np.abs(creep.compliance(t) / values - 1)
@@ -658,14 +663,14 @@ def _fit_curve(
         *origin.checks,
         best.convergence_check,
         *check_temperature(curve.specimen),
-        *_checks(best, unit, window, "the curve", "1"),
-        *_flow_checks(creep, float(t[-1])),
+        *_run_checks(best, unit, window, "the curve", "1"),
+        *_run_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
-        *_plateau_checks(creep, end, unit),
+        *_run_plateau_checks(creep, end, unit),
         checks.compliance_residual_small(best.estimate.rms, best.model.arms),
         loss_factor_determined(error),
     )
-    step = _step(best, f"{len(t)} values of a creep compliance", options.arms)
+    step = _make_step(best, f"{len(t)} values of a creep compliance", options.arms)
     return build_fit(
         best.make_solid_estimate(replace(best.residual, unit="1")),
         Evidence(
@@ -700,7 +705,7 @@ def _fit_master_curve(superposition: Superposition, options: FitOptions) -> Fit:
     return replace(fit, evidence=replace(fit.evidence, creep=None))
 
 
-def _curve_block(
+def _make_curve_block(
     t: FloatArray,
     values: FloatArray,
     weight: FloatArray,

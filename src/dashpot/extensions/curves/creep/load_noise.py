@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.extensions.curves.creep.preprocess import errors_of_load
+from dashpot.extensions.curves.creep.preprocess import make_load_error_products
 from dashpot.extensions.curves.datamodel.creep import LoadHold
 from dashpot.numerics.design_matrices.recorded_motion import recursion
 from dashpot.solids.interconversion import CreepSpectrum
@@ -24,7 +24,7 @@ def load_rows(columns: FloatArray, record: LoadHold, creep: CreepSpectrum) -> Fl
     """
     all_columns = np.zeros((len(record.time), columns.shape[1]))
     all_columns[len(all_columns) - len(columns) :] = columns
-    return errors_of_load(record)(load_sensitivity(all_columns, record.time, creep))
+    return make_load_error_products(record)(load_sensitivity(all_columns, record.time, creep))
 
 
 def load_sensitivity(columns: FloatArray, time: FloatArray, creep: CreepSpectrum) -> FloatArray:

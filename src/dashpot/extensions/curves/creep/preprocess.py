@@ -71,13 +71,13 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     force = without_spikes(test.time, test.force)
     held_load = _find_longest_hold(test.time, force, file_name)
     preload_force = held_load.turn * test.force - held_load.preload
-    noise = _noise_held(test.time, test.force, held_load)
+    noise = _estimate_force_noise(test.time, test.force, held_load)
     load, corners, heights = _remove_load_noise(
         test.time, held_load.turn * force - held_load.preload, noise
     )
     if held_load.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
-    sign = _turn(test, held_load, file_name)
+    sign = _get_displacement_sign(test, held_load, file_name)
     record = LoadHold(
         time=test.time,
         displacement=sign * test.displacement,
@@ -93,7 +93,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         unit=test.unit,
         specimen=test.specimen,
         source=test.source,
-        steps=(_step(held_load, sign, test.unit),),
+        steps=(_make_step(held_load, sign, test.unit),),
         corners=tuple(corners.tolist()),
         heights=tuple(heights.tolist()),
         machine=machine,
@@ -111,7 +111,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
 
 def _find_longest_hold(time: FloatArray, force: FloatArray, file_name: str) -> _HeldLoad:
     """Return the load with the longest hold."""
-    longest_holds = [_cycle(time, sign * force, sign) for sign in (1, -1)]
+    longest_holds = [_find_cycle(time, sign * force, sign) for sign in (1, -1)]
     loads = [hold for hold in longest_holds if hold is not None]
     if loads:
         return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.turn))
@@ -125,7 +125,7 @@ def _find_longest_hold(time: FloatArray, force: FloatArray, file_name: str) -> _
     return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, sign)
 
 
-def _cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | None:
+def _find_cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | None:
     """Return the longest hold of a force that rises, and when its load began."""
     cycles = find_cycles(find_segments(time, force))
     cycle_holds = [
@@ -147,7 +147,7 @@ def _cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | None:
     )
 
 
-def _turn(test: CreepTest, held_load: _HeldLoad, file_name: str) -> int:
+def _get_displacement_sign(test: CreepTest, held_load: _HeldLoad, file_name: str) -> int:
     """Return the sign that makes the displacement rise under the load."""
     time, x = test.time, test.displacement
     hold = (time >= held_load.ramp_end) & (time <= held_load.hold_end)
@@ -161,7 +161,7 @@ def _turn(test: CreepTest, held_load: _HeldLoad, file_name: str) -> int:
     return 1 if change > 0 else -1
 
 
-def _noise_held(time: FloatArray, force: FloatArray, held_load: _HeldLoad) -> float:
+def _estimate_force_noise(time: FloatArray, force: FloatArray, held_load: _HeldLoad) -> float:
     """The scatter of the force late in its hold, where no curve of the load looks like one."""
     second_half = (time >= (held_load.ramp_end + held_load.hold_end) / 2) & (
         time <= held_load.hold_end
@@ -169,7 +169,7 @@ def _noise_held(time: FloatArray, force: FloatArray, held_load: _HeldLoad) -> fl
     return scatter(time[second_half], force[second_half])
 
 
-def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
+def make_load_error_products(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
     """Return what makes, of columns at every sample, their products with the errors of the load.
 
     Of independent errors of unit variance, N: those of the load's corners, their heights and, of
@@ -180,20 +180,22 @@ def errors_of_load(record: LoadHold) -> Callable[[FloatArray], FloatArray]:
         return lambda columns: np.zeros((0, columns.shape[1]))
     has_few_corners = len(corners) <= MAX_CORNERS
     corner_shift_columns = (
-        _leaning(time, corners, np.interp(corners, time, record.load)) if has_few_corners else None
+        _compute_corner_derivatives(time, corners, np.interp(corners, time, record.load))
+        if has_few_corners
+        else None
     )
 
     def directions(columns: FloatArray) -> FloatArray:
-        heights = _onto(time, corners, columns)
+        heights = _project_columns(time, corners, columns)
         return (
             heights
             if corner_shift_columns is None
             else np.concatenate((heights, corner_shift_columns.T @ columns))
         )
 
-    gram = _gram(time, corners)
+    gram = _compute_gram(time, corners)
     if corner_shift_columns is not None:
-        crossed = _onto(time, corners, corner_shift_columns)
+        crossed = _project_columns(time, corners, corner_shift_columns)
         gram = np.block(
             [[gram, crossed], [crossed.T, corner_shift_columns.T @ corner_shift_columns]]
         )
@@ -238,9 +240,11 @@ def _fit_corner_times(time: FloatArray, force: FloatArray) -> FloatArray:
     if not 3 <= len(corners) <= MAX_CORNERS:
         return corners
     for _ in range(_STEPS):
-        hat_functions = _tents(time, corners)
+        hat_functions = _make_hat_functions(time, corners)
         heights = np.asarray(np.linalg.lstsq(hat_functions, force, rcond=None)[0])
-        columns = np.column_stack((hat_functions, _leaning(time, corners, heights)))
+        columns = np.column_stack(
+            (hat_functions, _compute_corner_derivatives(time, corners, heights))
+        )
         displacement = np.linalg.lstsq(columns, force - hat_functions @ heights, rcond=None)[0][
             len(corners) :
         ]
@@ -278,31 +282,31 @@ def _insert_corners(
 
 def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
     """Return the heights of corners whose straight lines are nearest to a force."""
-    onto = _onto(time, corners, force[:, None])[:, 0]
-    gram = _gram(time, corners)
+    onto = _project_columns(time, corners, force[:, None])[:, 0]
+    gram = _compute_gram(time, corners)
     # a corner between which and its neighbours no reading lies has no height of its own
     gram[np.diag_indices_from(gram)] += _SINGULAR * float(np.diag(gram).max())
     return np.asarray(np.linalg.solve(gram, onto))
 
 
-def _places(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
+def _locate_readings(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
     """Return the corner before each reading, and how far it is to the next, as a part."""
     at = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 2)
     return at, (time - corners[at]) / (corners[at + 1] - corners[at])
 
 
-def _onto(time: FloatArray, corners: FloatArray, columns: FloatArray) -> FloatArray:
+def _project_columns(time: FloatArray, corners: FloatArray, columns: FloatArray) -> FloatArray:
     """Products of columns with the shape that the height of each corner gives."""
-    at, part = _places(time, corners)
+    at, part = _locate_readings(time, corners)
     products = np.zeros((len(corners), columns.shape[1]))
     np.add.at(products, at, (1 - part)[:, None] * columns)
     np.add.at(products, at + 1, part[:, None] * columns)
     return products
 
 
-def _gram(time: FloatArray, corners: FloatArray) -> FloatArray:
+def _compute_gram(time: FloatArray, corners: FloatArray) -> FloatArray:
     """Products of those shapes with one another."""
-    at, part = _places(time, corners)
+    at, part = _locate_readings(time, corners)
     gram = np.zeros((len(corners), len(corners)))
     for i, values in ((0, 1 - part), (1, part)):
         for j, other in ((0, 1 - part), (1, part)):
@@ -310,14 +314,16 @@ def _gram(time: FloatArray, corners: FloatArray) -> FloatArray:
     return gram
 
 
-def _tents(time: FloatArray, corners: FloatArray) -> FloatArray:
+def _make_hat_functions(time: FloatArray, corners: FloatArray) -> FloatArray:
     """Return the shape that the height of each corner gives, shape (n, corners)."""
     return np.stack([np.interp(time, corners, values) for values in np.eye(len(corners))], axis=1)
 
 
-def _leaning(time: FloatArray, corners: FloatArray, heights: FloatArray) -> FloatArray:
+def _compute_corner_derivatives(
+    time: FloatArray, corners: FloatArray, heights: FloatArray
+) -> FloatArray:
     """Return how a load moves with the times of its inner corners, shape (n, corners - 2)."""
-    hat_functions, slopes = _tents(time, corners), np.diff(heights) / np.diff(corners)
+    hat_functions, slopes = _make_hat_functions(time, corners), np.diff(heights) / np.diff(corners)
     shift_columns = [
         -hat_functions[:, j] * np.where(time <= corners[j], slopes[j - 1], slopes[j])
         for j in range(1, len(corners) - 1)
@@ -336,7 +342,7 @@ def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
     return True
 
 
-def _step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
+def _make_step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
     word = "N" if unit == "N/m" else "Pa"
     start_text = (
         f"the load of {held_load.level:.4g} {word} rises from {held_load.onset:.5g} s "

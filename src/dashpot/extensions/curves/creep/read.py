@@ -14,7 +14,7 @@ from dashpot.base.units import si_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.extensions.curves.material_records import refuse_creep_sizes
-from dashpot.extensions.curves.modulus.read import over_time
+from dashpot.extensions.curves.modulus.read import read_over_time
 from dashpot.reading.columns.file_kinds import FileKind
 from dashpot.reading.columns.role_assignment import assign, score_columns
 from dashpot.reading.columns.vocabulary import Role
@@ -51,7 +51,7 @@ def read_creep(
         which column is what or in which unit.
     """
     with channels.open_file(path, options) as file:
-        return creep_in(file, specimen or Specimen())
+        return read_creep_in(file, specimen or Specimen())
 
 
 def roles(file: OpenedFile) -> tuple[Role, ...]:
@@ -64,22 +64,24 @@ def roles(file: OpenedFile) -> tuple[Role, ...]:
         (_PART, _CERTAIN_SCORE),
         (_MATERIAL, _LIKELY),
     ):
-        if all(_suits(file, role, min_score) for role in roles_wanted[1:]):
+        if all(_is_likely_column(file, role, min_score) for role in roles_wanted[1:]):
             return roles_wanted
     return _PART
 
 
-def creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepCompliance:
+def read_creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepCompliance:
     """Return the creep test in an opened file."""
     channels.refuse_summary(file)
     role_names = roles(file)
     signal_names = ["displacement", "force", "stress", "strain", "creep_compliance"]
     likely_kinds: list[FileKind] = ["creep", "relaxation", "cld"]
-    if role_names is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED_SCORE)):
+    if role_names is _MATERIAL and (
+        file.options.rate or _is_likely_column(file, "time", _NAMED_SCORE)
+    ):
         likely_kinds.append("stress-strain")  # what moves in it decides
     channels.expect(file, likely_kinds, "a creep test is", stated_columns=signal_names)
     if role_names is _CURVE:
-        return _curve(file, *add_specimen_temperature(file, specimen))
+        return _read_curve(file, *add_specimen_temperature(file, specimen))
     channels_chosen = channels.choose(file, channels.add_time_role(file, *role_names[1:]))
     specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
 
@@ -116,11 +118,11 @@ def _refuse_sizes(
     return channels.refuse_sizes(file, answers)
 
 
-def _curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepCompliance:
+def _read_curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepCompliance:
     """A compliance over time, where a column of temperature says several, at each of them."""
     curve = assign(file.table, "creep_compliance", file.options)
     columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
-    channels_chosen, values, temperature, notes = over_time(file, columns)
+    channels_chosen, values, temperature, notes = read_over_time(file, columns)
     return CreepCompliance(
         values["time"],
         values["creep_compliance"],
@@ -136,5 +138,5 @@ def _curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepC
     )
 
 
-def _suits(file: OpenedFile, role: Role, min_score: float) -> bool:
+def _is_likely_column(file: OpenedFile, role: Role, min_score: float) -> bool:
     return max(score_columns(file.table, role, file.options).values(), default=0.0) >= min_score

@@ -29,7 +29,7 @@ def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock
     Parameters
     ----------
     block : DataBlock
-        Of arms under the input F.
+        Block of arms under the input F.
     equilibrium_name : str
         Name of the fixed column that is F.
     """
@@ -54,7 +54,7 @@ def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock
     )
 
 
-def relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatArray:
+def compute_relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -> FloatArray:
     r"""Return how the relaxation spectrum moves with the creep spectrum, exactly.
 
     Each arm is a zero :math:`-\rho_j` of the compliance J(s) with
@@ -100,7 +100,7 @@ GLASS, FLOW = "glass", "flow"
 """Names of the columns of what a part gives at once, and of its flow."""
 
 
-def spectrum_of(solution: Solution) -> CreepSpectrum:
+def get_spectrum(solution: Solution) -> CreepSpectrum:
     """Return the compliances of a solution; a retardation that it does not show is left out."""
     d = solution.arms[0] if solution.order else np.zeros(0)
     flow = solution.coefficient(FLOW) if FLOW in solution.fixed_names else 0.0
@@ -112,8 +112,8 @@ def spectrum_of(solution: Solution) -> CreepSpectrum:
     )
 
 
-def _solid(solution: Solution) -> GeneralizedMaxwell:
-    creep = spectrum_of(solution)
+def _make_solid(solution: Solution) -> GeneralizedMaxwell:
+    creep = get_spectrum(solution)
     if creep.glass <= 0 and not creep.d and creep.flow <= 0:
         return GeneralizedMaxwell(0.0)
     return GeneralizedMaxwell(*relaxation_spectrum(creep))
@@ -135,7 +135,7 @@ class Retarded(SelectedModel):
     @cached_property
     def spectrum(self) -> CreepSpectrum:
         """The compliances."""
-        return spectrum_of(self.solution)
+        return get_spectrum(self.solution)
 
     @property
     def flows(self) -> bool:
@@ -145,7 +145,7 @@ class Retarded(SelectedModel):
     @cached_property
     def model(self) -> GeneralizedMaxwell:
         """The solid, by exact interconversion."""
-        return _solid(self.solution)
+        return _make_solid(self.solution)
 
     @cached_property
     def creep(self) -> CreepEstimate:
@@ -159,7 +159,7 @@ class Retarded(SelectedModel):
     def _gradient(self) -> dict[str, FloatArray]:
         """Return the derivative of each parameter of the solid by those of the creep."""
         model, size = self.model, len(self.creep.parameters)
-        sensitivity = relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
+        sensitivity = compute_relaxation_sensitivity(self.spectrum, model.tau)[:, :size]
         arms = range(1, model.arms + 1)
         names = ("k_inf", *(f"k_{j}" for j in arms), *(f"ln_tau_{j}" for j in arms), "b")
         fixed_names = {
@@ -194,7 +194,7 @@ class Retarded(SelectedModel):
         return tuple(
             OrderScore(solid.arms, score.solution.sse, score.bic, score.significant, solid)
             for score in self.scores
-            for solid in (_solid(score.solution),)
+            for solid in (_make_solid(score.solution),)
         )
 
     def profiles(

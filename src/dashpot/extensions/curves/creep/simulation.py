@@ -76,7 +76,7 @@ def simulate_creep(
     rig : Rig, optional
         ``Rig()`` if not given.
     seed : int
-        Of the noise.
+        Seed of the noise.
     climate : Climate, optional
         Makes the seal that of its temperature, which the record's specimen then states.
 

@@ -55,12 +55,12 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     force : array, shape (n,)
         N, sign and zero as recorded; of a material the stress, Pa.
     unit : str
-        Of the stiffness, force over displacement: ``"N/m"`` or ``"Pa"``.
+        Unit of the stiffness, force over displacement: ``"N/m"`` or ``"Pa"``.
     specimen : Specimen
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -110,7 +110,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
         change, force_range = float(np.ptp(self.displacement)), float(np.ptp(self.force))
         return (
             describe_record_source(self.source, len(self.time)),
-            f"{np.ptp(self.time):.5g} s; {_spans(change, force_range, self.unit)}",
+            f"{np.ptp(self.time):.5g} s; {_format_spans(change, force_range, self.unit)}",
         )
 
 
@@ -131,7 +131,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     temperature : array, shape (n,), or None
         K, where the curve was measured at several; to be shifted together.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -222,7 +222,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     displacement_noise, force_noise : float
         Standard deviation of the scatter from sample to sample.
     unit : str
-        Of the stiffness: ``"N/m"`` or ``"Pa"``.
+        Unit of the stiffness: ``"N/m"`` or ``"Pa"``.
     specimen : Specimen
     source : Source or None
     steps : tuple of Step
@@ -368,7 +368,7 @@ def _require_unit(unit: str, names: Iterable[str]) -> None:
         raise DataError(f"unit = {unit!r}; expected {' or '.join(map(repr, words))}")
 
 
-def _spans(change: float, stress_range: float, unit: str) -> str:
+def _format_spans(change: float, stress_range: float, unit: str) -> str:
     if unit == "Pa":
         return f"strain spans {change:.4g}, stress {stress_range:.4g} Pa"
     return f"displacement spans {format_quantity(change, 'mm')}, force {stress_range:.4g} N"

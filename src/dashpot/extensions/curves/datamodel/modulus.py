@@ -41,7 +41,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------

@@ -18,7 +18,7 @@ ONE_TEMPERATURE = 2.0
 """Samples of a sweep this far apart in temperature are not one solid, K."""
 
 
-def shifts_with(
+def make_shifts(
     temperature: FloatArray, log10_a_t: FloatArray, b_t: FloatArray, covariance: FloatArray
 ) -> tuple[Shift, ...]:
     """Return shifts with their errors; `covariance` is of log10 a_T, then of ln b_T."""

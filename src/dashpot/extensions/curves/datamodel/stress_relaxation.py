@@ -37,7 +37,7 @@ class StressRelaxationTest(EqualByValue, HasSummary, Serialisable):
     specimen : Specimen
     source : Source or None
     units : str
-        Of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------

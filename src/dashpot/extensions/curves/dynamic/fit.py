@@ -26,26 +26,26 @@ from dashpot.extensions.curves.checks import (
     instrument_stiff,
     kramers_kronig,
     loss_positive,
-    plateau,
+    run_plateau_checks,
     storage_rises,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
     MIN_FREE_POINTS,
-    band_of_curve,
-    curve_data,
-    end_of_curve,
+    find_admissible_spectra,
+    find_valid_band,
     fit_single_test,
-    spectra_of_curve,
+    limit_end_of_curve,
+    weight_curve,
 )
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import (
     EDGE_FACTOR,
+    compute_passive_misfit,
     dense_spectrum_if_needed,
     dynamic_master_curve,
-    passive_misfit,
-    relative_scale,
+    get_error_scale,
 )
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
@@ -72,7 +72,7 @@ from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import Solid
 
 
-def frequency_block(
+def make_frequency_block(
     omega: FloatArray,
     stiffness: FloatArray,
     *,
@@ -202,29 +202,31 @@ def fit_dynamic(
     temperature = convert_to_si(temperature, "temperature")
     checked_family(family, arms)
     data, origin = _select_one_temperature(data, temperature)
-    records = _records(tests, data, dashpot=dashpot)
+    records = _build_records(tests, data, dashpot=dashpot)
     shifted = isinstance(origin, Superposition)
     if shifted:
         _validate_temperature_options(family, records)
     weights = weights or _USUAL[shifted]
     max_arm_count = validate_arm_count(arms, max_arms)
     sets = (
-        _sweep(data, weights, dashpot=dashpot, max_arms=max_arm_count),
-        *_relaxations(records, max_arm_count),
+        _build_sweep(data, weights, dashpot=dashpot, max_arms=max_arm_count),
+        *_list_relaxations(records, max_arm_count),
     )
     selection = select_order(
         _stack_parts(sets), FitOptions(arms, max_arms=max_arms, thorough=thorough)
     )
     family_choice = chosen_family(selection, family)
     selection = family_choice.best
-    band, overlap_check = _band(data, records, sets[1:], selection.model.k_0)
+    band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
     end, band_error = None, None
     # relaxation tests beside it see further
     if not records:
-        end, band, band_error = _end(data, sets[0], selection, family_choice.arms.model.tau, band)
+        end, band, band_error = _limit_end(
+            data, sets[0], selection, family_choice.arms.model.tau, band
+        )
     other = family_choice.alternative(band, BY_SWEEPS)
     of_data = (
-        kramers_kronig(passive_misfit(data)),
+        kramers_kronig(compute_passive_misfit(data)),
         loss_positive(data),
         instrument_stiff(data),
         *origin.checks,
@@ -236,7 +238,7 @@ def fit_dynamic(
         ("temperature", "all" if temperature is None else f"{temperature:g} K"),
         ("thorough", str(thorough).lower()),
     )
-    error = _relative_error(selection.solid, data, weights if shifted else "relative")
+    error = _get_relative_errors(selection.solid, data, weights if shifted else "relative")
     residual = (
         replace(selection.residual, unit="sd")
         if records
@@ -252,7 +254,9 @@ def fit_dynamic(
                 selection.convergence_check,
                 *of_data,
                 *check_temperature(data.specimen),
-                *_checks(selection, data, records, end, [n for item in sets for n in item.freedom]),
+                *_run_checks(
+                    selection, data, records, end, [n for item in sets for n in item.freedom]
+                ),
                 *family_choice.checks(other),
                 *overlap_check,
                 loss_factor_determined(band_error),
@@ -264,7 +268,7 @@ def fit_dynamic(
         Provenance(
             "dynamic",
             (*origin.sources, *sources_of(records)),
-            (*origin.steps, *steps_of(records), _step(data, records, selection, options)),
+            (*origin.steps, *steps_of(records), _make_step(data, records, selection, options)),
             data.specimen,
         ),
         unit=data.unit,
@@ -292,10 +296,10 @@ def fit_complex_modulus(
     return fit_dynamic(test, arms=arms, family=family)
 
 
-def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
+def _get_relative_errors(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
     """Errors of storage, then of loss, relative to each, or both to the complex modulus."""
     K = solid.complex_stiffness(omega=data.omega)
-    storage, loss = relative_scale(data)
+    storage, loss = get_error_scale(data)
     if weights == "modulus":
         storage = loss = np.abs(data.value)
     return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
@@ -347,7 +351,7 @@ def _validate_temperature_options(family: str, records: Sequence[RampHold]) -> N
         )
 
 
-def _records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:
+def _build_records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[RampHold, ...]:
     records = ramp_holds(tests)
     refuse_copies(records)
     if records and data.unit != "N/m":
@@ -367,22 +371,22 @@ def _stack_parts(sets: Sequence[_Set]) -> FitData:
     return FitData([item.block for item in sets], [row for item in sets for row in item.rows])
 
 
-def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int) -> _Set:
+def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int) -> _Set:
     _validate_data(data, weights)
     n = len(data.frequency)
-    first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
-    best = fit_single_test([first], _halves(first, n), max_arms)
+    first = _build_sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
+    best = fit_single_test([first], _split_storage_and_loss(first, n), max_arms)
     # the size of noisy data is a biased weight: low values would speak loudest
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
-    block = _sweep_block(data, scale, dashpot=dashpot)
-    return _Set(block, _halves(block, n), best.freedom)
+    block = _build_sweep_block(data, scale, dashpot=dashpot)
+    return _Set(block, _split_storage_and_loss(block, n), best.freedom)
 
 
-def _sweep_block(
+def _build_sweep_block(
     data: DynamicTest, scale: tuple[FloatArray, FloatArray], *, dashpot: bool
 ) -> DataBlock:
-    return frequency_block(
+    return make_frequency_block(
         data.omega,
         data.value,  # type: ignore[arg-type]
         weights=(1 / scale[0], 1 / scale[1]),
@@ -408,14 +412,14 @@ def _scale(
     size = np.maximum(np.abs(expected), MIN_FITTED_SHARE * np.abs(data.value))
     if weights == "modulus":
         return size, size
-    storage, loss = relative_scale(data)
+    storage, loss = get_error_scale(data)
     return (
         np.maximum(np.abs(expected.real), MIN_FITTED_SHARE * storage),
         np.maximum(np.abs(expected.imag), MIN_FITTED_SHARE * loss),
     )
 
 
-def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
+def _split_storage_and_loss(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
     """Return the storage and the loss of a sweep as records of their own, in order of frequency."""
     first, second = slice(0, n), slice(n, 2 * n)
     return (
@@ -424,7 +428,7 @@ def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
     )
 
 
-def _relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
+def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     design = FitSetup("full")
     blocks = compress_tests(records, design)
     sets = []
@@ -435,7 +439,7 @@ def _relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     return sets
 
 
-def _end(
+def _limit_end(
     data: DynamicTest,
     sweep: _Set,
     selection: SelectedModel,
@@ -450,18 +454,18 @@ def _end(
         return None, band, None
     slowest = 1 / float(data.omega.min())
     window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
-    curve = curve_data(sweep.block, data.frequency, window=window)
-    spectra = spectra_of_curve(curve, time=slowest, extra=tau)
-    end = end_of_curve(
+    curve = weight_curve(sweep.block, data.frequency, window=window)
+    spectra = find_admissible_spectra(curve, time=slowest, extra=tau)
+    end = limit_end_of_curve(
         curve, "sweep", time=slowest, model=selection.model, extra=tau, spectra=spectra
     )
-    band, error = band_of_curve(spectra, selection.solid, band)
+    band, error = find_valid_band(spectra, selection.solid, band)
     if error is not None:
-        error = replace(error, misfit=_misfit_in_band(selection.solid, data, band))
+        error = replace(error, misfit=_compute_misfit_in_band(selection.solid, data, band))
     return end, band, error
 
 
-def _misfit_in_band(
+def _compute_misfit_in_band(
     solid: Solid, data: DynamicTest, band: tuple[float, float]
 ) -> tuple[float, float]:
     """Return the relative misfit of stiffness and loss factor of a line in a band."""
@@ -474,7 +478,7 @@ def _misfit_in_band(
     return float(np.max(size[in_band], initial=0.0)), float(np.max(loss[is_compared], initial=0.0))
 
 
-def _checks(
+def _run_checks(
     selection: SelectedModel,
     data: DynamicTest,
     records: Sequence[RampHold],
@@ -504,7 +508,9 @@ def _checks(
     extra = "Sweep to lower frequencies."
     all_checks = [
         *of_arms,
-        *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra),
+        *run_plateau_checks(
+            model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra
+        ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
         *selection.check_arm_count("sd"),
@@ -519,7 +525,7 @@ def _checks(
     return tuple(all_checks)
 
 
-def _band(
+def _find_band(
     data: DynamicTest, records: Sequence[RampHold], sets: Sequence[_Set], k_0: float
 ) -> tuple[tuple[float, float], tuple[Check, ...]]:
     """Return the frequencies that the tests inform, and whether they leave a gap."""
@@ -535,7 +541,7 @@ def _band(
     return (min(sweep[0], relaxation_band[0]), max(sweep[1], relaxation_band[1])), (overlap_check,)
 
 
-def _step(
+def _make_step(
     data: DynamicTest,
     records: Sequence[RampHold],
     selection: SelectedModel,

@@ -40,10 +40,10 @@ def read_dynamic(
         If frequency, storage or loss is not found, or has no unit.
     """
     with channels.open_file(path, options) as file:
-        return dynamic_in(file, specimen or Specimen())
+        return read_dynamic_in(file, specimen or Specimen())
 
 
-def dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
+def read_dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
     # who names the columns says what they are, not what was swept
     by_numbers = detect_table_kind(file.table, file.options)[0] == "strain-sweep"

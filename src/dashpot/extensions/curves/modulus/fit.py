@@ -16,16 +16,16 @@ from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.curves.checks import modulus_falls, plateau
+from dashpot.extensions.curves.checks import modulus_falls, run_plateau_checks
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
     MIN_FREE_POINTS,
     BeforeCurve,
-    band_of_curve,
-    curve_data,
-    end_of_curve,
+    find_admissible_spectra,
+    find_valid_band,
     fit_single_test,
-    spectra_of_curve,
+    limit_end_of_curve,
+    weight_curve,
 )
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
@@ -123,7 +123,7 @@ def fit_modulus(
             f"{decapitalise_sentence(modulus_check.message_with_remedy)}"
         )
     max_arm_count = validate_arm_count(arms, max_arms)
-    window = _window(t)
+    window = _get_window(t)
     block = _weight_curve(t, values, weights, window, max_arm_count)
     selection = select_order(
         FitData([block], [block]), FitOptions(arms, max_arms=max_arms, thorough=thorough)
@@ -131,12 +131,12 @@ def fit_modulus(
     model = selection.model
     positive = t[t > 0]
     band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
-    end, band, band_error = _end(t, block, model, band)
+    end, band, band_error = _limit_end(t, block, model, band)
     if band_error is not None:
         # a curve shows its modulus alone
-        misfit = _misfit_in_band(model, t, values, band)
+        misfit = _compute_misfit_in_band(model, t, values, band)
         band_error = replace(band_error, misfit=(misfit, 0.0))
-    checks = plateau(
+    checks = run_plateau_checks(
         model,
         float(selection.error[0]),
         end,
@@ -191,7 +191,7 @@ def fit_modulus(
     )
 
 
-def _end(
+def _limit_end(
     t: FloatArray, block: DataBlock, model: GeneralizedMaxwell, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return what the curve leaves open of its end, and where in a band it knows the solid.
@@ -200,16 +200,16 @@ def _end(
     """
     if len(t) < MIN_FREE_POINTS:
         return None, band, None
-    shortest, longest = _window(t)
+    shortest, longest = _get_window(t)
     positive_time = np.maximum(t, t[1])
-    data = curve_data(block, positive_time, window=(shortest, 10 * longest))
-    end = end_of_curve(data, "curve", time=longest, model=model, extra=model.tau)
+    data = weight_curve(block, positive_time, window=(shortest, 10 * longest))
+    end = limit_end_of_curve(data, "curve", time=longest, model=model, extra=model.tau)
     early = BeforeCurve(data, float(t[t > 0][0]), model)
-    spectra = spectra_of_curve(early, time=longest, extra=model.tau)
-    return end, *band_of_curve(spectra, model, band)
+    spectra = find_admissible_spectra(early, time=longest, extra=model.tau)
+    return end, *find_valid_band(spectra, model, band)
 
 
-def _misfit_in_band(
+def _compute_misfit_in_band(
     model: GeneralizedMaxwell, t: FloatArray, values: FloatArray, band: tuple[float, float]
 ) -> float:
     """Return the largest relative misfit of the curve in a band."""
@@ -236,27 +236,27 @@ def _weight_curve(
     t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], max_arms: int
 ) -> DataBlock:
     """Return the curve as rows, relative to the best model of up to `max_arms` arms, or equal."""
-    first = _block(t, values, _weights(values, weights), window)
+    first = _make_block(t, values, _compute_weights(values, weights), window)
     if weights == "uniform":
         return first
     # the size of noisy data is a biased weight: low values would count most
     expected = fit_single_test([first], [first], max_arms).model.relaxation(t)
-    return _block(t, values, 1 / np.maximum(expected, MIN_FITTED_SHARE * values), window)
+    return _make_block(t, values, 1 / np.maximum(expected, MIN_FITTED_SHARE * values), window)
 
 
-def _block(
+def _make_block(
     t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
 ) -> DataBlock:
     block = hold_block(t, values, weights=weight, compress=False)
     return replace(block, window=(window[0], 10 * window[1]))
 
 
-def _window(t: FloatArray) -> tuple[float, float]:
+def _get_window(t: FloatArray) -> tuple[float, float]:
     """Return the relaxation times that the curve can show, s: two samples apart to its end."""
     return (float(t[min(1, len(t) - 1)]) - float(t[0])) / 3, float(t[-1])
 
 
-def _weights(values: FloatArray, weights: str) -> FloatArray:
+def _compute_weights(values: FloatArray, weights: str) -> FloatArray:
     if weights == "uniform":
         return np.ones(len(values))
     if weights != "relative":

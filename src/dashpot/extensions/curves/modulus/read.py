@@ -16,7 +16,7 @@ from dashpot.extensions.curves.datamodel.sample_temperatures import has_several_
 from dashpot.extensions.curves.datamodel.stress_relaxation import StressRelaxationTest
 from dashpot.extensions.curves.material_records import (
     MATERIAL,
-    holds_stress,
+    is_stress_record,
     read_strain_and_stress,
 )
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
@@ -42,7 +42,7 @@ def roles(file: OpenedFile) -> tuple[Role, ...]:
     # the only column in a unit of stress is the stress where a strain stands beside it
     if isinstance(curve, RoleAssignment) and isinstance(stress, RoleAssignment):
         is_named = file.options.modulus is not None or curve.index != stress.index
-    return ("time", "modulus") if is_named or not holds_stress(file) else MATERIAL
+    return ("time", "modulus") if is_named or not is_stress_record(file) else MATERIAL
 
 
 def read_modulus(
@@ -69,7 +69,7 @@ def read_modulus(
         ]
         columns = channels.answered(file, assignments)
         _refuse_compliance(file, columns[1])
-        channels_chosen, values, temperature, notes = over_time(file, columns)
+        channels_chosen, values, temperature, notes = read_over_time(file, columns)
         specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
         return RelaxationModulus(
             values["time"],
@@ -92,7 +92,7 @@ def propose_temperature(file: OpenedFile, roles: object) -> list[Question]:
     return list_unit_questions(lambda: file.find_unambiguous_column("temperature"), "temperature")
 
 
-def over_time(
+def read_over_time(
     file: OpenedFile, columns: Sequence[RoleAssignment]
 ) -> tuple[list[Channel], dict[Role, FloatArray], FloatArray | None, Sequence[str]]:
     """Return time and value after a step in SI units, by role, and the temperature, K, of each row.

@@ -120,15 +120,15 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
 
 
 def collect_law_checks(
-    law_fit: ShiftLawFit, coldest: float, *, requested: bool = False
+    law_fit: ShiftLawFit, coldest: float, *, is_requested: bool = False
 ) -> list[Check]:
     """Return what must hold of a law and of the shifts that it was laid through.
 
-    `coldest` is the coldest test, K; `requested` is as in :func:`law_follows_shifts`.
+    `coldest` is the coldest test, K; `is_requested` is as in :func:`law_follows_shifts`.
     """
     error = float(np.sqrt(law_fit.covariance[-1, -1])) if law_fit.law.kind == "wlf" else 0.0
     return [
-        law_follows_shifts(law_fit.score, law_fit.scores, requested=requested),
+        law_follows_shifts(law_fit.score, law_fit.scores, is_requested=is_requested),
         no_temperature_outlier(law_fit.outlier),
         glass_below_tests(law_fit.law, coldest, error),
     ]
@@ -136,16 +136,16 @@ def collect_law_checks(
 
 @criterion("decades between law and shift", "<=", MAX_MISSED, "our choice: a factor 1.4 in time")
 def law_follows_shifts(
-    selected_law: LawScore, scores: Sequence[LawScore], *, requested: bool = False
+    selected_law: LawScore, scores: Sequence[LawScore], *, is_requested: bool = False
 ) -> Finding:
     """The shift law agrees with the shift factors within their errors.
 
-    `scores` are of every law that was tried; `requested` if the user wants none.
+    `scores` are of every law that was tried; `is_requested` if the user wants none.
     """
     laws = [score for score in scores if score.kind != "free"]
     if selected_law.kind == "free":
         no_law_text = "No law was fitted to the shifts; they reach no further than the tests"
-        if requested or not laws:
+        if is_requested or not laws:
             return Finding(no_law_text)
         best = min(laws, key=lambda score: score.missed)
         return Finding(
@@ -257,11 +257,11 @@ def collect_shift_checks(
     covariance: FloatArray,
     law_fit: ShiftLawFit,
     *,
-    requested: bool = False,
+    is_requested: bool = False,
 ) -> tuple[Check, ...]:
     """Return the checks of each shift against that of the next temperature, and of the law.
 
-    `covariance` begins with that of the shifts; `requested` if none but they were asked for.
+    `covariance` begins with that of the shifts; `is_requested` if none but they were asked for.
     """
     n = len(temperature)
     difference_matrix = np.diff(np.eye(n), axis=0)
@@ -271,5 +271,5 @@ def collect_shift_checks(
     return (
         shifts_determined(error, temperature),
         shift_monotone(step, error, temperature),
-        *collect_law_checks(law_fit, float(temperature[0]), requested=requested),
+        *collect_law_checks(law_fit, float(temperature[0]), is_requested=is_requested),
     )

@@ -82,7 +82,7 @@ def _make_sweep_panels(
     data: Superposition, curve: DynamicTest, fit: Fit | None
 ) -> tuple[Panel, ...]:
     word, scale = read_as(curve.unit)
-    solid, text = _line(data, fit)
+    solid, text = _make_line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
     value = scale * solid.complex_stiffness(omega=2 * np.pi * f)
     measured = scale * curve.value
@@ -93,7 +93,7 @@ def _make_sweep_panels(
         (f"storage {letter}′", measured.real, value.real),
         (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
     ):
-        dots = _dots(data, curve.frequency, row)
+        dots = _make_dots(data, curve.frequency, row)
         temperature_tags = _make_temperature_tags(dots) if not panels else ()
         panels.append(
             Panel(horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(row, line),
@@ -104,7 +104,7 @@ def _make_sweep_panels(
     palmen = Panel(
         Scale(f"size of the modulus, {word}", compute_padded_log_limits(size), log=True),
         Scale("loss angle, °", compute_padded_limits(angle)),
-        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_dots(data, size, angle)),
+        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_make_dots(data, size, angle)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
     return (*panels, palmen)
@@ -114,7 +114,7 @@ def _make_curve_panels(
     data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
 ) -> tuple[Panel, ...]:
     """Return a relaxation modulus, or a creep compliance, and what the solid leaves of it."""
-    solid, text = _line(data, fit)
+    solid, text = _make_line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, response, value = "creep compliance", solid.maxwell.creep, curve.compliance
     else:
@@ -124,14 +124,14 @@ def _make_curve_panels(
     line, measured = scale * response(t), scale * value
     residual = 100 * (value / response(curve.time) - 1)
     horizontal = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
-    dots = _dots(data, curve.time, measured)
+    dots = _make_dots(data, curve.time, measured)
     upper = Panel(
         horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
         (Line(t, line, _THIN, text), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
         horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), *_dots(data, curve.time, residual)), height=220,
+        (Rule(0.0, REF, across=True), *_make_dots(data, curve.time, residual)), height=220,
     )  # fmt: skip
     return upper, lower
 
@@ -162,7 +162,7 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
     )  # fmt: skip
 
 
-def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
+def _make_dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     """Return the samples, in as many colours as there are for temperatures."""
     celsius = convert_to_unit(data.temperature, "degC")
     temperatures = np.unique(celsius)
@@ -187,6 +187,6 @@ def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
     return tags
 
 
-def _line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
+def _make_line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
     """Return which solid is drawn, and what it is called."""
     return (data.solid, "spectrum of all temperatures") if fit is None else (fit.solid, "fit")

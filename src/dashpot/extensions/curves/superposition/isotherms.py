@@ -157,7 +157,7 @@ def _with_temperature(test: Measured, number: int) -> Measured:
     return replace(test, temperature=np.full(len(at), kelvin))
 
 
-def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
+def split_isotherms(data: Measured) -> tuple[Isotherm, ...]:
     """Return the isotherms of a test, by rising temperature.
 
     Samples belong together whose temperatures lie within :data:`ONE_TEMPERATURE` of each other,
@@ -171,7 +171,7 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
     if data.temperature is None:
         raise FitError("the test has no temperatures, so nothing can be shifted")
     isotherms = []
-    for sample_indices in _groups(data.temperature):
+    for sample_indices in _group_by_temperature(data.temperature):
         kelvin = median(data.temperature[sample_indices])
         if len(sample_indices) < MIN_VALUES:
             raise FitError(
@@ -183,7 +183,7 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
                 sample_indices[np.argsort(data.frequency[sample_indices], kind="stable")]
             )
             size = np.abs(part.value)
-            _above_zero(part.storage, kelvin)
+            _require_positive(part.storage, kelvin)
             both_parts = np.concatenate((size, size))
             value = np.concatenate((part.storage, part.loss)) / both_parts
             isotherms.append(Isotherm(kelvin, "frequency", part.omega, value, both_parts))
@@ -191,14 +191,14 @@ def isotherms_of(data: Measured) -> tuple[Isotherm, ...]:
             sorted_indices = sample_indices[np.argsort(data.time[sample_indices], kind="stable")]
             name = _COLUMNS[type(data)][1]
             time, values = data.time[sorted_indices], getattr(data, name)[sorted_indices]
-            _above_zero(values, kelvin, name)
-            _above_zero(time, kelvin, "time")
+            _require_positive(values, kelvin, name)
+            _require_positive(time, kelvin, "time")
             domain: Domain = "time" if isinstance(data, RelaxationModulus) else "creep"
             isotherms.append(Isotherm(kelvin, domain, time, np.ones(len(sample_indices)), values))
     return tuple(isotherms)
 
 
-def _above_zero(values: FloatArray, kelvin: float, quantity_name: str = "modulus") -> None:
+def _require_positive(values: FloatArray, kelvin: float, quantity_name: str = "modulus") -> None:
     if (values <= 0).any():
         raise FitError(
             f"a {quantity_name} at {celsius(kelvin)} is {values.min():g}; expected > 0, so that "
@@ -206,7 +206,7 @@ def _above_zero(values: FloatArray, kelvin: float, quantity_name: str = "modulus
         )
 
 
-def _groups(temperature: FloatArray) -> list[IndexArray]:
+def _group_by_temperature(temperature: FloatArray) -> list[IndexArray]:
     """Return indices of the samples of each isotherm, by rising temperature."""
     groups: list[list[int]] = []
     for i in np.argsort(temperature, kind="stable"):

@@ -43,7 +43,7 @@ class ShiftedSpectrum:
     Attributes
     ----------
     ln_a, ln_b : array, shape (n,)
-        Of each isotherm; 0 at the reference.
+        Logarithms of the shift factors of each isotherm; 0 at the reference.
     ln_tau : array, shape (k,)
         The grid, of relaxation times at the reference, s.
     optimum : Optimum
@@ -97,7 +97,7 @@ class ShiftedSpectrum:
         return white(self.optimum.projected_jacobian, self.variance)
 
 
-def grid_of(
+def make_grid(
     isotherms: Sequence[Isotherm],
     ln_a: FloatArray,
     excess: float = GRID_MARGIN,
@@ -151,7 +151,7 @@ class ShiftSearch:
     def rows(self, theta: FloatArray) -> Rows:
         """Return the rows of every isotherm, and of the priors of steps between neighbours."""
         ln_a, ln_b = self.split_shifts(theta)
-        n, prior = len(ln_a), _prior(self.isotherms, self.noise)
+        n, prior = len(ln_a), _make_prior(self.isotherms, self.noise)
         group = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
         columns = [
             isotherm.vertical(b) * isotherm.columns(self.ln_tau, a) for isotherm, a, b in group
@@ -184,7 +184,7 @@ class ShiftSearch:
         return ShiftedSpectrum(*self.split_shifts(best.theta), self.ln_tau, best)
 
 
-def spectrum_at(
+def fit_spectrum(
     isotherms: Sequence[Isotherm], ln_a: FloatArray, ln_b: FloatArray, ln_tau: FloatArray
 ) -> ShiftedSpectrum:
     """Return the spectrum at given shifts."""
@@ -213,9 +213,9 @@ def solve_shifts(
     noise : float
         Relative standard deviation of the values, the unit of the prior.
     """
-    free = _free(len(isotherms), reference)
+    free = _select_free_shifts(len(isotherms), reference)
     for _ in range(_GRIDS):
-        grid = grid_of(isotherms, ln_a)
+        grid = make_grid(isotherms, ln_a)
         spectrum = ShiftSearch(
             isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise
         ).best_spectrum
@@ -235,14 +235,14 @@ def refine_shifts(
     free_b: bool = False,
 ) -> ShiftedSpectrum:
     """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
-    fine_grid = grid_of(isotherms, spectrum.ln_a, per_decade=FINE)
-    free = _free(len(isotherms), reference, with_vertical=free_b)
+    fine_grid = make_grid(isotherms, spectrum.ln_a, per_decade=FINE)
+    free = _select_free_shifts(len(isotherms), reference, with_vertical=free_b)
     return ShiftSearch(
         isotherms, fine_grid, np.concatenate((spectrum.ln_a, spectrum.ln_b)), free, noise
     ).best_spectrum
 
 
-def vertical_step(
+def compute_vertical_step(
     isotherms: Sequence[Isotherm], best: ShiftedSpectrum, *, reference: int, noise: float
 ) -> tuple[FloatArray, float]:
     """Return by how much ln b_T would move if it could, (n,), and the fall of chi-square: a score.
@@ -251,7 +251,7 @@ def vertical_step(
     degrees of freedom where the rule of b_T holds.
     """
     n, shifts = len(isotherms), np.concatenate((best.ln_a, best.ln_b))
-    free = _free(n, reference, with_vertical=True)
+    free = _select_free_shifts(n, reference, with_vertical=True)
     problem = ShiftSearch(isotherms, best.ln_tau, shifts, free, noise).problem
     point = problem.solve_linear(shifts[free], best.optimum.beta > 0)
     step = -np.linalg.lstsq(point.projected_jacobian, point.all_residuals, rcond=None)[0]
@@ -260,18 +260,18 @@ def vertical_step(
     return values[n:], float(-step @ point.gradient / max(best.variance, 1e-300))
 
 
-def _free(count: int, reference: int, *, with_vertical: bool = False) -> IndexArray:
+def _select_free_shifts(count: int, reference: int, *, with_vertical: bool = False) -> IndexArray:
     """Return which of ln a and, with `with_vertical`, ln b move."""
     free_indices = np.delete(np.arange(count), reference)
     return np.concatenate((free_indices, free_indices + count)) if with_vertical else free_indices
 
 
-def _prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:
+def _make_prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:
     step = np.diff(np.eye(len(isotherms)), axis=0)
-    return np.asarray(noise * step / windows(isotherms)[:, None])
+    return np.asarray(noise * step / compute_windows(isotherms)[:, None])
 
 
-def windows(isotherms: Sequence[Isotherm]) -> FloatArray:
+def compute_windows(isotherms: Sequence[Isotherm]) -> FloatArray:
     """Return the shorter window of each pair of neighbours, natural logarithm, (n - 1,)."""
     length = np.array([isotherm.window[1] - isotherm.window[0] for isotherm in isotherms])
     return np.asarray(np.minimum(length[1:], length[:-1]))

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.extensions.curves.superposition.checks import OVERLAP
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
-from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, grid_of
+from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, make_grid
 from dashpot.numerics.least_squares import Problem
 
 _LN10 = float(np.log(10.0))
@@ -27,11 +27,11 @@ def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) ->
         falls from that to this; and the falls that are tried.
     reference : int
     """
-    chain = np.concatenate(([0.0], -np.cumsum([_best(*pair) for pair in pairs])))
+    chain = np.concatenate(([0.0], -np.cumsum([_find_best_shift(*pair) for pair in pairs])))
     return np.asarray(chain - chain[reference])
 
 
-def _best(problem: Problem, log_shifts: FloatArray) -> float:
+def _find_best_shift(problem: Problem, log_shifts: FloatArray) -> float:
     cost, is_best_interior = [], None
     for log_shift in log_shifts:
         optimum = problem.solve_linear(np.array([log_shift]), is_best_interior)
@@ -40,18 +40,22 @@ def _best(problem: Problem, log_shifts: FloatArray) -> float:
     return float(log_shifts[int(np.argmin(cost))])
 
 
-def chained_starts(isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: int) -> FloatArray:
+def make_chained_starts(
+    isotherms: Sequence[Isotherm], ln_b: FloatArray, reference: int
+) -> FloatArray:
     """Return ln a of each isotherm, by rising temperature, 0 at the reference."""
-    return chain_shifts(map(_falls, pairwise(isotherms), pairwise(ln_b.tolist())), reference)
+    return chain_shifts(
+        map(_compute_falls, pairwise(isotherms), pairwise(ln_b.tolist())), reference
+    )
 
 
-def _falls(
+def _compute_falls(
     pair: tuple[Isotherm, Isotherm], ln_b: tuple[float, float]
 ) -> tuple[Problem, FloatArray]:
     shared = min(isotherm.window[1] - isotherm.window[0] for isotherm in pair) / _LN10
     max_decades = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
     log_shifts = _LN10 * np.arange(0.0, max_decades + _STEP / 2, _STEP)
     # of all that are tried, so that each knows where the spectrum of the last had weight
-    grid = grid_of((pair[0], *pair), np.array([log_shifts[-1], 0.0, 0.0]))
+    grid = make_grid((pair[0], *pair), np.array([log_shifts[-1], 0.0, 0.0]))
     search = ShiftSearch(pair, grid, np.array([0.0, 0.0, *ln_b]), np.array([0]))
     return search.problem, log_shifts

@@ -53,8 +53,10 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
         if len(set(kelvin.tolist())) < len(kelvin):
             raise ReadError("a temperature stands in the table of shifts twice")
         values, zeros = dict(zip(available, rows.T[1:], strict=True)), np.zeros(len(rows))
-        log10_a = _decadic(values["a"], available["a"][1])
-        log10_b = _decadic(values["b"], available["b"][1]) if "b" in available else zeros
+        log10_a = _take_decadic_logarithm(values["a"], available["a"][1])
+        log10_b = (
+            _take_decadic_logarithm(values["b"], available["b"][1]) if "b" in available else zeros
+        )
         error = values.get("se", zeros)
     return tuple(
         Shift(float(kelvin[i]), float(log10_a[i]), float(error[i]), float(10 ** log10_b[i]))
@@ -77,7 +79,7 @@ def _find_column(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] 
     return None
 
 
-def _decadic(values: FloatArray, logarithm: str) -> FloatArray:
+def _take_decadic_logarithm(values: FloatArray, logarithm: str) -> FloatArray:
     """Return the decadic logarithm of a factor, or of what its logarithm is."""
     if logarithm:
         return np.asarray(values / np.log(10.0) if logarithm == "ln" else values)

@@ -18,7 +18,7 @@ from dashpot.base.units import Quantity, celsius, convert_to_si
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
-from dashpot.extensions.curves.datamodel.sample_temperatures import ONE_TEMPERATURE, shifts_with
+from dashpot.extensions.curves.datamodel.sample_temperatures import ONE_TEMPERATURE, make_shifts
 from dashpot.extensions.curves.datamodel.superposition import Superposition
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.superposition.checks import (
@@ -32,18 +32,18 @@ from dashpot.extensions.curves.superposition.checks import (
 from dashpot.extensions.curves.superposition.isotherms import (
     Isotherm,
     Measured,
-    isotherms_of,
     join_tests,
+    split_isotherms,
 )
 from dashpot.extensions.curves.superposition.joint_spectrum import (
     ShiftedSpectrum,
-    grid_of,
+    compute_vertical_step,
+    fit_spectrum,
+    make_grid,
     refine_shifts,
     solve_shifts,
-    spectrum_at,
-    vertical_step,
 )
-from dashpot.extensions.curves.superposition.pairwise_shifts import chained_starts
+from dashpot.extensions.curves.superposition.pairwise_shifts import make_chained_starts
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -100,7 +100,7 @@ def superpose(
     """
     require_choice("vertical", vertical, VerticalAsked, FitError)
     test, sources = join_tests(data)
-    isotherms = isotherms_of(test)
+    isotherms = split_isotherms(test)
     t = np.array([isotherm.temperature for isotherm in isotherms])
     if len(t) < 2:
         raise FitError(
@@ -115,8 +115,8 @@ def superpose(
         best, vertical_rule, checks = _search_shifts(
             isotherms, at, vertical, np.sqrt(parts.variance)
         )
-    covariance = _decadic(best, at)
-    table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
+    covariance = _compute_decadic_covariance(best, at)
+    table = make_shifts(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     shift_covariance = (
         covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
     )
@@ -165,7 +165,9 @@ class _SeparateSpectra(NamedTuple):
 
 def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _SeparateSpectra:
     at = np.zeros(1)
-    spectra = [spectrum_at([isotherm], at, at, grid_of([isotherm], at)) for isotherm in isotherms]
+    spectra = [
+        fit_spectrum([isotherm], at, at, make_grid([isotherm], at)) for isotherm in isotherms
+    ]
     return _SeparateSpectra(
         sum(spectrum.sse for spectrum in spectra),
         sum(spectrum.values - spectrum.parameters for spectrum in spectra),
@@ -183,24 +185,26 @@ def _reference(t: FloatArray, target: float | None) -> int:
 
 
 def _search_shifts(
-    isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
+    isotherms: Sequence[Isotherm], reference_index: int, vertical: VerticalAsked, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
-    log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[at])}
+    log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[reference_index])}
     requested = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
     spectra: dict[str, ShiftedSpectrum] = {}
     for name in requested:
-        start = chained_starts(isotherms, log_b_by_rule[name], at)
+        start = make_chained_starts(isotherms, log_b_by_rule[name], reference_index)
         spectra[name] = solve_shifts(
-            isotherms, start, log_b_by_rule[name], reference=at, noise=noise
+            isotherms, start, log_b_by_rule[name], reference=reference_index, noise=noise
         )
     vertical_rule = min(spectra, key=lambda name: spectra[name].bic)
     free = vertical == "free"
-    best = refine_shifts(isotherms, spectra[vertical_rule], reference=at, noise=noise, free_b=free)
+    best = refine_shifts(
+        isotherms, spectra[vertical_rule], reference=reference_index, noise=noise, free_b=free
+    )
     if free:
         return best, "free", (vertical_shift_determined("free", 0.0, 0.0),)
-    step, score = vertical_step(isotherms, best, reference=at, noise=noise)
+    step, score = compute_vertical_step(isotherms, best, reference=reference_index, noise=noise)
     rule_check = vertical_rule_holds(step, score, t)
     if vertical != "auto":
         return best, vertical_rule, (rule_check,)
@@ -217,9 +221,9 @@ def _search_shifts(
 
 
 def _apply_stated_shifts(
-    isotherms: Sequence[Isotherm], shifts: Sequence[Shift], at: int
+    isotherms: Sequence[Isotherm], shifts: Sequence[Shift], reference_index: int
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
-    """Return the spectrum at shifts from elsewhere, referred to the isotherm `at`."""
+    """Return the spectrum at shifts from elsewhere, referred to the isotherm `reference_index`."""
     values = np.array([shift.temperature for shift in shifts])
     stated_shifts = []
     for isotherm in isotherms:
@@ -232,18 +236,18 @@ def _apply_stated_shifts(
         stated_shifts.append(shifts[i])
     ln_a = _LN10 * np.array([shift.log10_a_t for shift in stated_shifts])
     ln_b = np.log([shift.b_t for shift in stated_shifts])
-    ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
+    ln_a, ln_b = ln_a - ln_a[reference_index], ln_b - ln_b[reference_index]
     vertical_rule = "free" if ln_b.any() else "1"
-    return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), vertical_rule, ()
+    return fit_spectrum(isotherms, ln_a, ln_b, make_grid(isotherms, ln_a)), vertical_rule, ()
 
 
 # -- what is known of the shifts ------------------------------------------------------------------
 
 
-def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
+def _compute_decadic_covariance(best: ShiftedSpectrum, reference_index: int) -> FloatArray:
     """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
     n = len(best.ln_a)
-    free_indices = np.delete(np.arange(n), at)
+    free_indices = np.delete(np.arange(n), reference_index)
     free = np.concatenate((free_indices, free_indices + n))[: len(best.optimum.theta)]
     full_covariance = np.zeros((2 * n, 2 * n))
     if len(free):
@@ -255,15 +259,15 @@ def _decadic(best: ShiftedSpectrum, at: int) -> FloatArray:
 def _collect_checks(
     isotherms: Sequence[Isotherm],
     best: ShiftedSpectrum,
-    at: int,
+    reference_index: int,
     law_fit: ShiftLawFit,
     law: ShiftLaw,
 ) -> tuple[Check, ...]:
     t = np.array([isotherm.temperature for isotherm in isotherms])
-    values, requested = _decadic(best, at), law == "free"
+    values, is_law_requested = _compute_decadic_covariance(best, reference_index), law == "free"
     return (
         isotherms_overlap(_compute_overlap(isotherms, best), t),
-        *collect_shift_checks(t, best.ln_a / _LN10, values, law_fit, requested=requested),
+        *collect_shift_checks(t, best.ln_a / _LN10, values, law_fit, is_requested=is_law_requested),
     )
 
 
@@ -290,12 +294,12 @@ def _solid(
     arm of which only the tail was measured can have any stiffness.
     """
     excess = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
-    ln_tau = grid_of(isotherms, best.ln_a, excess)
-    spectrum = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
+    ln_tau = make_grid(isotherms, best.ln_a, excess)
+    spectrum = fit_spectrum(isotherms, best.ln_a, best.ln_b, ln_tau)
     h, tau = spectrum.optimum.beta, np.exp(ln_tau)
     if isotherms[0].domain == "creep":
         # what comes to rest, as long as no flow is needed
-        at_rest = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
+        at_rest = fit_spectrum(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
         closer = at_rest.deviance - spectrum.deviance
         if closer < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
             h, spectrum = np.append(at_rest.optimum.beta, 0.0), at_rest

@@ -28,7 +28,7 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
     Parameters
     ----------
     fit : Fit
-        Of tests at several temperatures.
+        Fit of tests at several temperatures.
     tests : sequence of RampHold
         What it was fitted to.
     stamp : str

@@ -177,7 +177,7 @@ def fit_thermal(
     arms = options.count
     best = optimum(tests, options, reference)
     if not options.intervals and arms is not None:
-        return build_point_fit(best, options.vertical, options.shift_law, requested=arms)
+        return build_point_fit(best, options.vertical, options.shift_law, requested_arms=arms)
     fit = MultiTemperatureFit(best, compute_joint_covariance(best.joint, best.tests, best.point))
     result = _build_fit(fit, options)
     end = _end_of_hold(fit, result)

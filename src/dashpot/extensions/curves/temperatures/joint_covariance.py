@@ -25,7 +25,7 @@ from dashpot.fitting.parameter_errors import (
     encoder_rows,
     rounding_rms,
 )
-from dashpot.numerics.inference.correlated_noise import Noise, directions, noise_of, sandwich
+from dashpot.numerics.inference.correlated_noise import Noise, make_directions, noise_of, sandwich
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -112,7 +112,7 @@ class TestResidual(NamedTuple):
     nuisance_values : array
     part : Part
     columns : array, shape (n, q)
-        Of the test's own.
+        Columns of the test's own.
     """
 
     residual: FloatArray
@@ -169,7 +169,7 @@ def compute_joint_covariance(
     if "slope" in names:
         before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
     prior_sds = np.concatenate(before)
-    information = directions([*jacobians, prior_sds])
+    information = make_directions([*jacobians, prior_sds])
     covariance = sandwich(
         information,
         [*noises, Noise(len(prior_sds), np.ones(1), 1.0, 2.0)],

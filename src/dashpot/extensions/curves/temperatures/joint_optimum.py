@@ -125,7 +125,7 @@ def _choice(
 
 
 def _select_candidate(
-    candidates: Sequence[OrderCandidate], choice: OrderChoice, requested: int | None
+    candidates: Sequence[OrderCandidate], choice: OrderChoice, requested_arms: int | None
 ) -> OrderCandidate:
-    max_arm_count = choice.arms if requested is None else requested
+    max_arm_count = choice.arms if requested_arms is None else requested_arms
     return [candidate for candidate in candidates if candidate.point.order <= max_arm_count][-1]

@@ -49,7 +49,7 @@ class ShiftedSolid:
         N/m.
     k, log_tau : array, shape (N,)
     log_a, log_b : array, shape (T,)
-        Of every temperature; 0 at the reference.
+        Logarithms of the shift factors of every temperature; 0 at the reference.
     slope : float
         g, per decade.
     chi_square : float

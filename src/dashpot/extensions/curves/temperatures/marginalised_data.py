@@ -64,7 +64,7 @@ class SingleTemperatureTest:
     chi_square : float
         What the free fit leaves, in units of the noise.
     parameters : int
-        Of the solid of that fit.
+        Parameters of the solid of that fit.
     law : ElasticLaw or None
         Where its ramp is not linear: the hold alone is then fitted, after this path.
     warming : array or None

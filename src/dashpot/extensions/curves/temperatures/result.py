@@ -13,7 +13,7 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Provenance
 from dashpot.datamodel.shift_factors import TemperatureShifts
-from dashpot.extensions.curves.datamodel.sample_temperatures import shifts_with
+from dashpot.extensions.curves.datamodel.sample_temperatures import make_shifts
 from dashpot.extensions.curves.shift_law_fit import ShiftLawFit, fit_shift_law
 from dashpot.extensions.curves.temperatures.joint_covariance import (
     build_test_nuisances,
@@ -55,7 +55,7 @@ def shifts_of(
     log10_a, b = point.log_a / np.log(10.0), np.exp(point.log_b)
     return TemperatureShifts(
         law_fit.law,
-        shifts_with(joint.temperatures, log10_a, b, covariance),
+        make_shifts(joint.temperatures, log10_a, b, covariance),
         covariance,
         law_fit.parameters,
         law_fit.covariance,
@@ -113,7 +113,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
 
 
 def build_point_fit(
-    best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested: int
+    best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested_arms: int
 ) -> Fit:
     """Return the optimum as a fit of which nothing more is known.
 
@@ -134,7 +134,7 @@ def build_point_fit(
         point.solid, len(residual), float(residual @ residual), nuisance
     )
     return build_fit(
-        SolidEstimate(point.solid, estimate, has_fewer_arms=point.order < requested),
+        SolidEstimate(point.solid, estimate, has_fewer_arms=point.order < requested_arms),
         NO_EVIDENCE,
         provenance(best, shifts),
         elastic_law=elastic_law(best),

@@ -48,12 +48,12 @@ def _pair(joint: JointTests, i: int, log_shifts: FloatArray) -> Problem:
     """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
     log_b = joint.fixed_log_b
 
-    def shift_temperature_blocks(at: int, log_shift: float) -> list[DataBlock]:
+    def shift_temperature_blocks(shifted_index: int, log_shift: float) -> list[DataBlock]:
         blocks_with_temperature = zip(joint.blocks, joint.at, strict=True)
         return [
-            shift_block(block, log_shift, log_b[at] - log_b[i + 1])
+            shift_block(block, log_shift, log_b[shifted_index] - log_b[i + 1])
             for block, temperature_index in blocks_with_temperature
-            if temperature_index == at
+            if temperature_index == shifted_index
         ]
 
     end_blocks = [

@@ -23,12 +23,12 @@ def fit_load_deflection(
     machine: Machine | None = None,
 ) -> CLDResult:
     """Evaluate tests of load over deflection."""
-    from dashpot.extensions.materials.cld.fit_files import cld_of
+    from dashpot.extensions.materials.cld.fit_files import evaluate_cld
 
-    return cld_of(
+    return evaluate_cld(
         records,
-        at=compression,
-        between=between,
+        nominal_compression=compression,
+        tolerance_limits=between,
         limits=si_range(force_limits, "force"),
         relaxation=[relaxation] if isinstance(relaxation, Fit) else list(relaxation),
         cycle=cycle,

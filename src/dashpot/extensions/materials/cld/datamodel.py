@@ -54,7 +54,7 @@ class CLDTest(EqualByValue, HasSummary):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -139,7 +139,7 @@ class Cycle(EqualByValue, Serialisable):
     depth : float
         Greatest compression, m.
     speed : float or None
-        Of the loading, m/s; None without a clock.
+        Speed of the loading, m/s; None without a clock.
     contact : float or None
         Compression at which the loading met the seal again, m: the set that is left of the cycles
         before it. 0 of the first cycle; None where no air was crossed.
@@ -216,7 +216,7 @@ class AtCompression(Serialisable):
     unloading : float or None
         Force on unloading, N.
     slope, slope_se : float
-        Of the loading curve, N/m.
+        Slope and its standard error of the loading curve, N/m.
     energy : float
         Put in up to here, J.
     unloading_se : float or None
@@ -276,7 +276,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     ----------
     cycles : tuple of Cycle
     index : int
-        Of the cycle that the figures are of, in `cycles`.
+        Index of the cycle that the figures are of, in `cycles`.
     contact, contact_se : float
         Where the plate first met the seal, on the scale of the record, and its standard error, m.
     zero_se : float
@@ -293,9 +293,9 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     least, most : AtCompression or None
         At the ends of the tolerance, where they are asked for and reached.
     time : array, shape (n,), or None
-        Of the whole record, s; None without a clock.
+        Duration of the whole record, s; None without a clock.
     compression, force : array, shape (n,)
-        Of the whole record, zeroed, m and N.
+        Compression and force of the whole record, zeroed, m and N.
     checks : tuple of Check
     specimen : Specimen
     source : Source or None
@@ -443,7 +443,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 class RelaxedLaw(Serialisable):
     """Elastic law of a cycle that was driven at a finite speed.
 
-    Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.relaxed_law`.
+    Made by :func:`dashpot.extensions.materials.cld.equilibrium_curve.fit_relaxed_law`.
 
     Attributes
     ----------
@@ -524,7 +524,7 @@ class RateLaw(EqualByValue, Serialisable):
     damping, damping_se : tuple of float
         c at the knots and its standard error, N s/m.
     k, tau, k_se, ln_tau_se : tuple of float
-        Of the arms, N/m and s.
+        Stiffnesses, relaxation times and standard errors of the arms, N/m and s.
     residual : float
         Rms of what it leaves, N.
     bic : float

@@ -23,7 +23,7 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, Branch, RelaxedLaw
-from dashpot.extensions.materials.cld.local_stiffness import WINDOW, fit_local_slope, taken_later
+from dashpot.extensions.materials.cld.local_stiffness import WINDOW, delay_channel, fit_local_slope
 from dashpot.extensions.materials.relaxation_model import normalise_relaxation
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.prediction_bounds import off_by_error
@@ -38,7 +38,7 @@ _FELT = 5.0
 """Standard deviations of the force above which the plate is on the seal."""
 
 
-def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
+def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     """Return the elastic law under the cycle of a load deflection test.
 
     Parameters
@@ -46,9 +46,9 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     cld : CLD
         With a clock.
     fit : Fit or sequence of Fit
-        Of a relaxation test of such a seal. Its relaxation function k_j / k_inf is used, not its
-        stiffness; that is compared with the elastic law at the compression of the test. Of several
-        fits the one nearest to the nominal compression is used (`find_nearest_fit`).
+        Fit of a relaxation test of such a seal. Its relaxation function k_j / k_inf is used, not
+        its stiffness; that is compared with the elastic law at the compression of the test. Of
+        several fits the one nearest to the nominal compression is used (`find_nearest_fit`).
 
     Raises
     ------
@@ -58,24 +58,24 @@ def relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
     fit = find_nearest_fit(cld, fits)
     relaxation = normalise_relaxation(fit.model)
-    time = clock_of(cld)
+    time = get_clock(cld)
     e = relaxation.displacement(time, cld.force)
     cycle = cld.cycle
     rows = find_loaded_samples(cld)
-    law, residual = law_through(cld.compression[rows], e[rows], depth=cycle.depth)
+    law, residual = fit_law_through(cld.compression[rows], e[rows], depth=cycle.depth)
     raw = cycle.hysteresis
     fraction = None if cycle.unloading is None else _compute_loss_fraction(cld, cycle.unloading, e)
     first, last = (_compute_common_force(cld, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
     knots = np.asarray(law.knots)
     # each input one standard error off: the relaxation along each axis, both zeros, the delay
-    force, delayed_force = cld.force, taken_later(time, cld.force, cld.delay_sd)
+    force, delayed_force = cld.force, delay_channel(time, cld.force, cld.delay_sd)
     variants = [(0.0, normalise_relaxation(other.maxwell), force) for other in off_by_error(fit)]
     variants += [(cld.contact_se, relaxation, force), (0.0, relaxation, force + cld.zero_se)]
     # of a force that is late the contact is, too
     variants += [(-cld.met_later, relaxation, delayed_force)] * (cld.delay_sd > 0)
     laws = (
-        _law(cld.compression[rows] + x, model.displacement(time, motion)[rows], knots)
+        _fit_law(cld.compression[rows] + x, model.displacement(time, motion)[rows], knots)
         for x, model, motion in variants
     )
     variant_laws = tuple(law[0] for law in laws if law is not None)
@@ -104,7 +104,7 @@ def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
     """Return the fit whose test was held nearest to the nominal compression."""
     if not fits:
         raise FitError("no fit of a relaxation test was given: its relaxation function is needed")
-    return min(fits, key=lambda fit: abs(depth_of(fit) - cld.nominal.compression))
+    return min(fits, key=lambda fit: abs(get_depth(fit) - cld.nominal.compression))
 
 
 def _add_ratio_errors(law: ElasticLaw, variant_laws: Sequence[ElasticLaw]) -> ElasticLaw:
@@ -127,13 +127,13 @@ def _compare_relaxations(fits: Sequence[Fit], stroke: float | None) -> float | N
     return float((curves.max(axis=0) / curves.min(axis=0) - 1).max())
 
 
-def longer(cld: CLD, fit: Fit) -> float:
+def get_length_ratio(cld: CLD, fit: Fit) -> float:
     """Return the length of the specimen over that of the fit's; 1 where one is not known."""
     lengths = cld.specimen.length, fit.specimen.length
     return lengths[0] / lengths[1] if lengths[0] and lengths[1] else 1.0
 
 
-def depth_of(fit: Fit) -> float:
+def get_depth(fit: Fit) -> float:
     """Return the depth that the stiffnesses of a fit belong to, m."""
     law = fit.elastic_law
     if law is None:
@@ -141,7 +141,7 @@ def depth_of(fit: Fit) -> float:
     return law.depth
 
 
-def clock_of(cld: CLD) -> FloatArray:
+def get_clock(cld: CLD) -> FloatArray:
     """Return the times of a record that has them, s."""
     if cld.time is None:
         raise FitError(
@@ -161,12 +161,12 @@ def find_loaded_samples(cld: CLD) -> IndexArray:
     return np.asarray(rows[is_loaded & (cld.compression[rows] > 0)])
 
 
-def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
+def fit_law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
     """Return the law of the fewest knots that follows points as well as the finest, and its rms.
 
     Its tangent is linear between knots and nowhere below 0, determined by the points at each.
     """
-    laws = [_law(x, force, knots_over(x, depth, count)) for count in KNOTS]
+    laws = [_fit_law(x, force, place_knots(x, depth, count)) for count in KNOTS]
     laws_found = [law for law in laws if law is not None]
     if not laws_found:
         raise FitError(
@@ -177,7 +177,7 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[Elas
     return next(item for item in laws_found if item[1] <= _AS_WELL * finest + 1e-12)
 
 
-def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
+def place_knots(x: FloatArray, depth: float, count: int) -> FloatArray:
     """Return 0 and even knots to a depth, but for those between 0 and where points begin."""
     even_knots = np.linspace(0.0, depth, count)
     return np.asarray(
@@ -187,28 +187,32 @@ def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
     )
 
 
-def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
+def _fit_law(
+    x: FloatArray, force: FloatArray, knots: FloatArray
+) -> tuple[ElasticLaw, float] | None:
     """Return the law on knots; None where the points do not determine each tangent."""
     hat_columns = hat_integrals(x, knots)
     best = solve_ordinary(force, hat_columns, positive=True)
     uncertainty = estimate(best)
     if not np.isfinite(uncertainty.standard_error).all():
         return None
-    return law_of(uncertainty, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
+    return make_law(uncertainty, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
 
 
-def law_of(uncertainty: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
+def make_law(uncertainty: Estimate, knots: FloatArray, tangent_indices: slice) -> ElasticLaw:
     """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
-    ratio = uncertainty.derive_quantity(lambda values: values[at] / mean_slope(values[at], knots))
+    ratio = uncertainty.derive_quantity(
+        lambda values: values[tangent_indices] / average_slope(values[tangent_indices], knots)
+    )
     return ElasticLaw(
         tuple(knots.tolist()),
         tuple(ratio.values.tolist()),
-        mean_slope(uncertainty.optimum.values[at], knots),
+        average_slope(uncertainty.optimum.values[tangent_indices], knots),
         tuple(ratio.standard_error.tolist()),
     )
 
 
-def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
+def average_slope(slope: FloatArray, knots: FloatArray) -> float:
     """Return the mean of a tangent that is linear between knots from 0 on, N/m."""
     return float(0.5 * np.diff(knots) @ (slope[1:] + slope[:-1])) / float(knots[-1])
 
@@ -238,9 +242,9 @@ def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """Return checks of the relaxed force against the relaxation test at each compression."""
     held_stiffnesses = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
-        (depth_of(fit), fit.model.k_inf)
+        (get_depth(fit), fit.model.k_inf)
     ]
-    times = longer(cld, fit)
+    times = get_length_ratio(cld, fit)
     return [
         checks.relaxed_agrees(
             float(law.force(depth)) / (times * k_inf * depth) - 1

@@ -49,8 +49,13 @@ def cld(
     """
     specimens = (results,) if isinstance(results, CLD) else tuple(results)
     first, single = specimens[0], len(specimens) == 1
-    lines, names = _curves(specimens)
-    marks: list[Mark] = [*_tolerance(first), *lines, *names, *_nominal(first, valued=single)]
+    lines, names = _make_curves(specimens)
+    marks: list[Mark] = [
+        *_make_tolerance_mark(first),
+        *lines,
+        *names,
+        *_make_nominal_marks(first, valued=single),
+    ]
     x, y = (np.concatenate([getattr(line, way) for line in lines]) for way in ("x", "y"))
     requested = [limit for limit in limits or () if limit is not None and np.isfinite(limit)]
     if requested:
@@ -78,14 +83,14 @@ def draw_specimens(result: CLDResult) -> Picture:
     return cld(result.specimens)
 
 
-def _curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
+def _make_curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
     """Return the evaluated cycle of every specimen, and its name at the end of its line."""
     single = len(specimens) == 1
     lines = _draw_other_cycles(specimens[0]) if single else []
     names: list[Tag] = []
     for specimen, colour, name in zip(specimens, *_select_line_styles(specimens), strict=True):
         pens = Pen(colour, 2.0 if single else 1.6), Pen(colour, 1.4, (6, 3))
-        lines += _ways(specimen, specimen.cycle, pens, ("pressed", "released"))
+        lines += _make_branches(specimen, specimen.cycle, pens, ("pressed", "released"))
         if name:
             compressions, high = (
                 convert_to_unit(specimen.loading.compression, "mm"),
@@ -98,7 +103,7 @@ def _curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
     return lines, names
 
 
-def _nominal(result: CLD, *, valued: bool) -> Iterator[Mark]:
+def _make_nominal_marks(result: CLD, *, valued: bool) -> Iterator[Mark]:
     """Return marks of nominal compression and limits, of one specimen with the force."""
     for at in result.limit_marks:
         compression, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
@@ -126,7 +131,7 @@ def _select_line_styles(specimens: Sequence[CLD]) -> tuple[tuple[str, ...], tupl
     return _SPECIMEN_COLOURS[: len(specimens)], labels
 
 
-def _tolerance(result: CLD) -> list[Mark]:
+def _make_tolerance_mark(result: CLD) -> list[Mark]:
     """Return the tolerance of the compression, if it has one."""
     if result.least is None or result.most is None:
         return []
@@ -150,19 +155,23 @@ def _draw_other_cycles(result: CLD) -> list[Line]:
     for cycle in result.cycles:
         if cycle is not result.cycle:
             pen, label = _FIRST if cycle.number == 1 else _EARLIER
-            lines += _ways(result, cycle, (pen, pen), (label, label))
+            lines += _make_branches(result, cycle, (pen, pen), (label, label))
     return lines
 
 
-def _ways(result: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]) -> list[Line]:
+def _make_branches(
+    result: CLD, cycle: Cycle, pens: tuple[Pen, Pen], labels: tuple[str, str]
+) -> list[Line]:
     """Loading and unloading of a cycle, as far as it was recorded."""
     branches = zip((cycle.loading, cycle.unloading), pens, labels, strict=True)
     return [
-        _line(result, branch, pen, label) for branch, pen, label in branches if branch is not None
+        _make_line(result, branch, pen, label)
+        for branch, pen, label in branches
+        if branch is not None
     ]
 
 
-def _line(result: CLD, branch: Branch, pen: Pen, label: str) -> Line:
+def _make_line(result: CLD, branch: Branch, pen: Pen, label: str) -> Line:
     x, y = branch.compression, branch.force
     if x[0] > x[-1]:
         x, y = x[::-1], y[::-1]

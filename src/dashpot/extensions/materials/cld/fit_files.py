@@ -32,7 +32,11 @@ from dashpot.extensions.materials.cld.datamodel import (
     RateLaw,
     RelaxedLaw,
 )
-from dashpot.extensions.materials.cld.equilibrium_curve import find_nearest_fit, longer, relaxed_law
+from dashpot.extensions.materials.cld.equilibrium_curve import (
+    find_nearest_fit,
+    fit_relaxed_law,
+    get_length_ratio,
+)
 from dashpot.extensions.materials.cld.multi_speed_fit import fit_speeds
 from dashpot.extensions.materials.cld.preprocess import cld
 from dashpot.extensions.materials.cld.rate_dependence import fit_rate
@@ -97,7 +101,7 @@ class SpecimenStatistics:
     name : str
     unit : str
     count : int
-        Of the specimens that have it.
+        Number of the specimens that have it.
     mean, deviation : float
         In SI units; a force of 100 mm where the lengths are known.
     """
@@ -129,9 +133,9 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     specimens : tuple of CLD
         One a file.
     scatter : tuple of SpecimenStatistics
-        Of two or more specimens.
+        Scatter of two or more specimens.
     capability : ProcessCapability or None
-        Of the force at the nominal compression between its limits.
+        Capability of the force at the nominal compression between its limits.
     checks : tuple of Check
         Those of every specimen, each at its worst, and of the specimens together.
     relaxed : RelaxedLaw or None
@@ -139,7 +143,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     fit : Fit or None
         That of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
-        Of records at several speeds: a spring and a dashpot that depend on compression.
+        For records at several speeds: a spring and a dashpot that depend on compression.
 
     Examples
     --------
@@ -241,10 +245,11 @@ def cld_files(
         As in :func:`~dashpot.extensions.materials.cld.preprocess.cld`; without `at` the least depth
         of all.
     limits : (float, float), optional
-        Of the force at the nominal compression, N, of 100 mm where the length is known.
+        Limits of the force at the nominal compression, N, of 100 mm where the length is known.
     relaxation : sequence of Fit
-        Of relaxation tests. The relaxation function of the one nearest to the nominal compression
-        is removed from the first specimen, which leaves the elastic law; all are compared with it.
+        Fits of relaxation tests. The relaxation function of the one nearest to the nominal
+        compression is removed from the first specimen, which leaves the elastic law; all are
+        compared with it.
     specimen : Specimen, optional
         Data that all specimens share, such as their length.
     machine : Machine, optional
@@ -259,17 +264,18 @@ def cld_files(
     """
     options = options or ReadOptions()
     tests = [read_cld(path, options=options, specimen=specimen) for path in files]
-    return cld_of(
-        tests, at=at, between=between, limits=limits, relaxation=relaxation, cycle=options.cycle,
-        names=[Path(path).name for path in files], machine=machine,
+    return evaluate_cld(
+        tests, nominal_compression=at, tolerance_limits=between, limits=limits,
+        relaxation=relaxation, cycle=options.cycle, names=[Path(path).name for path in files],
+        machine=machine,
     )  # fmt: skip
 
 
-def cld_of(
+def evaluate_cld(
     tests: Sequence[CLDTest],
     *,
-    at: Quantity | None = None,
-    between: Range | None = None,
+    nominal_compression: Quantity | None = None,
+    tolerance_limits: Range | None = None,
     limits: tuple[float, float] | None = None,
     relaxation: Sequence[Fit] = (),
     cycle: int | None = None,
@@ -284,8 +290,13 @@ def cld_of(
         raise ReadError(
             "--force-limits need several specimens: name a file for each, or leave it out"
         )
-    specimens = _figures(
-        tests, names or [""] * len(tests), cycle, at=at, between=between, machine=machine
+    specimens = _evaluate_figures(
+        tests,
+        names or [""] * len(tests),
+        cycle,
+        nominal_compression=nominal_compression,
+        tolerance_limits=tolerance_limits,
+        machine=machine,
     )
     scatter = CLDResult(
         specimens,
@@ -293,33 +304,33 @@ def cld_of(
         None,
         (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
     )
-    if not relaxation and limits is None and _several_speeds(specimens):
+    if not relaxation and limits is None and _fit_speeds(specimens):
         return _add_speed_fit(scatter)
     if len(specimens) > 1:
         scatter = _add_specimen_scatter(scatter, limits)
     return _with_relaxation(scatter, relaxation) if relaxation else scatter
 
 
-def _figures(
+def _evaluate_figures(
     tests: Sequence[CLDTest],
     names: Sequence[str],
     cycle: int | None,
     *,
-    at: Quantity | None,
-    between: Range | None,
+    nominal_compression: Quantity | None,
+    tolerance_limits: Range | None,
     machine: Machine | None,
 ) -> tuple[CLD, ...]:
     """Return the figures of each specimen, all at one nominal compression."""
     _refuse_twice(tests)
 
     def figures(test: CLDTest, nominal: Quantity | None) -> CLD:
-        return cld(test, at=nominal, between=between, cycle=cycle, machine=machine)
+        return cld(test, at=nominal, between=tolerance_limits, cycle=cycle, machine=machine)
 
     specimens = []
     for name, test in zip(names, tests, strict=True):
         with add_name_to_errors(name) if name else nullcontext():
-            specimens.append(figures(test, at))
-    if at is not None or len(specimens) == 1:
+            specimens.append(figures(test, nominal_compression))
+    if nominal_compression is not None or len(specimens) == 1:
         return tuple(specimens)
     smallest_depth = min(specimen.cycle.depth for specimen in specimens)
     return tuple(figures(test, smallest_depth) for test in tests)
@@ -347,21 +358,21 @@ def _add_speed_fit(result: CLDResult) -> CLDResult:
 def _add_specimen_scatter(result: CLDResult, limits: tuple[float, float] | None) -> CLDResult:
     """Return the result with the scatter of its specimens, and their capability within limits."""
     specimens, capability = result.specimens, None
-    checks = [specimens_tested_alike(_otherwise(specimens))]
+    checks = [specimens_tested_alike(_list_other_conditions(specimens))]
     if limits is not None:
         forces = np.array([specimen.per * specimen.nominal.loading for specimen in specimens])
         capability = require_handler("process capability", forces)(forces, *limits)
         checks.append(specimens_capable(capability, result.unit))
-    scatter = tuple(_scatter(specimens))
+    scatter = tuple(_compute_scatter(specimens))
     return replace(result, scatter=scatter, capability=capability, checks=(*result.checks, *checks))
 
 
 def _with_relaxation(result: CLDResult, relaxation: Sequence[Fit]) -> CLDResult:
     """Return the result with the elastic law of the first specimen, without relaxation."""
-    relaxed_law_found = relaxed_law(result.specimens[0], relaxation)
+    relaxed_law_found = fit_relaxed_law(result.specimens[0], relaxation)
     nearest_fit = find_nearest_fit(result.specimens[0], relaxation)
     # the saved law is of a specimen as long as that of the relaxation test
-    stiffness = relaxed_law_found.law.stiffness / longer(result.specimens[0], nearest_fit)
+    stiffness = relaxed_law_found.law.stiffness / get_length_ratio(result.specimens[0], nearest_fit)
     fed = apply_elastic_law(
         nearest_fit, relaxed_law_found.law, checks=relaxed_law_found.checks, stiffness=stiffness
     )
@@ -384,18 +395,18 @@ def _refuse_twice(tests: Sequence[CLDTest]) -> None:
         files_by_record[source.sha256] = source.file
 
 
-def _several_speeds(specimens: Sequence[CLD]) -> bool:
+def _fit_speeds(specimens: Sequence[CLD]) -> bool:
     speeds = [specimen.cycle.speed for specimen in specimens if specimen.cycle.speed is not None]
     return len(speeds) == len(specimens) and max(speeds) >= SAME_SPEED * min(speeds)
 
 
-def _scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
+def _compute_scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
     unit = specimens[0].unit
     each_mm = "N/m" + unit.removeprefix("N")
     figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
-        ("force at least", unit, lambda result: _force(result, result.least)),
-        ("force at nominal", unit, lambda result: _force(result, result.nominal)),
-        ("force at most", unit, lambda result: _force(result, result.most)),
+        ("force at least", unit, lambda result: _interpolate_force(result, result.least)),
+        ("force at nominal", unit, lambda result: _interpolate_force(result, result.nominal)),
+        ("force at most", unit, lambda result: _interpolate_force(result, result.most)),
         ("slope at nominal", each_mm, lambda result: result.per * result.nominal.slope),
         ("energy", "J" + unit.removeprefix("N"), lambda result: result.per * result.cycle.energy),
         ("hysteresis", "", lambda result: result.cycle.hysteresis),
@@ -414,11 +425,11 @@ def _scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
     return statistics
 
 
-def _force(result: CLD, at: AtCompression | None) -> float | None:
-    return None if at is None else result.per * at.loading
+def _interpolate_force(result: CLD, nominal_value: AtCompression | None) -> float | None:
+    return None if nominal_value is None else result.per * nominal_value.loading
 
 
-def _otherwise(specimens: Sequence[CLD]) -> list[str]:
+def _list_other_conditions(specimens: Sequence[CLD]) -> list[str]:
     """Return the conditions in which the tests of the specimens differ."""
     speeds, depths, numbers, temperatures = (
         sorted(value for value in map(figure, specimens) if value is not None) or [0.0]

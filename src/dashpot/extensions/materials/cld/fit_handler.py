@@ -11,7 +11,7 @@ from dashpot.extensions.materials.cld.fit_files import cld_files
 
 def run(request: FitRequest) -> CommandResult:
     """Evaluate load deflection of specimens, or fit a model to several speeds."""
-    request.check_output_suffix(".json", what="load deflection")
+    request.check_output_suffix(".json", result_name="load deflection")
     result = cld_files(
         request.files,
         at=request["compression"],
@@ -22,7 +22,9 @@ def run(request: FitRequest) -> CommandResult:
         options=request.reading,
         **request.some("machine"),
     )
-    follow = ""
+    next_command = ""
     if request.result_path and result.fit is not None:
-        follow = format_command("predict", request.result_path, "--mass", "MASS", "--seals", 2)
-    return request.write_output(result, follow=follow)
+        next_command = format_command(
+            "predict", request.result_path, "--mass", "MASS", "--seals", 2
+        )
+    return request.write_output(result, next_command=next_command)

@@ -28,21 +28,21 @@ class LocalSlope(NamedTuple):
 
 
 def fit_local_slope(
-    branch: Branch, at: float, *, half_width: float, excess: float
+    branch: Branch, compression: float, *, half_width: float, excess: float
 ) -> LocalSlope | None:
     """Return force and slope at a compression, m, of a parabola over `half_width` to either side.
 
     None where the branch ends more than `excess` before.
     """
     x, f = branch.compression, branch.force
-    if not x.min() - excess <= at <= x.max() + excess or len(x) < 4:
+    if not x.min() - excess <= compression <= x.max() + excess or len(x) < 4:
         return None
-    distance = np.abs(x - at)
+    distance = np.abs(x - compression)
     half_width = max(
         half_width, float(np.partition(distance, min(_LEAST, len(x)) - 1)[min(_LEAST, len(x)) - 1])
     )
     is_near = distance <= half_width
-    u, y = (x[is_near] - at) / half_width, f[is_near]
+    u, y = (x[is_near] - compression) / half_width, f[is_near]
     A = np.column_stack((np.ones_like(u), u, u**2))
     uncertainty = estimate(solve_ordinary(y, A))
     c, error = uncertainty.optimum.beta, uncertainty.standard_error
@@ -56,40 +56,42 @@ def fit_local_slope(
 
 
 def evaluate_cycle(
-    cycle: Cycle, at: float, *, excess: float, contact_se: float, force_se: float
+    cycle: Cycle, compression: float, *, excess: float, contact_se: float, force_se: float
 ) -> AtCompression | None:
     """Return what a cycle shows at a compression, m; None where its loading does not reach it.
 
     The error of the force holds those of the two zeros.
     """
     half_width = WINDOW * cycle.depth
-    way_in = fit_local_slope(cycle.loading, at, half_width=half_width, excess=excess)
+    way_in = fit_local_slope(cycle.loading, compression, half_width=half_width, excess=excess)
     if way_in is None:
         return None
     unloading = (
         None
         if cycle.unloading is None
-        else fit_local_slope(cycle.unloading, at, half_width=half_width, excess=excess)
+        else fit_local_slope(cycle.unloading, compression, half_width=half_width, excess=excess)
     )
-    error = _error(way_in, contact_se=contact_se, force_se=force_se)
+    error = _combine_force_errors(way_in, contact_se=contact_se, force_se=force_se)
     return AtCompression(
-        at,
+        compression,
         way_in.force,
         error,
         None if unloading is None else unloading.force,
         way_in.slope,
         way_in.slope_se,
-        cycle.loading.work(at),
-        None if unloading is None else _error(unloading, contact_se=contact_se, force_se=force_se),
+        cycle.loading.work(compression),
+        None
+        if unloading is None
+        else _combine_force_errors(unloading, contact_se=contact_se, force_se=force_se),
     )
 
 
-def _error(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
+def _combine_force_errors(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
     """Return standard error of a force, N: its own, and those of the two zeros."""
     return float(np.linalg.norm([slope.force_se, slope.slope * contact_se, force_se]))
 
 
-def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
+def measure_speed(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
     """Return speed, m/s, and largest departure of a stroke's middle from it, part of its travel."""
     low, high = float(x[0]), float(x[-1])
     middle = np.abs(x - 0.5 * (low + high)) <= 0.4 * abs(high - low)
@@ -102,6 +104,6 @@ def unevenness(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
     return abs(speed), float(np.abs(remainder).max()) / abs(high - low)
 
 
-def taken_later(time: FloatArray, values: FloatArray, by: float) -> FloatArray:
+def delay_channel(time: FloatArray, values: FloatArray, delay: float) -> FloatArray:
     """Return a channel as it reads if it comes so much later, s; its ends rest."""
-    return np.asarray(np.interp(time - by, time, values))
+    return np.asarray(np.interp(time - delay, time, values))

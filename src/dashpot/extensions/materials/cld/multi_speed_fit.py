@@ -26,13 +26,13 @@ from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual, pa
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED
 from dashpot.extensions.materials.cld.equilibrium_curve import (
-    clock_of,
+    average_slope,
     find_loaded_samples,
-    knots_over,
-    law_of,
-    mean_slope,
+    get_clock,
+    make_law,
+    place_knots,
 )
-from dashpot.extensions.materials.cld.local_stiffness import taken_later
+from dashpot.extensions.materials.cld.local_stiffness import delay_channel
 from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
@@ -90,34 +90,34 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
     speeds = [
         specimen.cycle.speed
         for specimen in specimens
-        if clock_of(specimen).size and specimen.cycle.speed
+        if get_clock(specimen).size and specimen.cycle.speed
     ]
     if len(speeds) < 2 or max(speeds) < SAME_SPEED * min(speeds):
         raise FitError(
             "one speed alone does not separate relaxation from the elastic law; expected "
             "tests at two or more, a decade apart or farther"
         )
-    knots, records = thinned_alike(specimens)
+    knots, records = thin_records(specimens)
     strokes = [
         specimen.cycle.depth / speed for specimen, speed in zip(specimens, speeds, strict=True)
     ]
     window = min(strokes) / 20, 3 * max(strokes)
     counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
     candidates = _fit_arm_counts(records, window, counts)
-    delays = _delays(specimens, records, knots, candidates[-1])
+    delays = _find_delays(specimens, records, knots, candidates[-1])
     if any(abs(delay.mean) > _TELLS * delay.sd for delay in delays):
         records = [
-            _taken_later(record, specimen, knots, delay.mean)
+            _delay_record(record, specimen, knots, delay.mean)
             for record, specimen, delay in zip(records, specimens, delays, strict=True)
         ]
         candidates = _fit_arm_counts(records, window, counts)
     # what is left of too few arms is no noise: all are weighed by that of the most
-    effective = estimate(candidates[-1], parts=_parts(records)).effective
+    effective = estimate(candidates[-1], parts=_split_rows(records)).effective
     scores = [score(optimum, effective) for optimum in candidates]
     best = _select_arm_count(records, knots, candidates, scores)
     orders = tuple(
         OrderScore(
-            len(optimum.theta) // 2, optimum.sse, bic, number <= best, _model(knots, optimum)
+            len(optimum.theta) // 2, optimum.sse, bic, number <= best, _make_model(knots, optimum)
         )
         for number, (bic, optimum) in enumerate(zip(scores, candidates, strict=True))
     )
@@ -132,23 +132,23 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
     )
 
 
-def _taken_later(
-    record: DownsampledRecord, cld: CLD, knots: FloatArray, by: float
+def _delay_record(
+    record: DownsampledRecord, cld: CLD, knots: FloatArray, delay: float
 ) -> DownsampledRecord:
     """Return a record with its force delayed, s, and its first contact deeper accordingly."""
-    hat_columns = downsample_record(cld, knots, offset=-by * (cld.cycle.speed or 0.0)).hats
-    return record._replace(force=taken_later(record.time, record.force, by), hats=hat_columns)
+    hat_columns = downsample_record(cld, knots, offset=-delay * (cld.cycle.speed or 0.0)).hats
+    return record._replace(force=delay_channel(record.time, record.force, delay), hats=hat_columns)
 
 
-def _change(
-    records: Sequence[DownsampledRecord], index: int, other: DownsampledRecord, best: Optimum
+def _compute_row_change(
+    records: Sequence[DownsampledRecord], index: int, replacement: DownsampledRecord, best: Optimum
 ) -> FloatArray:
     """Return the change of the rows by another record in place of one."""
-    rows = _rows([*records[:index], other, *records[index + 1 :]], best.theta)
+    rows = _compute_rows([*records[:index], replacement, *records[index + 1 :]], best.theta)
     return rows.A @ best.beta - rows.y + best.all_residuals
 
 
-def _delays(
+def _find_delays(
     specimens: Sequence[CLD], records: Sequence[DownsampledRecord], knots: FloatArray, best: Optimum
 ) -> list[Prior]:
     r"""Return the delay of each force, s, at which one relaxation function fits the records best.
@@ -157,12 +157,12 @@ def _delays(
     the mean is :math:`s\,d \cdot r/(d \cdot d + \gamma)` and the variance
     :math:`s^2 \gamma/(d \cdot d + \gamma)`, with the residual r and its power.
     """
-    power = best.sse / len(best.residual) * estimate(best, parts=_parts(records)).kappa
+    power = best.sse / len(best.residual) * estimate(best, parts=_split_rows(records)).kappa
     J = best.jacobian[:, best.free]
     priors = []
     for i, specimen in enumerate(specimens):
-        change = _change(
-            records, i, _taken_later(records[i], specimen, knots, specimen.delay_sd), best
+        change = _compute_row_change(
+            records, i, _delay_record(records[i], specimen, knots, specimen.delay_sd), best
         )
         difference = change - J @ np.linalg.lstsq(J, change, rcond=1e-12)[0]
         gain = float(difference @ difference) + power
@@ -178,7 +178,7 @@ def _fit_arm_counts(
     candidates: list[Optimum] = []
     for count in counts:
         candidates.append(
-            _best(records, count, window, candidates[-1].theta if candidates else None)
+            _fit_next_arm(records, count, window, candidates[-1].theta if candidates else None)
         )
         if len(candidates) > 1 and candidates[-1].sse > _FALLS**2 * candidates[-2].sse:
             break
@@ -200,12 +200,12 @@ def _select_arm_count(
     return 0
 
 
-def thinned_alike(specimens: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
+def thin_records(specimens: Sequence[CLD]) -> tuple[FloatArray, list[DownsampledRecord]]:
     """Return the knots of a law to the least depth of tests, m, and their records to it."""
     compressions = np.concatenate(
         [specimen.compression[find_loaded_samples(specimen)] for specimen in specimens]
     )
-    knots = knots_over(compressions, min(specimen.cycle.depth for specimen in specimens), KNOTS)
+    knots = place_knots(compressions, min(specimen.cycle.depth for specimen in specimens), KNOTS)
     return knots, [downsample_record(specimen, knots) for specimen in specimens]
 
 
@@ -214,7 +214,9 @@ def _has_determined_arms(
 ) -> bool:
     """Return whether every arm exceeds three errors, and ln tau is known to 0.5."""
     arms = len(best.theta) // 2
-    quantity = estimate(best, parts=_parts(records)).derive_quantity(partial(_seal, knots))
+    quantity = estimate(best, parts=_split_rows(records)).derive_quantity(
+        partial(_make_solid, knots)
+    )
     k, error = quantity.values[1 : 1 + arms], quantity.standard_error[1:]
     ln_tau_se = error[arms : 2 * arms]
     return bool((k > 3 * error[:arms]).all() and (ln_tau_se < checks.LARGEST_LN_TAU_SE).all())
@@ -228,7 +230,7 @@ def downsample_record(cld: CLD, knots: FloatArray, *, offset: float = 0.0) -> Do
     rows[find_loaded_samples(cld)] = True
     rows &= cld.compression <= 1.005 * knots[-1]
     block = max(1, len(cld.loading.force) // _PER_STROKE)
-    clock = clock_of(cld)
+    clock = get_clock(cld)
     time, x, velocity, force, share = (
         block_means(np.asarray(values[:stop], dtype=float), block)
         for values in (clock, cld.compression, np.gradient(cld.compression, clock), cld.force, rows)
@@ -244,12 +246,12 @@ def _build_relaxation(theta: FloatArray) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(1.0, tuple(g.tolist()), tuple(tau.tolist()))
 
 
-def _parts(records: Sequence[DownsampledRecord]) -> list[int]:
+def _split_rows(records: Sequence[DownsampledRecord]) -> list[int]:
     """Return rows of each record."""
     return [int(record.is_in_contact[record.first :].sum()) for record in records]
 
 
-def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
+def _compute_rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
     """Return the least-squares rows at ln g and ln tau of the arms; tangents are linear."""
     relaxation = _build_relaxation(theta)
     columns, targets = [], []
@@ -276,23 +278,23 @@ def _rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
     return Rows(np.concatenate(targets), np.concatenate(columns))
 
 
-def _best(
+def _fit_next_arm(
     records: Sequence[DownsampledRecord],
     arms: int,
     window: tuple[float, float],
-    before: FloatArray | None,
+    previous_arms: FloatArray | None,
 ) -> Optimum:
     """Return the best fit of so many arms, from that of one fewer and one arm at three places."""
     low, high = np.log(window).tolist()
     problem = Problem(
-        partial(_rows, records),
+        partial(_compute_rows, records),
         [Parameter(float(np.log(_SMALLEST)), float(np.log(_LARGEST)))] * arms
         + [Parameter(low - 1, high + 1)] * arms,
         positive=True,
     )
     if arms == 0:
         return require_optimum(problem)
-    values = np.empty((2, 0)) if before is None else before.reshape(2, -1)
+    values = np.empty((2, 0)) if previous_arms is None else previous_arms.reshape(2, -1)
     log_tau_values = np.linspace(low, high, 5)[1:-1]
     if values.shape[1] + 1 < arms:  # a number that was asked for
         values = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
@@ -309,16 +311,16 @@ def _best(
     )
 
 
-def _seal(knots: FloatArray, values: FloatArray) -> FloatArray:
+def _make_solid(knots: FloatArray, values: FloatArray) -> FloatArray:
     """Return k_inf and k, N/m, and ln tau by relaxation parameters and tangents."""
     theta, slope = np.split(values, [-len(knots)])
-    k_inf = mean_slope(slope, knots)
+    k_inf = average_slope(slope, knots)
     g, ln_tau = np.split(theta, 2)
     return np.concatenate(([k_inf], np.exp(g) * k_inf, ln_tau))
 
 
-def _model(knots: FloatArray, best: Optimum) -> GeneralizedMaxwell:
-    return _build_relaxation(best.theta) * mean_slope(best.beta, knots)
+def _make_model(knots: FloatArray, best: Optimum) -> GeneralizedMaxwell:
+    return _build_relaxation(best.theta) * average_slope(best.beta, knots)
 
 
 def _build_fit(
@@ -331,22 +333,24 @@ def _build_fit(
     orders: tuple[OrderScore, ...],
     delays: Sequence[Prior],
 ) -> Fit:
-    model, n = _model(knots, best), len(best.residual)
-    uncertainty = estimate(best, parts=_parts(records))
+    model, n = _make_model(knots, best), len(best.residual)
+    uncertainty = estimate(best, parts=_split_rows(records))
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
     for i, specimen in enumerate(specimens):
         by = downsample_record(specimen, knots, offset=specimen.contact_se)
         force_variant = records[i]._replace(force=records[i].force + specimen.zero_se)
-        delay_variant = _taken_later(records[i], specimen, knots, delays[i].sd)
+        delay_variant = _delay_record(records[i], specimen, knots, delays[i].sd)
         for variant in (by, force_variant, delay_variant):
             uncertainty = uncertainty.add_parameter_error(
-                estimate_parameter_shift(uncertainty, _change(records, i, variant, best))
+                estimate_parameter_shift(
+                    uncertainty, _compute_row_change(records, i, variant, best)
+                )
             )
-    covariance = uncertainty.derive_quantity(partial(_seal, knots)).covariance
+    covariance = uncertainty.derive_quantity(partial(_make_solid, knots)).covariance
     rms = float(np.sqrt(best.sse / n))
     peak = max(cld.cycle.peak for cld in specimens)
-    law = law_of(uncertainty, knots, slice(-len(knots), None))
+    law = make_law(uncertainty, knots, slice(-len(knots), None))
     error = np.sqrt(np.diag(covariance))[1 + model.arms :]
     speeds = [cld.cycle.speed or np.nan for cld in specimens]
     requested_checks = (

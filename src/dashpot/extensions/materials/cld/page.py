@@ -65,7 +65,7 @@ def page(result: CLDResult) -> KindPage:
             CollapsibleSection(
                 "Each specimen and cycle",
                 "force, slope, hysteresis, set; one row a cycle",
-                _cycles(result),
+                _make_cycle_table(result),
             ),
         ),
     )  # fmt: skip
@@ -95,7 +95,7 @@ def _make_specimen_rows(result: CLDResult) -> Iterator[Row]:
         yield row(ReportedValue("", cld.set, unit="m"), "Set")
 
 
-def _cycles(result: CLDResult) -> TextTable:
+def _make_cycle_table(result: CLDResult) -> TextTable:
     rows = []
     for specimen in result.specimens:
         name = "" if specimen.source is None else specimen.source.file

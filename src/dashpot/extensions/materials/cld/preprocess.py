@@ -26,13 +26,13 @@ from dashpot.extensions.materials.cld.datamodel import (
 )
 from dashpot.extensions.materials.cld.local_stiffness import (
     WINDOW,
+    delay_channel,
     evaluate_cycle,
     fit_local_slope,
-    taken_later,
-    unevenness,
+    measure_speed,
 )
-from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, zero_of
-from dashpot.extensions.materials.strokes import Stroke, inward, strokes_of
+from dashpot.extensions.materials.cld.zero_point import Zero, find_later_contact, find_zero
+from dashpot.extensions.materials.strokes import Stroke, find_strokes, get_inward_signs
 from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.preprocessing.checks import check_machine
 from dashpot.signals.segments import estimate_resolution
@@ -103,9 +103,9 @@ def cld(
             "--machine sync= is a time, and the record has no clock. Leave it out, or export the "
             "time, too"
         )
-    cycles = _cycles(test)
+    cycles = _find_cycles(test)
     nominal = None if at is None else convert_to_si(at, "length")
-    index = _chosen(cycles, cycle, nominal)
+    index = _choose_cycle(cycles, cycle, nominal)
     chosen_cycle = cycles.cycles[index]
     nominal = chosen_cycle.depth if nominal is None else nominal
     limits = (None, None) if between is None else si_range(between, "length")
@@ -121,7 +121,7 @@ def cld(
             f"pressed to, at most {format_quantity(max_depth, 'mm')}: --compression gives it, "
             "--file-part cycle=N another cycle"
         )
-    delay = Prior(0.0, machine.delay_sd(median(np.diff(clock_of_samples(test)))))
+    delay = Prior(0.0, machine.delay_sd(median(np.diff(get_sample_clock(test)))))
     cycles, (mark_below, middle, mark_above) = _with_delay(
         test, cycles, index, (mark_below, middle, mark_above), delay
     )
@@ -143,7 +143,7 @@ def cld(
         test.time,
         cycles.compression,
         cycles.force,
-        _checks(cycles, index, max(end for end in (nominal, *limits) if end is not None), test),
+        _run_checks(cycles, index, max(end for end in (nominal, *limits) if end is not None), test),
         specimen,
         test.source,
         delay.sd,
@@ -154,7 +154,7 @@ _Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | N
 """What a cycle shows at the least, the nominal and the greatest compression."""
 
 
-def clock_of_samples(test: CLDTest) -> FloatArray:
+def get_sample_clock(test: CLDTest) -> FloatArray:
     """Return the clock of a test, s; the number of each sample where it has none."""
     return np.arange(float(len(test.force))) if test.time is None else test.time
 
@@ -166,10 +166,12 @@ def _with_delay(
     points = [mark for mark in marks if mark is not None]
 
     def numbers(delay: float) -> FloatArray:
-        clock = clock_of_samples(test)
+        clock = get_sample_clock(test)
         cycles = new_cycles
         if delay:
-            cycles = _cycles(replace(test, force=taken_later(clock, test.force, delay), units="SI"))
+            cycles = _find_cycles(
+                replace(test, force=delay_channel(clock, test.force, delay), units="SI")
+            )
         has_same_cycles = len(cycles.cycles) == len(new_cycles.cycles)
         if not has_same_cycles:  # of noise that is taken for a stroke nothing follows
             return np.full(len(new_cycles.cycles) + 3 * len(points), np.nan)
@@ -190,7 +192,8 @@ def _with_delay(
         cycle
         if cycle.hysteresis is None
         else replace(
-            cycle, hysteresis_se=float(np.hypot(by, _hysteresis_error(cycle, new_cycles.zero)))
+            cycle,
+            hysteresis_se=float(np.hypot(by, _compute_hysteresis_error(cycle, new_cycles.zero))),
         )
         for cycle, by in zip(new_cycles.cycles, loss_errors.tolist(), strict=True)
     )
@@ -211,7 +214,7 @@ def _with_delay(
     return new_cycles._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
 
 
-def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
+def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
     """Return standard error of a cycle's hysteresis by the noise of the force and by its zero."""
     branches = [branch for branch in (cycle.loading, cycle.unloading) if branch is not None]
     steps = np.concatenate([np.diff(np.maximum(branch.compression, 0.0)) for branch in branches])
@@ -222,27 +225,27 @@ def _hysteresis_error(cycle: Cycle, zero: Zero) -> float:
 
 
 def _evaluate_record_cycle(
-    cycles: _RecordCycles, cycle: Cycle, at: float | None
+    cycles: _RecordCycles, cycle: Cycle, nominal: float | None
 ) -> AtCompression | None:
-    if at is None or not at > 0:
+    if nominal is None or not nominal > 0:
         return None
     return evaluate_cycle(
         cycle,
-        at,
+        nominal,
         excess=cycles.excess,
         contact_se=cycles.zero.contact_se,
         force_se=cycles.zero.force_se,
     )
 
 
-def _cycles(test: CLDTest) -> _RecordCycles:
-    turn, push = inward(test.displacement, test.force)
+def _find_cycles(test: CLDTest) -> _RecordCycles:
+    turn, push = get_inward_signs(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
-    clock = clock_of_samples(test)
+    clock = get_sample_clock(test)
     resolution = estimate_resolution(clock, x, quantum(x))
-    strokes = strokes_of(x, resolution=resolution)
-    pairs = _pairs(strokes)
-    zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
+    strokes = find_strokes(x, resolution=resolution)
+    pairs = _pair_strokes(strokes)
+    zero = find_zero(clock, x, force, pairs[0][0], resolution=resolution)
     x, force = x - zero.contact, force - zero.force
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
     if not zero.air:
@@ -255,9 +258,9 @@ def _cycles(test: CLDTest) -> _RecordCycles:
     for number, (loading, unloading) in enumerate(pairs, start=1):
         speed = relative_variation = None
         if test.time is not None:
-            speed, relative_variation = unevenness(clock[loading.samples], x[loading.samples])
+            speed, relative_variation = measure_speed(clock[loading.samples], x[loading.samples])
         cycles.append(
-            _cycle(x, force, number, loading, unloading, zero=zero, common=common,
+            _make_cycle(x, force, number, loading, unloading, zero=zero, common=common,
                    excess=excess, speed=speed)
         )  # fmt: skip
         uneven.append(relative_variation)
@@ -276,7 +279,7 @@ def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
         )
 
 
-def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
+def _pair_strokes(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
     """Return every way in, with the way back after it where it was recorded."""
     stroke_pairs = zip(strokes, [*strokes[1:], None], strict=True)
     pairs = [
@@ -290,7 +293,7 @@ def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
     return pairs
 
 
-def _cycle(
+def _make_cycle(
     x: FloatArray,
     force: FloatArray,
     number: int,
@@ -302,8 +305,8 @@ def _cycle(
     excess: float,
     speed: float | None,
 ) -> Cycle:
-    way_in = _branch(x, force, loading)
-    unloading_branch = None if unloading is None else _branch(x, force, unloading)
+    way_in = _make_branch(x, force, loading)
+    unloading_branch = None if unloading is None else _make_branch(x, force, unloading)
     contact = 0.0
     if number > 1:
         next_contact = find_later_contact(way_in.compression, way_in.force, noise=zero.noise)
@@ -321,27 +324,32 @@ def _cycle(
     )  # fmt: skip
 
 
-def _branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
+def _make_branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
     return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
 
 
-def _chosen(new_cycles: _RecordCycles, requested: int | None, at: float | None) -> int:
+def _choose_cycle(
+    new_cycles: _RecordCycles, requested_number: int | None, nominal: float | None
+) -> int:
     cycles = new_cycles.cycles
-    if requested is not None:
-        if not 1 <= requested <= len(cycles):
+    if requested_number is not None:
+        if not 1 <= requested_number <= len(cycles):
             plural = "s" * (len(cycles) != 1)
             raise DataError(
-                f"cycle {requested} was asked for, but the record holds {len(cycles)} cycle{plural}"
+                f"cycle {requested_number} was asked for, but the record holds {len(cycles)} "
+                f"cycle{plural}"
             )
-        return requested - 1
+        return requested_number - 1
     reaching_cycles = [
-        i for i, cycle in enumerate(cycles) if at is None or cycle.depth >= at - new_cycles.excess
+        i
+        for i, cycle in enumerate(cycles)
+        if nominal is None or cycle.depth >= nominal - new_cycles.excess
     ]
     complete_cycles = [i for i in reaching_cycles if cycles[i].unloading is not None]
     return (complete_cycles or reaching_cycles or [len(cycles) - 1])[-1]
 
 
-def _pull(cycle: Cycle, zero: Zero) -> float | None:
+def _measure_pull(cycle: Cycle, zero: Zero) -> float | None:
     """The greatest pull of a release, over the greatest force; less than noise makes is none."""
     unloading = cycle.unloading
     if unloading is None or not zero.air or len(unloading.force) < _SMOOTHED:
@@ -351,7 +359,7 @@ def _pull(cycle: Cycle, zero: Zero) -> float | None:
     return float(max(-means.min() - chance, 0.0) / cycle.peak)
 
 
-def _checks(
+def _run_checks(
     new_cycles: _RecordCycles, index: int, largest: float, test: CLDTest
 ) -> tuple[Check, ...]:
     cycles, zero = new_cycles.cycles, new_cycles.zero
@@ -373,7 +381,7 @@ def _checks(
         checks.load_cell_steady(drift),
         checks.plate_speed_constant(new_cycles.uneven[index]),
         checks.no_energy_gained(chosen_cycle.hysteresis),
-        checks.no_adhesion_on_release(_pull(chosen_cycle, zero)),
+        checks.no_adhesion_on_release(_measure_pull(chosen_cycle, zero)),
         checks.unloading_recorded(recorded=chosen_cycle.unloading is not None),
         checks.length_given(is_given=test.specimen.length is not None),
     )

@@ -20,11 +20,11 @@ from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, RateLaw
-from dashpot.extensions.materials.cld.equilibrium_curve import knots_over, law_of
+from dashpot.extensions.materials.cld.equilibrium_curve import make_law, place_knots
 from dashpot.extensions.materials.cld.multi_speed_fit import (
     DECISIVE,
     DownsampledRecord,
-    thinned_alike,
+    thin_records,
 )
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns
@@ -60,7 +60,7 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
         :func:`~dashpot.extensions.materials.cld.multi_speed_fit.fit_speeds` fits it to the same
         tests.
     """
-    fine_record, records = thinned_alike(specimens)
+    fine_record, records = thin_records(specimens)
     depth = float(fine_record[-1])
     strokes = [
         specimen.cycle.depth / specimen.cycle.speed
@@ -69,13 +69,15 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
     ]
     window = np.log([min(strokes) / 20, 3 * max(strokes)])
     of = _Data(
-        records, knots_over(fine_record[1:], depth, DAMPING_KNOTS), fine_record, depth,
+        records, place_knots(fine_record[1:], depth, DAMPING_KNOTS), fine_record, depth,
         max(specimen.noise for specimen in specimens),
     )  # fmt: skip
-    candidates = [_best(of, np.zeros(len(records)), None)]
+    candidates = [_fit_next_arm(of, np.zeros(len(records)), None)]
     for _ in range(MOST_ARMS):
-        candidates.append(_best(of, candidates[-1].theta, window))
-    effective = estimate(candidates[-1], parts=_parts(of), prior_variance=of.noise**2).effective
+        candidates.append(_fit_next_arm(of, candidates[-1].theta, window))
+    effective = estimate(
+        candidates[-1], parts=_split_rows(of), prior_variance=of.noise**2
+    ).effective
     scores = [score(optimum, effective) for optimum in candidates]
     best = 0
     while best + 1 < len(candidates) and scores[best] - scores[best + 1] >= DECISIVE:
@@ -83,17 +85,17 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
     return _build_rate_law(specimens, fit, of, candidates[best])
 
 
-def _parts(data: _Data) -> list[int]:
+def _split_rows(data: _Data) -> list[int]:
     """Return rows of each record."""
-    return [int(_moving(record).sum()) for record in data.records]
+    return [int(_select_moving_samples(record).sum()) for record in data.records]
 
 
-def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
+def _make_hat_weights(x: FloatArray, knots: FloatArray) -> FloatArray:
     """Return a straight line between knots as weights of its values there, shape (n, knots)."""
     return np.stack([np.interp(x, knots, values) for values in np.eye(len(knots))], axis=1)
 
 
-def _rows(data: _Data, theta: FloatArray) -> Rows:
+def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
     """Return the rows at relaxation times, ln s, and places of first contact, in their deviations.
 
     The priors of these come last.
@@ -101,18 +103,18 @@ def _rows(data: _Data, theta: FloatArray) -> Rows:
     ln_tau, offsets = np.split(theta, [-len(data.records)])
     parts, targets = [], []
     for record, by in zip(data.records, offsets * _CONTACT * data.depth, strict=True):
-        is_moving = _moving(record)
+        is_moving = _select_moving_samples(record)
         x, v = record.compression[is_moving] + by, record.velocity[is_moving]
         compression = np.maximum(record.compression + by, 0.0)
         q, _ = arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
-        damping = _hats(x, data.knots) * v[:, None]
+        damping = _make_hat_weights(x, data.knots) * v[:, None]
         parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[is_moving]), axis=1))
         targets.append(record.force[is_moving])
     A = np.concatenate((*parts, np.zeros((len(offsets), parts[0].shape[1]))))
     return Rows(np.concatenate((*targets, -data.noise * offsets)), A)
 
 
-def _moving(record: DownsampledRecord) -> BoolArray:
+def _select_moving_samples(record: DownsampledRecord) -> BoolArray:
     """Return the samples of the chosen cycle in contact, but for those beside a turning point."""
     direction = np.sign(record.velocity)
     steady = (direction == np.roll(direction, 1)) & (direction == np.roll(direction, -1))
@@ -121,13 +123,17 @@ def _moving(record: DownsampledRecord) -> BoolArray:
     return values
 
 
-def _best(data: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
+def _fit_next_arm(data: _Data, previous_arms: FloatArray, window: FloatArray | None) -> Optimum:
     """Return the best fit from an earlier one, with one more arm at the best place in a window."""
-    starts = [before]
+    starts = [previous_arms]
     if window is not None:
-        starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
+        starts = [
+            np.insert(previous_arms, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]
+        ]
     parameters = [Parameter()] * len(starts[0])
-    problem = Problem(partial(_rows, data), parameters, positive=True, priors=len(data.records))
+    problem = Problem(
+        partial(_compute_rows, data), parameters, positive=True, priors=len(data.records)
+    )
     start = min(starts, key=lambda values: problem.solve_linear(values).cost)
     return require_optimum(problem, [start], max_steps=40, step_tolerance=1e-6, cost_tolerance=1e-8)
 
@@ -138,7 +144,7 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
     is_arm_parameter = np.zeros(count + arms, dtype=bool)
     is_arm_parameter[first:count] = True  # of a damping of 0 the error is its bound
     uncertainty = estimate(
-        best, parts=_parts(data), is_bounded=is_arm_parameter, prior_variance=data.noise**2
+        best, parts=_split_rows(data), is_bounded=is_arm_parameter, prior_variance=data.noise**2
     )
     ln_tau_se, error = np.split(uncertainty.standard_error, [len(best.theta)])
     _, c, k = np.split(best.beta, [first, count])
@@ -155,7 +161,7 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
         fit.estimate.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms
     )
     return RateLaw(
-        law_of(uncertainty, data.fine, slice(len(best.theta), len(best.theta) + first)),
+        make_law(uncertainty, data.fine, slice(len(best.theta), len(best.theta) + first)),
         tuple(data.knots.tolist()),
         tuple(c.tolist()),
         tuple(error[first:count].tolist()),

@@ -43,10 +43,10 @@ def read_cld(
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
     with channels.open_file(path, options) as file:
-        return cld_in(file, specimen or Specimen())
+        return read_cld_in(file, specimen or Specimen())
 
 
-def cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
+def read_cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
     """Return the compression load deflection test in an opened file."""
     channels.refuse_summary(file)
     channels.expect(

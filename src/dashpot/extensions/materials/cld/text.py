@@ -34,27 +34,27 @@ def cld(result: CLDResult) -> Text:
         ]
         details += [f"{name}, every cycle", *_format_cycles(specimen)]
     if result.scatter:
-        scatter = [f"{len(result.specimens)} specimens", *_scatter(result.scatter)]
+        scatter = [f"{len(result.specimens)} specimens", *_format_scatter(result.scatter)]
         # a row for each specimen is shorter than a block
         lines = [
             *(_format_overview(result) if len(result.specimens) > _MOST_SPECIMENS else lines),
             *scatter,
         ]
-    lines += _capability(result.capability)
+    lines += _format_capability(result.capability)
     if result.fit is not None and result.relaxed is None:
-        fitted = results.fit(result.fit)
+        fitted = results.render_fit(result.fit)
         lines = [*_format_overview(result), *fitted.lines]
         details += fitted.details
     if result.rate is not None:
-        lines += [_choice(result.rate)]
+        lines += [_format_choice(result.rate)]
         # of a law that explains the speeds worse the numbers are for who asks
-        (details if result.rate.bic > 0 else lines).extend(_rate(result.rate))
+        (details if result.rate.bic > 0 else lines).extend(_format_rate(result.rate))
     if result.relaxed is not None:
         lines += _format_relaxed_law(result.relaxed, result.specimens[0])
     return Text(lines, details)
 
 
-def _scatter(statistics: Sequence[SpecimenStatistics]) -> list[str]:
+def _format_scatter(statistics: Sequence[SpecimenStatistics]) -> list[str]:
     rows = [["", "mean", "SD", "CV, %", "unit"]]
     for figure in statistics:
         unit = get_display_unit(figure.unit) or "%"
@@ -67,13 +67,13 @@ def _scatter(statistics: Sequence[SpecimenStatistics]) -> list[str]:
     return table(rows)
 
 
-def _capability(capability: ProcessCapability | None) -> list[str]:
+def _format_capability(capability: ProcessCapability | None) -> list[str]:
     if capability is None or capability.cpk is None:
         return []
     return [f"  {capability.summary}, {capability.outside} of {capability.count} outside"]
 
 
-def _choice(rate: RateLaw) -> str:
+def _format_choice(rate: RateLaw) -> str:
     comparison = "better" if rate.bic < 0 else "worse"
     return (
         f"  A spring and a dashpot that depend on compression explain the speeds {comparison} than "
@@ -81,7 +81,7 @@ def _choice(rate: RateLaw) -> str:
     )
 
 
-def _rate(rate: RateLaw) -> list[str]:
+def _format_rate(rate: RateLaw) -> list[str]:
     rows = [["F_e + c(x) v, mm", "force, N", "tangent, N/mm", "c, N s/m"]]
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)

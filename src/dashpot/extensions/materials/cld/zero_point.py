@@ -59,7 +59,7 @@ class Zero(NamedTuple):
     noise: float
 
 
-def zero_of(
+def find_zero(
     clock: FloatArray, x: FloatArray, force: FloatArray, first: Stroke, *, resolution: float
 ) -> Zero:
     """Find first contact in the first stroke, and the load cell's zero wherever there is air.
@@ -77,7 +77,7 @@ def zero_of(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
-        rest=rest,
+        rest_position=rest,
         level=top,
         least_gap=max(2 * resolution, 1e-3 * (top - rest)),
         rested=rested,

@@ -52,7 +52,7 @@ class AgingTest:
     scatter : float
         Standard deviation of a reading, in parts of F0.
     oven_sd : float
-        Of the temperature of an oven, K.
+        Standard deviation of the temperature of an oven, K.
     drift : float
         Standard deviation of the drift of the load cell, in parts of F0 in 1000 h.
     longest : float
@@ -91,12 +91,12 @@ class AgingTest:
         G -= np.outer(f, f @ G) / (f @ f)
         return np.asarray(G.T @ G / self.scatter**2)
 
-    def compute_life_gradient(self, temperature: float, part: float) -> FloatArray:
+    def compute_life_gradient(self, temperature: float, retained: float) -> FloatArray:
         """Return the derivatives of the ln life by loss, ln tau, Ea in 10 kJ/mol, ln exponent."""
         law = self.law
 
         def log_life(**other: Any) -> float:
-            return replace(law, **other).compute_log_life(temperature, part)
+            return replace(law, **other).compute_log_life(temperature, retained)
 
         steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}
         gradient = [
@@ -105,8 +105,8 @@ class AgingTest:
             for name, step in steps.items()
         ]  # fmt: skip
         gradient[2] *= _ENERGY_UNIT
-        up, lower = (log_life(exponent=law.exponent * np.exp(sign * 1e-4)) for sign in (1, -1))
-        return np.array([*gradient, (up - lower) / 2e-4])
+        upper, lower = (log_life(exponent=law.exponent * np.exp(sign * 1e-4)) for sign in (1, -1))
+        return np.array([*gradient, (upper - lower) / 2e-4])
 
 
 class PlannedOvens:
@@ -146,7 +146,7 @@ class PlannedOvens:
         ----------
         specimens : sequence of int
         gradient : array, shape (4,)
-            Of the ln life, as :meth:`AgingTest.compute_life_gradient` gives it.
+            Gradient of the ln life, as :meth:`AgingTest.compute_life_gradient` gives it.
         """
         full_gradient = np.zeros(5 + len(self.temperatures))
         full_gradient[:4] = gradient

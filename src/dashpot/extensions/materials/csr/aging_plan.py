@@ -43,7 +43,7 @@ USUAL_LAW = AgingLaw(
 )  # fmt: skip
 """Supposed where no fit is given: 3 % a decade, 2500 h at 125 degC, 90 kJ/mol."""
 USUAL_SCATTER = 0.01
-"""Of a reading, in parts of F0, where none is given."""
+"""Scatter of a reading, in parts of F0, where none is given."""
 _LEAST_SPECIMENS, _MOST_SPECIMENS = 2, 60
 """Specimens in an oven, and in all ovens, of a plan."""
 _TEMPERATURE_STEP, _LEAST_DISTANCE = 5.0, 10.0
@@ -63,7 +63,7 @@ class PlannedOven(NamedTuple):
     retained : float
         Expected F/F0 at the end.
     significance : float
-        Of the chemical rate by this oven alone, in standard errors.
+        Significance of the chemical rate by this oven alone, in standard errors.
     """
 
     temperature: float
@@ -116,7 +116,7 @@ class AgingPlan(HasChecks, Serialisable):
     longest : float
         Time of the last reading, s.
     times : tuple of float
-        Of all readings, s.
+        Times of all readings, s.
     scatter, oven_sd, drift : float
         Standard deviations: of a reading, in parts of F0; of an oven, K; of the load cell, in parts
         of F0 in 1000 h.
@@ -303,7 +303,7 @@ def plan_aging(
 
 
 _USUAL_FORCE = 40.0
-"""Of a specimen, N, which a drift in newtons is a part of."""
+"""Usual force of a specimen, N, which a drift in newtons is a part of."""
 
 
 class _Design(NamedTuple):

@@ -38,14 +38,14 @@ class CSRTest(EqualByValue, HasSummary):
     time, force : array, shape (n,)
         Since the compression, s; of a specimen in any one unit, N or parts of F0.
     temperature : array, shape (n,)
-        Of the oven, K.
+        Temperature of the oven, K.
     specimen_number : array, shape (n,)
         Number of the specimen; by default all readings are of one.
     method : str
         ``"A"``, read in the oven, ``"B"``, read cold, or ``""`` (ISO 3384-1).
     source : Source or None
     units : str
-        Of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Within they are in SI.
+        Units of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -116,9 +116,9 @@ class Oven(EqualByValue, Serialisable):
         K.
     specimens : int
     rate, rate_error : float
-        Of the chemical factor, and its standard error, 1/s.
+        Rate of the chemical factor, and its standard error, 1/s.
     time, retained : array, shape (n,)
-        Of every reading, s and F/F0.
+        Time and retained force of every reading, s and F/F0.
     """
 
     _keys = ("temperature", Key("pieces", "specimens"), EVERY_FIELD)
@@ -152,7 +152,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     scatter : float
         Standard deviation of a reading, in parts of F0.
     oven_sd : float
-        Of the temperature of an oven, K.
+        Standard deviation of the temperature of an oven, K.
     checks : tuple of Check
     sources : tuple of Source
     """

@@ -16,7 +16,7 @@ _LAW = AgingLaw(0.03, float(np.log(9e6)), 90e3, 1.0, 398.15, np.zeros((4, 4)), 0
 _HOURS = (0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000)
 
 
-def _ovens() -> str:
+def _write_ovens() -> str:
     """Return three specimens at 100, 125 and 150 degC: 3 % a decade, 90 kJ/mol; noise of 1 %."""
     random = np.random.default_rng(1)
     lines = [f"# {byline('simulated compression stress relaxation')}", "# simulated, method A"]
@@ -35,7 +35,9 @@ def _ovens() -> str:
 EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "ovens.csv": Example(
-            "csr", "specimens of a seal squeezed in three ovens for 1000 h, for dashpot fit", _ovens
+            "csr",
+            "specimens of a seal squeezed in three ovens for 1000 h, for dashpot fit",
+            _write_ovens,
         ),
     }
 )

@@ -148,11 +148,11 @@ def draw_life_chart(
     Parameters
     ----------
     aging : Aging
-        Of several ovens that show an activation energy.
+        Aging of several ovens that show an activation energy.
     part : float
         F/F0 at the end of the life.
     temperature : float, optional
-        Of use, K, whose life is marked.
+        Temperature of use, K, whose life is marked.
     stamp : str
         What the figure says of its origin; by default the files.
     """
@@ -224,7 +224,7 @@ def _compute_life_band(
     """Return the life at temperatures and both ends of its 95 % interval, h."""
     life = np.array([min(law.life(value, part), NEVER) for value in kelvin.tolist()]) / HOUR
     errors = np.array([
-        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, part=part))
+        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained=part))
         for value in kelvin.tolist()
     ])  # fmt: skip
     half_width = law.quantile * errors

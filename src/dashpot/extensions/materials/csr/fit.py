@@ -21,7 +21,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
 from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, Oven
 from dashpot.extensions.materials.csr.law import BOUND, THOUSAND_HOURS, AgingLaw, retained_fraction
-from dashpot.extensions.materials.csr.preprocess import Readings, readings_of
+from dashpot.extensions.materials.csr.preprocess import Readings, collect_readings
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
 from dashpot.solids.shift_laws import GAS
@@ -29,16 +29,16 @@ from dashpot.solids.shift_laws import GAS
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0
 """Standard deviation of an oven's temperature, K: the usual one, and the largest accepted."""
 USUAL_DRIFT = 0.03
-"""Of the zero of a load cell, in parts of F0 in 1000 h: standard deviation where none is stated."""
-_USUAL, _FAR = 0.01, 6.0
+"""Drift of a load cell's zero, in parts of F0 in 1000 h: standard deviation if none is stated."""
+_USUAL, _MAX_OVEN_ERROR = 0.01, 6.0
 """Usual scatter of a reading, in parts of F0; largest error of a temperature, in standard
 deviations."""
-_ENERGY = 1e4
+_ENERGY_UNIT = 1e4
 """J/mol in a unit of the activation energy."""
 _PHYSICAL, _ACTIVATION, _EXPONENT = (
     Parameter(-0.1, 0.25, 0.01), Parameter(-10, 60, 0.3), Parameter(-1, 1, 0.1),
 )  # fmt: skip
-_HELD = {"exponential": (3,), "stretched": ()}
+_FIXED_PARAMETERS = {"exponential": (3,), "stretched": ()}
 """Indices of the parameters (physical loss, ln tau, energy, ln exponent) fixed at 0 by each law."""
 
 
@@ -65,7 +65,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
             f"an oven's temperature is said to be known to {machine.oven:.4g} K; expected 0 to "
             f"{WORST_OVEN:g} K. Write it in K: --machine oven=1K"
         )
-    read, sd = readings_of(records), USUAL_OVEN if machine.oven is None else machine.oven
+    read, sd = collect_readings(records), USUAL_OVEN if machine.oven is None else machine.oven
     mean_force = float(np.mean(np.concatenate([record.force for record in records])))
     drift = USUAL_DRIFT if machine.drift is None else machine.drift * THOUSAND_HOURS / mean_force
     uncertainty = _fit_oven_rates(read, drift)
@@ -74,12 +74,12 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
     law, strain = _limit_rate(uncertainty, ovens[-1]), None
     if ovens[-1].significance >= checks.LEAST_SIGNIFICANCE:
         is_oven_stated = machine.oven is not None
-        law, orders, strain = _arrhenius(
+        law, orders, strain = _fit_arrhenius(
             read, uncertainty, ovens, (sd, drift), is_oven_stated=is_oven_stated
         )
         if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
             fit_without_drift = _fit_oven_rates(read, 0.0)
-            curvature = _arrhenius(
+            curvature = _fit_arrhenius(
                 read,
                 fit_without_drift,
                 read.ovens(fit_without_drift),
@@ -95,8 +95,8 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
     return replace(aging, checks=(*checked_checks, *caution_checks(aging.sources)))
 
 
-def _problem(
-    read: Readings,
+def _build_problem(
+    readings: Readings,
     parameters: Sequence[Parameter],
     rates: Callable[[FloatArray], tuple[FloatArray, float]],
     prior_sds: Sequence[float],
@@ -108,42 +108,49 @@ def _problem(
     ovens, if `rates` has any, and a drift, in parts of F0 in 1000 h; below what weighs them.
     """
     values = [sd for sd in prior_sds if sd > 0]
-    of_specimen = np.eye(read.specimens)[read.specimen_number]
-    derivative = np.zeros((len(values), read.specimens))
-    drifted = read.time / THOUSAND_HOURS * read.weak * prior_sds[-1]
+    specimen_columns = np.eye(readings.specimens)[readings.specimen_number]
+    derivative = np.zeros((len(values), readings.specimens))
+    drift_force = readings.time / THOUSAND_HOURS * readings.weak * prior_sds[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
-        shape = retained_fraction(read.time, float(theta[0]), rate[read.oven], exponent)
-        offsets = theta[len(theta) - len(values) :]
-        force = read.force - drifted * offsets[-1] if prior_sds[-1] else read.force
-        y = np.concatenate((force, -scatter * offsets))
-        return Rows(y, np.vstack((shape[:, None] * of_specimen, derivative)))
+        shape = retained_fraction(readings.time, float(theta[0]), rate[readings.oven], exponent)
+        prior_deviations = theta[len(theta) - len(values) :]
+        force = (
+            readings.force - drift_force * prior_deviations[-1] if prior_sds[-1] else readings.force
+        )
+        y = np.concatenate((force, -scatter * prior_deviations))
+        return Rows(y, np.vstack((shape[:, None] * specimen_columns, derivative)))
 
-    all_parameters = [*parameters, *(Parameter(-_FAR, _FAR, 1.0) for _ in values)]
+    all_parameters = [
+        *parameters,
+        *(Parameter(-_MAX_OVEN_ERROR, _MAX_OVEN_ERROR, 1.0) for _ in values),
+    ]
     return Problem(model, all_parameters, priors=len(values))
 
 
-def _fit_oven_rates(read: Readings, drift: float) -> Estimate:
+def _fit_oven_rates(readings: Readings, drift: float) -> Estimate:
     """Return the fit of one rate for each oven, which also gives the scatter of a reading."""
-    ovens = len(read.temperature)
+    ovens = len(readings.temperature)
     parameters = [_PHYSICAL, *(Parameter(-2, 200, 0.1) for _ in range(ovens))]
-    values = np.array([read.force[read.oven == k].min() for k in range(len(read.temperature))])
+    values = np.array(
+        [readings.force[readings.oven == k].min() for k in range(len(readings.temperature))]
+    )
     start = np.maximum(-np.log(np.clip(values, 0.01, 1.0)) - 0.06, 0.01)
     theta, scatter = np.array([0.02, *start, *[0.0] * (drift > 0)]), _USUAL
     # what a reading scatters by weighs the drift, and shows after the first
     for _ in range(2 if drift else 1):
-        problem = _problem(
-            read,
+        problem = _build_problem(
+            readings,
             parameters,
-            lambda theta: (theta[1 : 1 + ovens] / read.longest, 1.0),
+            lambda theta: (theta[1 : 1 + ovens] / readings.longest, 1.0),
             [drift],
             scatter,
         )
-        best = require_optimum(problem, [theta])
-        noise = white_noise(best)
-        theta, scatter = best.theta, float(np.sqrt(noise.power))
-    return estimate(best, noises=[noise])
+        optimum = require_optimum(problem, [theta])
+        noise = white_noise(optimum)
+        theta, scatter = optimum.theta, float(np.sqrt(noise.power))
+    return estimate(optimum, noises=[noise])
 
 
 def _limit_rate(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
@@ -157,8 +164,8 @@ def _limit_rate(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
     )  # fmt: skip
 
 
-def _arrhenius(
-    read: Readings,
+def _fit_arrhenius(
+    readings: Readings,
     uncertainty: Estimate,
     ovens: Sequence[Oven],
     prior_sds: tuple[float, float],
@@ -166,41 +173,51 @@ def _arrhenius(
     is_oven_stated: bool,
 ) -> tuple[AgingLaw, dict[str, float], float | None]:
     """Return the law of all ovens, the BIC of each exponent, and the misfit of Arrhenius' line."""
-    kelvin, power, has_several_ovens = read.temperature, uncertainty.noises[0].power, len(ovens) > 1
+    kelvin, power, has_several_ovens = (
+        readings.temperature,
+        uncertainty.noises[0].power,
+        len(ovens) > 1,
+    )
     sd, drift = prior_sds
-    middle, offsets = float(1 / np.mean(1 / kelvin)), len(ovens) if has_several_ovens and sd else 0
-    inverse_kelvin_difference = (1 / kelvin - 1 / middle) / GAS
+    mean_inverse_kelvin, oven_count = (
+        float(1 / np.mean(1 / kelvin)),
+        len(ovens) if has_several_ovens and sd else 0,
+    )
+    inverse_kelvin_difference = (1 / kelvin - 1 / mean_inverse_kelvin) / GAS
 
     def rates(theta: FloatArray) -> tuple[FloatArray, float]:
-        at = kelvin + sd * theta[4 : 4 + offsets] if offsets else kelvin
-        slope = _ENERGY * theta[2] * (1 / at - 1 / middle) / GAS
+        oven_temperature = kelvin + sd * theta[4 : 4 + oven_count] if oven_count else kelvin
+        slope = _ENERGY_UNIT * theta[2] * (1 / oven_temperature - 1 / mean_inverse_kelvin) / GAS
         return np.exp(-theta[1] - slope), float(np.exp(theta[3]))
 
     fastest = max(oven.rate for oven in ovens)
     log_time = -np.log([max(oven.rate, 1e-3 * fastest) for oven in ovens])
-    energy, level = (
-        np.polyfit(_ENERGY * inverse_kelvin_difference, log_time, 1)
+    energy, log_tau = (
+        np.polyfit(_ENERGY_UNIT * inverse_kelvin_difference, log_time, 1)
         if has_several_ovens
         else (0.0, log_time[0])
     )
-    chemical = Parameter(level - 20, level + 20, 0.1)
+    chemical = Parameter(log_tau - 20, log_tau + 20, 0.1)
     all_parameters = [_PHYSICAL, chemical, _ACTIVATION, _EXPONENT]
-    full_problem = _problem(
-        read, all_parameters, rates, [*[sd] * offsets, drift], float(np.sqrt(power))
+    full_problem = _build_problem(
+        readings, all_parameters, rates, [*[sd] * oven_count, drift], float(np.sqrt(power))
     )
-    still_at_0 = [0.0] * (1 + offsets + (drift > 0))
-    start = np.array([uncertainty.optimum.theta[0], level, energy, *still_at_0])
+    zeros = [0.0] * (1 + oven_count + (drift > 0))
+    start = np.array([uncertainty.optimum.theta[0], log_tau, energy, *zeros])
     estimates = {}
-    for name, fixed_indices in _HELD.items():
+    for name, fixed_indices in _FIXED_PARAMETERS.items():
         problem, fixed_parameters = (
             full_problem,
             [*fixed_indices, *([] if has_several_ovens else [2])],
         )
         for i in fixed_parameters:
             problem = problem.fix_parameter(i, 0.0)
-        best = require_optimum(problem, [np.delete(start, fixed_parameters)])
-        estimates[name] = (fixed_parameters, estimate(best, noises=[white_noise(best, power)]))
-    count = len(read.time)
+        optimum = require_optimum(problem, [np.delete(start, fixed_parameters)])
+        estimates[name] = (
+            fixed_parameters,
+            estimate(optimum, noises=[white_noise(optimum, power)]),
+        )
+    count = len(readings.time)
     orders = {name: score(estimate.optimum, count) for name, (_, estimate) in estimates.items()}
     fixed_parameters, resolved_estimate = estimates[min(orders, key=lambda name: orders[name])]
     values, covariance = np.zeros(4), np.zeros((4, 4))
@@ -212,10 +229,11 @@ def _arrhenius(
     ):  # nothing but their temperatures could show its error
         covariance[2], covariance[:, 2] = 0.0, 0.0
         covariance[2, 2] = np.inf
-    units = np.array([1.0, 1.0, _ENERGY, 1.0])
-    p, tau, energy, exponent = (values * units).tolist()
+    parameter_units = np.array([1.0, 1.0, _ENERGY_UNIT, 1.0])
+    physical, tau, energy, exponent = (values * parameter_units).tolist()
     law = AgingLaw(
-        p, tau, energy, float(np.exp(exponent)), middle, covariance * np.outer(units, units),
+        physical, tau, energy, float(np.exp(exponent)), mean_inverse_kelvin,
+        covariance * np.outer(parameter_units, parameter_units),
         resolved_estimate.quantile(),
     )  # fmt: skip
     if len(ovens) < 3:

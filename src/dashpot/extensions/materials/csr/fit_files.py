@@ -29,7 +29,7 @@ def csr_files(
     ----------
     files : sequence of path
     temperatures : sequence of float
-        Of the ovens, K, where the files do not say theirs: one of all, or one of each.
+        Temperatures of the ovens, K, where the files do not say theirs: one of all, or one of each.
     machine : Machine, optional
         How well the ovens are known, and how the load cell drifts.
     use_at : float or str, optional

@@ -58,11 +58,11 @@ class AgingLaw(EqualByValue):
     activation : float
         J/mol; 0 where one oven shows none.
     exponent : float
-        Of the chemical factor.
+        Exponent of the chemical factor.
     reference : float
         K.
     covariance : array, shape (4, 4)
-        Of physical, chemical, activation and ln exponent; infinite of what is not known.
+        Covariance of physical, chemical, activation and ln exponent; infinite of what is not known.
     quantile : float
         Standard errors to either end of a 95 % interval.
     bound_alone : bool
@@ -94,20 +94,20 @@ class AgingLaw(EqualByValue):
         rate = 1 / self.tau(temperature)
         return float(retained_fraction(np.array([time]), self.physical, rate, self.exponent)[0])
 
-    def life(self, temperature: float, part: float) -> float:
+    def life(self, temperature: float, retained: float) -> float:
         """Return the time at which F/F0 has fallen to a part, s; infinite if never."""
         low, high = np.log(FIRST), np.log(NEVER)
-        if self.compute_retention(temperature, NEVER) > part:
+        if self.compute_retention(temperature, NEVER) > retained:
             return float("inf")
         while high - low > 1e-9:
             middle = (low + high) / 2
-            is_above = self.compute_retention(temperature, float(np.exp(middle))) > part
+            is_above = self.compute_retention(temperature, float(np.exp(middle))) > retained
             low, high = (middle, high) if is_above else (low, middle)
         return float(np.exp((low + high) / 2))
 
-    def compute_log_life(self, temperature: float, part: float) -> float:
+    def compute_log_life(self, temperature: float, retained: float) -> float:
         """Return the ln of the life to a part of F0, s, or of `NEVER` where that is less."""
-        return math.log(min(self.life(temperature, part), NEVER))
+        return math.log(min(self.life(temperature, retained), NEVER))
 
     def apply_activation(self, activation: float, reference: float) -> AgingLaw:
         """Return the law with another activation energy, J/mol, about a temperature, K."""

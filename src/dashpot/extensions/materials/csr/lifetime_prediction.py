@@ -182,7 +182,7 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
     return max(errors, default=None)
 
 
-def bound_life(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
+def make_life_interval(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
     """Return the life with a lower end that holds a lower activation energy, and what narrows it.
 
     None where another value is asked, and where the life is robust to the lower energy.
@@ -274,7 +274,7 @@ def age_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) ->
     ----------
     aging : Aging
     fit : Fit
-        Of the new seal.
+        Fit of the new seal.
     temperature, time : float or str
         K and s, or ``"70degC"`` and ``"10000h"``.
 
@@ -474,7 +474,7 @@ def scale_for_aging(
     condition : str
         After what.
     checks : sequence of Check
-        Of the factor.
+        Checks of the factor.
 
     Raises
     ------

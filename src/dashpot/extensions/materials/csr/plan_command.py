@@ -13,7 +13,7 @@ from dashpot.cli._command import CommandOption, group, mark_advanced, opt
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli._param_types import File, WithUnit
 from dashpot.datamodel.machine import Machine
-from dashpot.text_output.layout import Text, facts, table
+from dashpot.text_output.layout import Text, format_values, table
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.csr.aging_plan import AgingPlan
@@ -147,7 +147,7 @@ def format_plan(plan: AgingPlan) -> Text:
         [
             *table(rows),
             f"  read after  {hours} h ({duration} in all)",
-            *facts(plan.facts),
+            *format_values(plan.facts),
             f"  interval    a factor of {factor}; wanted {_format_factor(plan.target_sd)}",
             assumption,
             *table(alternatives, align_left=True),

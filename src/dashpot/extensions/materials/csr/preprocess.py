@@ -69,7 +69,7 @@ class Readings(NamedTuple):
         return tuple(ovens)
 
 
-def readings_of(tests: Sequence[CSRTest]) -> Readings:
+def collect_readings(tests: Sequence[CSRTest]) -> Readings:
     """Return the readings of all specimens of some records, by oven.
 
     Raises

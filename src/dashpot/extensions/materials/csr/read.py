@@ -17,7 +17,7 @@ from dashpot.base.units import celsius
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.csr.datamodel import CSRTest
-from dashpot.extensions.materials.csr.table_rule import counterforce, is_ratio
+from dashpot.extensions.materials.csr.table_rule import find_counterforce_columns, is_ratio
 from dashpot.reading.columns.vocabulary import tokens
 from dashpot.reading.read_options import DELIMITERS, ReadOptions
 from dashpot.reading.readers import channels
@@ -92,7 +92,7 @@ def read_csr(
         If the file cannot be read, leaves open which column is what, or contradicts the specimen.
     """
     with channels.open_file(path, options) as opened_file:
-        force_columns = counterforce(opened_file.table, opened_file.options)
+        force_columns = find_counterforce_columns(opened_file.table, opened_file.options)
         if force_columns is None:
             channels.expect(
                 opened_file,
@@ -115,7 +115,7 @@ def read_csr(
         rows, notes = channels.select_complete_rows(loaded_columns)
         _refuse_parts(file, channels_chosen[1].index, float(rows[:, 1].max()))
         values = channels.convert_signals_to_si(rows, channels_chosen)
-        kelvin, sentences = _oven(
+        kelvin, sentences = _read_oven_temperatures(
             file, values.get("temperature"), specimen or Specimen(), len(rows)
         )
         number = np.unique(specimens, return_inverse=True)[1]
@@ -134,7 +134,7 @@ def read_csr(
         )  # fmt: skip
 
 
-def _oven(
+def _read_oven_temperatures(
     file: OpenedFile, column: FloatArray | None, specimen: Specimen, count: int
 ) -> tuple[FloatArray, list[str]]:
     """Return the temperature of every row, K: that of the column, of the header, or as given."""

@@ -27,10 +27,10 @@ _SAID = re.compile(
 
 def has_counterforce(columns: NamedColumns) -> bool:
     """Return whether the columns are a force over hours or days."""
-    return counterforce(columns.table, columns.options) is not None
+    return find_counterforce_columns(columns.table, columns.options) is not None
 
 
-def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
+def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     """Return the options with the columns of time and force; None for another table.
 
     A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
@@ -41,7 +41,7 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     columns = [
         (str(i), column) for i, column in enumerate(table.columns, 1) if column.content == "number"
     ]
-    clock = _clock(table, columns, options)
+    clock = _find_clock(table, columns, options)
     is_stated = any(_SAID.search(line.casefold()) for line in table.header)
     if not (clock or is_stated):
         return None
@@ -62,7 +62,7 @@ def is_ratio(column: Column) -> bool:
     return column.unit is None or any(units.is_same_unit(column.unit, name) for name in ("%", "1"))
 
 
-def _clock(
+def _find_clock(
     table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
 ) -> ReadOptions | None:
     """Return the options with a clock of hours or more; None where there is no such clock."""
@@ -71,14 +71,18 @@ def _clock(
     }
     for number, column in columns:
         if number in time_columns or options.time in {number, column.name}:
-            return options if _long(options.unit_of("time", column.name) or column.unit) else None
+            return (
+                options
+                if _is_long_unit(options.unit_of("time", column.name) or column.unit)
+                else None
+            )
     for number, column in columns:
-        if column.unit is None and _long(column.name):
+        if column.unit is None and _is_long_unit(column.name):
             return replace(options, time=number, units={**dict(options.units), "time": column.name})
     return None
 
 
-def _long(word: str | None) -> bool:
+def _is_long_unit(word: str | None) -> bool:
     # no word for a time holds a digit, and the names of thousands of channels do
     unit = None if not word or _DIGIT.search(word) else units.find_unit(word, "time")
     return unit is not None and unit.factor >= _LONG

@@ -179,13 +179,13 @@ def impact_speeds_agree(speed_deviation: float | None) -> Finding:
 
 
 @criterion("rest / contact", ">=", 10.0, "our choice: arms relax between impacts")
-def impacts_separated(rest: float | None) -> Finding:
+def impacts_separated(rest_time: float | None) -> Finding:
     """The specimen rested between impacts."""
-    if rest is None:
+    if rest_time is None:
         return Finding("Every record holds one impact")
     return Finding(
-        f"An impact follows {rest:.3g} contacts after the one before",
-        rest,
+        f"An impact follows {rest_time:.3g} contacts after the one before",
+        rest_time,
         "Slow arms still carry what the one before left",
         "Leave more time between impacts, or cut the record.",
     )
@@ -230,7 +230,7 @@ def spectrum_has_gaps(arms: int) -> Finding:
 
 @criterion("|standard errors|", "<=", 3.0, "chance, once in 370")
 def loss_factors_agree(
-    gap: float | None, value: float, before: float, *, is_in_interval: bool
+    gap: float | None, value: float, relaxation_loss_factor: float, *, is_in_interval: bool
 ) -> Finding:
     """The loss factor of the impacts agrees with that of the relaxation test."""
     if gap is None:
@@ -238,7 +238,7 @@ def loss_factors_agree(
     at_least_text = "" if is_in_interval else "at least "
     return Finding(
         f"The loss factor is {value:.3g} by the impacts, and by the relaxation test "
-        f"{at_least_text}{before:.3g}",
+        f"{at_least_text}{relaxation_loss_factor:.3g}",
         abs(gap),
         "The two differ by more than their errors",
         "Test the same specimen at the same temperature.",

@@ -37,7 +37,7 @@ class DropTest(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -102,7 +102,7 @@ class DropImpact(EqualByValue, Serialisable):
     Attributes
     ----------
     name : str
-        Of its file, and its number there.
+        Name made of its file, and its number there.
     speed : ReportedValue
         Impact speed, m/s.
     peak, compression, contact, rebound, lost_part : float
@@ -141,7 +141,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     Attributes
     ----------
     frequency : float
-        Of the loss factor, Hz: a contact is half a cycle.
+        Frequency of the loss factor, Hz: a contact is half a cycle.
     found : tuple of ReportedValue
         The loss factor, and the arm.
     hits : tuple of DropImpact
@@ -207,9 +207,9 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
         )
 
 
-def _make_impact_facts(impact: DropImpact, of: int) -> tuple[ReportedValue, ...]:
+def _make_impact_facts(impact: DropImpact, impact_count: int) -> tuple[ReportedValue, ...]:
     """Return the numbers of an impact as reported values."""
-    words = f"{impact.name}: " if of > 1 else ""
+    words = f"{impact.name}: " if impact_count > 1 else ""
     return (
         replace(impact.speed, words=f"{words}speed"),
         ReportedValue("peak_force", impact.peak, unit="N", words=f"{words}peak force"),

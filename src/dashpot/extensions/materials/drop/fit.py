@@ -66,8 +66,8 @@ def fit_drop_tests(
         Impact speed, ``"0.6m/s"``, or drop height, ``"18mm"``, of each impact in its order. Speeds
         that are not given are fitted.
     relaxation : Fit, optional
-        Of a relaxation test, or of a load deflection test fitted with one: prior of the arms, with
-        their covariance, and of the elastic law where it is nonlinear, with its errors.
+        Fit of a relaxation test, or of a load deflection test fitted with one: prior of the arms,
+        with their covariance, and of the elastic law where it is nonlinear, with its errors.
     law : ElasticLawPrior, optional
         Prior of the elastic law, by default that of `relaxation`.
     speed_sd : float

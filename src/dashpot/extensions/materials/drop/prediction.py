@@ -43,7 +43,7 @@ class DropPrediction(EqualByValue, HasVerdict, Serialisable):
         By time steps.
     checks : tuple of Check
     sources : tuple of Source
-        Of the fit.
+        Sources of the fit.
     """
 
     schema = "dashpot/slammed@2"
@@ -160,7 +160,7 @@ def predict_drop(
         checks.specimen_length_given(is_given=parallel_fit.specimen.length is not None),
     )
     return DropPrediction(
-        approach, kg, seals, _answers(motions), motion,
+        approach, kg, seals, _collect_answers(motions), motion,
         (*checked, *(check for check in fit.checks if check.grade == "stop")), fit.source,
     )  # fmt: skip
 
@@ -191,9 +191,9 @@ _NAMED = (
 """Name, unit, unit that people read, and words of every number."""
 
 
-def _answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ...]:
+def _collect_answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ...]:
     """Return the numbers of the first motion, with errors by the other motions."""
-    first, *other_numbers = map(_numbers, motions)
+    first, *other_numbers = map(_list_numbers, motions)
     differences = np.array([np.subtract(other, first) for other in other_numbers])
     # the energy of a speed has no error by the fit
     size = np.linalg.norm(differences, axis=0) if other_numbers else np.zeros(len(first))
@@ -204,7 +204,7 @@ def _answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ...]:
     )
 
 
-def _numbers(item: ImpactMotion) -> list[float]:
+def _list_numbers(item: ImpactMotion) -> list[float]:
     """Return the numbers in the order of ``_NAMED``."""
     peak, max_compression, release = item.peak, item.deepest, item.release
     return [

@@ -31,8 +31,8 @@ class RecordedImpact(NamedTuple):
     ----------
     name : str
     time, force : array, shape (n,)
-        Of the samples around it, s from the start of the record; N, positive where the mass is
-        pushed back, without the estimated zero.
+        Time and force of the samples around it, s from the start of the record; N, positive where
+        the mass is pushed back, without the estimated zero.
     touch, contact : float
         Estimated time of first contact and contact time, s.
     noise : float

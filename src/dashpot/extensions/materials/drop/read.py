@@ -38,7 +38,7 @@ def read_drop_test(
         )  # fmt: skip
         signal_columns = [
             assignment
-            for assignment in (file.find_unambiguous_column("force"), _acceleration(file))
+            for assignment in (file.find_unambiguous_column("force"), _find_acceleration(file))
             if assignment is not None
         ]
         if not signal_columns:
@@ -71,7 +71,7 @@ def read_drop_test(
         )
 
 
-def _acceleration(file: OpenedFile) -> RoleAssignment | None:
+def _find_acceleration(file: OpenedFile) -> RoleAssignment | None:
     """Return the only acceleration, if there is one."""
     indices = accelerations(file.table, (), file.options)
     if len(indices) > 1:

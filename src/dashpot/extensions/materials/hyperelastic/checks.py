@@ -51,7 +51,7 @@ def run_checks(
     quantity: DerivedQuantity,
     times: float,
     *,
-    requested: Span | None,
+    use_range: Span | None,
 ) -> tuple[Check, ...]:
     """Return every check of a hyperelastic law."""
     shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
@@ -71,7 +71,7 @@ def run_checks(
     return (
         law_residual_small(
             fit.residuals[worst],
-            _name(fit.curves[worst]),
+            _get_curve_name(fit.curves[worst]),
             best_stable_misfit,
         ),
         no_better_law(selected.rms, flexible),
@@ -80,11 +80,13 @@ def run_checks(
         ),
         stable_in_use(min_drucker, location, fit.stable),
         modes_enough(
-            len({curve.mode for curve in shaped}), has_two_modes=_both_ways(shaped), foam=foam
+            len({curve.mode for curve in shaped}),
+            has_two_modes=_has_both_directions(shaped),
+            foam=foam,
         ),
         unmeasured_modes_determined(*_find_mode_error(fit, selected, candidates, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, selected.rms))),
-        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, requested)),
+        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, use_range)),
         constants_determined(
             fit.law.constant_names[widest_index], float(half_widths[widest_index]) / largest
         ),
@@ -92,8 +94,8 @@ def run_checks(
         files_agree(_compare_repeat_files(fit.curves)),
         loading_reversible(max(loss_fractions, default=None), removed=fit.relaxation is not None),
         specimen_conditioned(max(softer, default=None, key=abs)),
-        zero_stress_at_zero_strain(*_slack(through, fit.law.poisson, flexible)),
-        labels_agree(*_reading(through, fit.law.poisson, flexible)),
+        zero_stress_at_zero_strain(*_find_slack(through, fit.law.poisson, flexible)),
+        labels_agree(*_find_other_label(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
         strain_measured_on_specimen(
             tuple({curve.mode: None for curve in shaped if _is_motion_of_machine(curve)})
@@ -102,7 +104,7 @@ def run_checks(
     )
 
 
-def _name(curve: ElasticCurve) -> str:
+def _get_curve_name(curve: ElasticCurve) -> str:
     return curve.mode if curve.source is None else f"{curve.mode} ({curve.source.file})"
 
 
@@ -152,10 +154,10 @@ def _find_mode_error(
 
 
 def _compute_extrapolation_ratio(
-    curves: Sequence[ElasticCurve], poisson: float, requested: Span | None
+    curves: Sequence[ElasticCurve], poisson: float, use_range: Span | None
 ) -> float:
     """Return the largest logarithmic strain of use over that of the tests, by sign."""
-    if requested is None:
+    if use_range is None:
         return 1.0
     end_strains = np.concatenate([
         np.log(x) * direction(curve.mode, poisson)
@@ -166,7 +168,7 @@ def _compute_extrapolation_ratio(
         sign * math.log(use) / value
         if (value := float((sign * end_strains).max())) > 0
         else math.inf
-        for sign, use in zip((-1.0, 1.0), requested, strict=True)
+        for sign, use in zip((-1.0, 1.0), use_range, strict=True)
         if sign * (use - 1) > 0
     ]
     return max(parts, default=0.0)
@@ -194,7 +196,7 @@ def _estimate_measure_error(curves: Sequence[ElasticCurve]) -> float:
     return max((float(np.abs(curve.stretch - 1).max()) for curve in open_), default=0.0)
 
 
-def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple[float, str]:
+def _find_slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple[float, str]:
     """Return the shift of a curve's zero that halves the residual of stable laws."""
     result = (best, 0.0, "")
     for i, elastic_curve in enumerate(curves):
@@ -204,12 +206,12 @@ def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple
         for part in (*_SHIFTS, *(-shift for shift in _SHIFTS)):
             curve = replace(elastic_curve, stretch=elastic_curve.stretch - part * largest_strain)
             misfit = compute_best_stable_misfit([*curves[:i], curve, *curves[i + 1 :]], poisson)
-            result = min(result, (misfit, part, _name(elastic_curve)))
+            result = min(result, (misfit, part, _get_curve_name(elastic_curve)))
     misfit, part, name = result
     return (part, name) if misfit < 0.5 * best and best > SMALL else (0.0, "")
 
 
-def _both_ways(curves: Sequence[ElasticCurve]) -> bool:
+def _has_both_directions(curves: Sequence[ElasticCurve]) -> bool:
     """Return whether one file covers tension and compression."""
     return any(
         min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH
@@ -239,7 +241,7 @@ def _find_better_scale(
     return best / max(remainder, SMALL), math.expm1(size), kind_index
 
 
-def _reading(
+def _find_other_label(
     curves: Sequence[ElasticCurve], poisson: float, best: float
 ) -> tuple[float | None, str, float]:
     """Return the reduction of the residual by another label of one file, and the label."""
@@ -264,7 +266,7 @@ def _reading(
         }
         for message, other in alternatives.items():
             misfit = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
-            result = min(result, (misfit, f"{_name(elastic_curve)} read as {message}"))
+            result = min(result, (misfit, f"{_get_curve_name(elastic_curve)} read as {message}"))
     return best / max(result[0], SMALL), result[1], best
 
 
@@ -382,18 +384,19 @@ def modes_enough(modes: int, *, has_two_modes: bool, foam: bool) -> Finding:
     "residual / that with one mode scaled", "<=", SCALED,
     "simulation: faultless tests at most 1.02; 1.1 to 7 where a mode is 5 or 10 % off",
 )  # fmt: skip
-def modes_in_scale(ratio: float | None, by: float, mode: str) -> Finding:
+def modes_in_scale(ratio: float | None, scale_factor: float, mode: str) -> Finding:
     """No scale factor on the stress of one mode improves the fit much."""
     if ratio is None:
         return Finding("One mode cannot show whether its stress is off by a factor")
     if not mode:
         return Finding("No factor on one mode brings the curves closer to a law", ratio)
     return Finding(
-        f"The modes agree {ratio:.3g} times better if the stress in {mode} is {100 * by:+.0f} %",
+        f"The modes agree {ratio:.3g} times better if the stress in {mode} is "
+        f"{100 * scale_factor:+.0f} %",
         ratio,
         "Softening of one specimen (Mullins), its area or a gain may cause this",
         "Condition all specimens alike, and check areas and load cells.",
-        always_passes=abs(by) < _OF_NOTE,
+        always_passes=abs(scale_factor) < _OF_NOTE,
     )
 
 

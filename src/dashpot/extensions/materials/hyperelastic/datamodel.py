@@ -54,7 +54,7 @@ class StressStrainTest(EqualByValue, HasSummary):
         Poisson's ratio that the strain sideways shows, of a uniaxial test: 0 to 0.6, where 0.5
         keeps the volume; None where it was not measured.
     units : str
-        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -130,8 +130,8 @@ class ElasticCurve(EqualByValue):
     ----------
     mode : str
     stretch, stress : array, shape (n,)
-        Of the chosen loading, means over neighbours where there are many; without relaxation where
-        a relaxation test was given.
+        Stretch and stress of the chosen loading, means over neighbours where there are many;
+        without relaxation where a relaxation test was given.
     rows : int
         Behind them.
     lost : float or None
@@ -139,7 +139,7 @@ class ElasticCurve(EqualByValue):
     softer : float or None
         1 - stress of the last loading over that of the first; None for a single one.
     duration : float or None
-        Of the loading, s.
+        Duration of the loading, s.
     stated : bool
         As of the test.
     source : Source or None
@@ -185,7 +185,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         BIC of each law that was tried; the smallest is best.
     curves : tuple of ElasticCurve
     residuals : tuple of float
-        Of each curve, rms over the rms of its stress.
+        Relative residual of each curve, rms over the rms of its stress.
     reach : tuple of (str, (float, float))
         Stretches of use in every mode: those measured, or as large in the other modes.
     stable : tuple of (str, (float or None, float or None))
@@ -194,7 +194,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         Removed from the tests; its k_inf is 1.
     checks : tuple of Check
     temperature : float or None
-        Of the tests, K.
+        Temperature of the tests, K.
 
     Examples
     --------

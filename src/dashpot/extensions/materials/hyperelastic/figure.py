@@ -44,13 +44,13 @@ def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     volume = [curve.mode for curve in fit.curves if curve.mode == "volumetric"][:1]
-    panels = [_panel(fit, mode) for mode in (*SHEARING, *volume)]
+    panels = [_make_panel(fit, mode) for mode in (*SHEARING, *volume)]
     caption = "Stress over stretch: tested, the law's, and where the law is not stable."
     origin = format_stamp(fit.sources) if fit.sources else ""
     return Picture("hyperelastic", caption, tuple((panel,) for panel in panels), 2, stamp or origin)
 
 
-def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
+def _find_unstable_range(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
     """Return where the law is not stable, below and above, as far as `x` reaches."""
     stretch_limits = dict(fit.stable).get(mode, (None, None))
     marks: list[Mark] = []
@@ -61,7 +61,7 @@ def _unstable(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> list[Mark]:
     return marks
 
 
-def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
+def _make_panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     curves = [curve for curve in fit.curves if curve.mode == mode]
     stretches = np.concatenate([dict(fit.reach).get(mode, ()), [1.0], *(c.stretch for c in curves)])
     low, high = float(stretches.min()), float(stretches.max())
@@ -69,7 +69,7 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     x = np.linspace(max(low - pad, 0.02), high + pad, 160)
     law = convert_to_unit(fit.law.nominal(mode, x), "MPa")
     in_range = (x >= low) & (x <= high)
-    marks = [Rule(0.0, REF, across=True), *_unstable(fit, mode, x)]
+    marks = [Rule(0.0, REF, across=True), *_find_unstable_range(fit, mode, x)]
     measured = [convert_to_unit(curve.stress, "MPa") for curve in curves]
     for elastic_curve, stress in zip(curves, measured, strict=True):
         marks.append(Dots(elastic_curve.stretch, stress, "measured", "measured", size=3.0))

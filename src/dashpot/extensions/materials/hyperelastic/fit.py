@@ -25,11 +25,11 @@ from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     EXACT,
     HyperelasticOptimum,
     WeightedCurves,
-    invariant_law,
-    power_law,
-    weighed,
+    fit_invariant_law,
+    fit_power_law,
+    weight_curves,
 )
-from dashpot.extensions.materials.hyperelastic.preprocess import elastic_curve
+from dashpot.extensions.materials.hyperelastic.preprocess import extract_elastic_curve
 from dashpot.extensions.materials.hyperelastic.strain_energy import (
     POWERS,
     SHEARING,
@@ -69,10 +69,10 @@ def fit_hyperelastic(
         ``"auto"`` takes the law of least BIC among those that are stable over the stretches of use:
         of rubber, or of foam where Poisson's ratio is given, or a strain sideways shows it.
     terms : int or "auto"
-        Of ``"ogden"`` and ``"hyperfoam"``, 1 to 3; ``"auto"`` by BIC.
+        Number of terms of ``"ogden"`` and ``"hyperfoam"``, 1 to 3; ``"auto"`` by BIC.
     poisson : float, optional
-        Of a foam; where it is not given, that of the strain sideways of one mode, or else sought
-        by two.
+        Poisson's ratio of a foam; where it is not given, that of the strain sideways of one mode,
+        or else sought by two.
     relaxation : GeneralizedMaxwell, optional
         Whose k_inf is 1; taken off every test.
     cycle : int, optional
@@ -80,15 +80,15 @@ def fit_hyperelastic(
     stretches : (float, float), optional
         Least and largest principal stretch of use; by default those measured.
     temperature : float, optional
-        Of the tests, K.
+        Temperature of the tests, K.
 
     Raises
     ------
     FitError
         If there is no test that changes the shape, or what was asked for does not fit together.
     """
-    curves = [elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
-    reported, foam = _sideways(tests, law, poisson)
+    curves = [extract_elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
+    reported, foam = _find_poisson(tests, law, poisson)
     is_compressible = reported is not None and reported < SWELLS
     if foam and is_compressible and poisson is None and len({curve.mode for curve in curves}) == 1:
         poisson = reported
@@ -106,13 +106,13 @@ def fit_hyperelastic(
         optimum.name: score(optimum.optimum, effective, rounding_sse=min_cost)
         for optimum in candidates
     }
-    stretch_ranges = reach_of(curves, best.law.poisson, stretches)
-    selected = _chosen(candidates, scores, law, stretch_ranges)
+    stretch_ranges = get_stretch_range(curves, best.law.poisson, stretches)
+    selected = _choose_law(candidates, scores, law, stretch_ranges)
     uncertainty = estimate(selected.optimum, parts=parts, rounding=EXACT)
     derived = uncertainty.derive_quantity(selected.numbers)
     half_widths = uncertainty.quantile() * derived.standard_error
     reported_values = _make_law_facts(selected, derived.values, half_widths)
-    bulk = _bulk(volumetric)
+    bulk = _find_bulk_modulus(volumetric)
     selected = selected._replace(law=_with_bulk(selected, None if bulk is None else bulk.value))
     hyperelastic_fit = HyperelasticFit(
         selected.law,
@@ -127,7 +127,7 @@ def fit_hyperelastic(
         temperature,
     )
     checked_checks = checks.run_checks(
-        hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), requested=stretches
+        hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), use_range=stretches
     )
     sideways = checks.lateral_swelling_agrees(selected.law.poisson, reported, foam=foam)
     checked_checks = (*checked_checks, sideways, *caution_checks(hyperelastic_fit.sources))
@@ -149,28 +149,28 @@ def _split_volumetric_curves(
 def _fit_foam_laws(
     curves: Sequence[ElasticCurve], terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
-    return _power_laws(weighed(curves), "hyperfoam", terms, poisson)
+    return _fit_power_laws(weight_curves(curves), "hyperfoam", terms, poisson)
 
 
 def _fit_rubber_laws(
     curves: Sequence[ElasticCurve], terms: int | Literal["auto"]
 ) -> list[HyperelasticOptimum]:
-    rows = weighed(curves)
+    rows = weight_curves(curves)
     return [
-        *(invariant_law(rows, name) for name in POWERS),
-        *_power_laws(rows, "ogden", terms, 0.5),
+        *(fit_invariant_law(rows, name) for name in POWERS),
+        *_fit_power_laws(rows, "ogden", terms, 0.5),
     ]
 
 
-def _power_laws(
+def _fit_power_laws(
     rows: WeightedCurves, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
     """Return the laws of a number of terms, or of increasing numbers while each pays."""
     if terms != "auto":
-        return [power_law(rows, terms, kind, poisson)]
-    optima = [power_law(rows, count, kind, poisson) for count in (1, 2)]
+        return [fit_power_law(rows, terms, kind, poisson)]
+    optima = [fit_power_law(rows, count, kind, poisson) for count in (1, 2)]
     while len(optima) < MOST_TERMS and optima[-1].rms < _WORTH * optima[-2].rms:
-        optima.append(power_law(rows, len(optima) + 1, kind, poisson))
+        optima.append(fit_power_law(rows, len(optima) + 1, kind, poisson))
     return optima
 
 
@@ -204,7 +204,7 @@ def _refuse(
         )
 
 
-def _chosen(
+def _choose_law(
     candidates: Sequence[HyperelasticOptimum],
     scores: dict[str, float],
     law: ElasticKindOption,
@@ -220,7 +220,7 @@ def _chosen(
     return min(eligible, key=lambda optimum: scores[optimum.name])
 
 
-def _sideways(
+def _find_poisson(
     tests: Sequence[StressStrainTest], law: ElasticKindOption, poisson: float | None
 ) -> tuple[float | None, bool]:
     """Return Poisson's ratio by lateral strain, if measured, and whether a foam is fitted."""
@@ -249,7 +249,7 @@ def _make_law_facts(
     )
 
 
-def _bulk(volumetric: Sequence[ElasticCurve]) -> ReportedValue | None:
+def _find_bulk_modulus(volumetric: Sequence[ElasticCurve]) -> ReportedValue | None:
     """Return the bulk modulus of a rubber."""
     if not volumetric:
         return None
@@ -284,7 +284,7 @@ def _compute_relative_residual(optimum: HyperelasticOptimum, curve: ElasticCurve
 # -- stretches of use ---------------------------------------------------------------------------
 
 
-def reach_of(
+def get_stretch_range(
     curves: Sequence[ElasticCurve], poisson: float, stretches: Span | None
 ) -> dict[Mode, Span]:
     """Return the stretches of use in every mode that changes the shape.
@@ -301,11 +301,12 @@ def reach_of(
     if stretches is not None:
         spans = {"uniaxial": (min(stretches[0], 1.0), max(stretches[1], 1.0))}
     return {
-        mode: spans[mode] if mode in spans else _as_large(mode, spans, poisson) for mode in SHEARING
+        mode: spans[mode] if mode in spans else _estimate_stretch_range(mode, spans, poisson)
+        for mode in SHEARING
     }
 
 
-def _as_large(mode: Mode, spans: dict[Mode, Span], poisson: float) -> Span:
+def _estimate_stretch_range(mode: Mode, spans: dict[Mode, Span], poisson: float) -> Span:
     """Return stretches of an unmeasured mode of the size of the measured ones."""
     strain_direction = direction(mode, poisson)
     measured = [

@@ -39,7 +39,7 @@ def hyperelastic_files(
     files : mapping of str to sequence of path
         By a key of :data:`MODES`.
     relaxation : Fit, optional
-        Of a relaxation test of the material: its relaxation is removed.
+        Fit of a relaxation test of the material: its relaxation is removed.
     law, terms, poisson, stretches
         As :func:`~dashpot.extensions.materials.hyperelastic.fit.fit_hyperelastic` takes them.
     measures : Measures, optional

@@ -14,7 +14,7 @@ from dashpot.extensions.materials.hyperelastic.law_choices import ElasticKindOpt
 
 def run(request: FitRequest) -> CommandResult:
     """Fit a hyperelastic law to stress over strain in one mode of test or several."""
-    request.check_output_suffix(".json", what="a hyperelastic law")
+    request.check_output_suffix(".json", result_name="a hyperelastic law")
     relaxation = request["relaxation"]
     if len(relaxation) > 1:
         raise click.UsageError("--relaxation takes one fit. Give it once.")
@@ -27,13 +27,13 @@ def run(request: FitRequest) -> CommandResult:
         options=request.reading,
         **request.some("poisson", "stretches", "measures"),
     )
-    follow = ""
+    next_command = ""
     if request.result_path:
         bulk = () if hyperelastic_fit.law.bulk_modulus else ("--bulk-modulus", "2000MPa")
         temperature_options = () if hyperelastic_fit.temperature else ("--temperature", "23degC")
         deck = ("export", request.result_path, "--to", "abaqus", "--unit-system", "mm-t-s")
-        follow = format_command(*deck, *temperature_options, *bulk)
-    return request.write_output(hyperelastic_fit, follow=follow)
+        next_command = format_command(*deck, *temperature_options, *bulk)
+    return request.write_output(hyperelastic_fit, next_command=next_command)
 
 
 def _group_files_by_mode(request: FitRequest) -> dict[str, list[str]]:

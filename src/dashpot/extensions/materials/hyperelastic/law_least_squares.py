@@ -93,7 +93,7 @@ class HyperelasticOptimum(NamedTuple):
         return np.concatenate((mu, result, [replace(self.law, constants=tuple(mu)).shear_modulus]))
 
 
-def weighed(curves: Sequence[ElasticCurve]) -> WeightedCurves:
+def weight_curves(curves: Sequence[ElasticCurve]) -> WeightedCurves:
     """Return curves with weights that make the modes equal."""
     modes = {curve.mode for curve in curves}
     total = sum(len(curve.stretch) for curve in curves)
@@ -106,7 +106,7 @@ def weighed(curves: Sequence[ElasticCurve]) -> WeightedCurves:
     return WeightedCurves(tuple(curves), columns, target)
 
 
-def invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOptimum:
+def fit_invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOptimum:
     """Return the best law of the invariants, by linear least squares."""
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
@@ -115,18 +115,18 @@ def invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOptimu
     return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(optimum.beta.tolist())), optimum)
 
 
-def power_law(
+def fit_power_law(
     rows: WeightedCurves, terms: int, kind: ElasticKind, poisson: float | None
 ) -> HyperelasticOptimum:
     """Return the law of so many power terms, or fewer if a further one is worth nothing.
 
     Poisson's ratio of a foam is sought where it is None.
     """
-    starts = _starts(rows, terms, poisson)
-    best = require_optimum(power_problem(rows, terms, poisson), starts, max_steps=_STEPS)
+    starts = _find_starting_points(rows, terms, poisson)
+    best = require_optimum(build_power_problem(rows, terms, poisson), starts, max_steps=_STEPS)
     order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
     theta = np.concatenate((best.theta[order], best.theta[terms:]))
-    optimum = power_problem(rows, len(order), poisson).solve_linear(theta)
+    optimum = build_power_problem(rows, len(order), poisson).solve_linear(theta)
     v = poisson if poisson is not None else float(theta[-1])
     law = Hyperelastic(
         kind,
@@ -137,7 +137,7 @@ def power_law(
     return HyperelasticOptimum(f"{kind}-{len(order)}", law, optimum)
 
 
-def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Problem:
+def build_power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Problem:
     """Return the problem of alpha and, where it is None, Poisson's ratio; mu is linear."""
 
     def model(theta: FloatArray) -> Rows:
@@ -145,7 +145,7 @@ def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Pr
 
         def slope(mu: FloatArray) -> FloatArray:
             results = []
-            for w, strain_path in zip(rows.weights, _paths(rows, v), strict=True):
+            for w, strain_path in zip(rows.weights, _make_strain_paths(rows, v), strict=True):
                 by = [m * power_slope(strain_path, a) for m, a in zip(mu, alpha, strict=True)]
                 if poisson is None:
                     group = [
@@ -155,7 +155,7 @@ def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Pr
                 results.append(w[:, None] * np.stack(by, axis=-1))
             return np.concatenate(results)
 
-        return Rows(rows.target, _columns(rows, alpha, v), slope)
+        return Rows(rows.target, _compute_columns(rows, alpha, v), slope)
 
     parameters = [Parameter(-_LARGEST, _LARGEST)] * terms
     return Problem(
@@ -163,11 +163,13 @@ def power_problem(rows: WeightedCurves, terms: int, poisson: float | None) -> Pr
     )
 
 
-def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[FloatArray]:
+def _find_starting_points(
+    rows: WeightedCurves, terms: int, poisson: float | None
+) -> list[FloatArray]:
     """The best sets of exponents of the grid, as alpha, nu; those that use every term first."""
     pairs: list[tuple[bool, float, list[float]]] = []
     for v in _POISSONS if poisson is None else (poisson,):
-        A = _columns(rows, np.array(EXPONENTS), v)
+        A = _compute_columns(rows, np.array(EXPONENTS), v)
         factor = triangle(np.concatenate((A.T, rows.target[None])))
         for indices in map(list, combinations(range(len(EXPONENTS)), terms)):
             mu, _ = solve_linear(factor[:, indices], factor[:, -1], positive=True)
@@ -178,24 +180,24 @@ def _starts(rows: WeightedCurves, terms: int, poisson: float | None) -> list[Flo
     return [np.array(values) for _, _, values in pairs[:_DESCENTS]]
 
 
-def _paths(rows: WeightedCurves, poisson: float) -> list[Path]:
+def _make_strain_paths(rows: WeightedCurves, poisson: float) -> list[Path]:
     """Return the strain paths of every curve."""
     return [path(curve.mode, curve.stretch, poisson) for curve in rows.curves]
 
 
-def _columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> FloatArray:
+def _compute_columns(rows: WeightedCurves, exponents: FloatArray, poisson: float) -> FloatArray:
     """Return the weighted stress of a term of each exponent."""
     return np.concatenate(
         [
             w[:, None] * np.stack([power_column(strain_path, a) for a in exponents], axis=-1)
-            for w, strain_path in zip(rows.weights, _paths(rows, poisson), strict=True)
+            for w, strain_path in zip(rows.weights, _make_strain_paths(rows, poisson), strict=True)
         ]
     )
 
 
 def compute_best_stable_misfit(curves: Sequence[ElasticCurve], poisson: float) -> float:
     """Return the residual of the most flexible stable law, rms over the rms of the stress."""
-    rows = weighed(curves)
-    A = _columns(rows, SPECTRUM, poisson)
+    rows = weight_curves(curves)
+    A = _compute_columns(rows, SPECTRUM, poisson)
     mu, _ = solve_linear(A, rows.target, positive=True)
     return float(np.sqrt(np.mean((rows.target - A @ mu) ** 2)))

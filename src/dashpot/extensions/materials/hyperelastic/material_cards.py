@@ -73,7 +73,7 @@ class _Card(NamedTuple):
         return 1.0 if self.fit.relaxation is None else self.fit.relaxation.k_0
 
 
-def _missing(
+def _list_missing_data(
     law: Hyperelastic, target: str, bulk: float | None, density: float | None
 ) -> Iterator[str]:
     """Data of a card that neither tests nor options state."""
@@ -105,11 +105,11 @@ def hyperelastic_card(
     fit : HyperelasticFit
     units : str
     bulk_modulus : float, optional
-        Of a rubber whose volume was not tested, Pa.
+        Bulk modulus of a rubber whose volume was not tested, Pa.
     density : float, optional
         kg/m^3; LS-DYNA wants it.
     temperature : float, optional
-        Of the tests, K, where the fit does not know it.
+        Temperature of the tests, K, where the fit does not know it.
     allow : collection of str
         ``"temperature"``, ``"not_identified"`` (a check that says not to use the law), ``"all"``.
 
@@ -125,11 +125,11 @@ def hyperelastic_card(
     system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
     stated_modulus = convert_to_si(bulk_modulus, "stress")
-    missing = [*_missing(law, target, stated_modulus, density)]
+    missing = [*_list_missing_data(law, target, stated_modulus, density)]
     overrides = list_allowed_problems(
-        _problems(fit, kelvin), allow, "card", units=units, missing=missing
+        _list_problems(fit, kelvin), allow, "card", units=units, missing=missing
     )
-    bulk, measured = _bulk(law, stated_modulus)
+    bulk, measured = _get_bulk_modulus(law, stated_modulus)
     card = _Card(
         fit, system, tuple(system.stress(c) for c in law.constants), system.stress(bulk), density
     )
@@ -169,7 +169,7 @@ def export_law(
     return hyperelastic_card(target, fit, temperature=temperature, **choices)
 
 
-def _bulk(law: Hyperelastic, stated_modulus: float | None) -> tuple[float, str]:
+def _get_bulk_modulus(law: Hyperelastic, stated_modulus: float | None) -> tuple[float, str]:
     """Return the bulk modulus, Pa, and how it is known; 0 of a foam."""
     if law.kind == "hyperfoam":
         if stated_modulus is not None:
@@ -181,7 +181,7 @@ def _bulk(law: Hyperelastic, stated_modulus: float | None) -> tuple[float, str]:
     return law.bulk, "measured"
 
 
-def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str, str]]:
+def _list_problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str, str]]:
     """Return the warnings of a card, each with its remedy."""
     problems = {}
     if kelvin is None:
@@ -210,7 +210,7 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
         f"bulk modulus {bulk}{measured}",
         f"temperature: {temperature_text}",
         f"stretches measured: {spans}",
-        f"not stable (Drucker) from stretch: {_unstable(fit)}",
+        f"not stable (Drucker) from stretch: {_find_stability_limits(fit)}",
         *(f"source: {source.file} sha256 {source.sha256}" for source in fit.sources),
     ]
     if any(source.simulated for source in fit.sources):
@@ -223,7 +223,7 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
     ]
 
 
-def _unstable(fit: HyperelasticFit) -> str:
+def _find_stability_limits(fit: HyperelasticFit) -> str:
     """Return the stretches from which the law is not stable, in each mode."""
     limit_texts = [
         f"{mode} {at:.4g}"
@@ -241,7 +241,7 @@ _NAMES = {
 Body = tuple[list[str], Sequence[str]]
 
 
-def _keyword(card: _Card, *, moduli: str) -> list[str]:
+def _format_keyword(card: _Card, *, moduli: str) -> list[str]:
     """*HYPERELASTIC or *HYPERFOAM, which Abaqus and CalculiX read alike."""
     law = card.fit.law
     if law.kind in POWERS:
@@ -249,25 +249,28 @@ def _keyword(card: _Card, *, moduli: str) -> list[str]:
             law.kind
         ]
         values = [*card.constants, 2 / card.bulk, *[0.0] * (2 * (law.kind == "yeoh"))]
-        return [f"*HYPERELASTIC, {name}{moduli}", *_rows(values)]
+        return [f"*HYPERELASTIC, {name}{moduli}", *_format_rows(values)]
     count = len(law.exponents)
     constants = [value for pair in card.pairs for value in pair]
     if law.kind == "ogden":
         return [
             f"*HYPERELASTIC, OGDEN, N={count}{moduli}",
-            *_rows([*constants, 2 / card.bulk, *[0.0] * (count - 1)]),
+            *_format_rows([*constants, 2 / card.bulk, *[0.0] * (count - 1)]),
         ]
-    return [f"*HYPERFOAM, N={count}{moduli}", *_rows([*constants, *[law.poisson] * count])]
+    return [f"*HYPERFOAM, N={count}{moduli}", *_format_rows([*constants, *[law.poisson] * count])]
 
 
-def _rows(values: Sequence[float]) -> list[str]:
+def _format_rows(values: Sequence[float]) -> list[str]:
     return [", ".join(map(text, values[i : i + 8])) for i in range(0, len(values), 8)]
 
 
-def _abaqus(card: _Card) -> Body:
+def _write_abaqus(card: _Card) -> Body:
     foam = card.fit.law.kind == "hyperfoam"
     prony = card.prony
-    body = ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli=", MODULI=LONG TERM" * bool(prony))]
+    body = [
+        "*MATERIAL, NAME=RUBBER",
+        *_format_keyword(card, moduli=", MODULI=LONG TERM" * bool(prony)),
+    ]
     if prony:
         bulk = [g if foam else 0.0 for g, _ in prony]
         body += ["*VISCOELASTIC, TIME=PRONY"]
@@ -282,17 +285,17 @@ def _abaqus(card: _Card) -> Body:
     ]
 
 
-def _calculix(card: _Card) -> Body:
+def _write_calculix(card: _Card) -> Body:
     message = ["D1 = 2 / K"]
     if card.prony:
         message.append("CalculiX has no relaxation for these laws: the law is that at rest")
-    return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], message
+    return ["*MATERIAL, NAME=RUBBER", *_format_keyword(card, moduli="")], message
 
 
 _OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2"
 
 
-def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
+def _write_ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
     """Return the name of a law of the invariants, its constants, and what to say of them."""
     kind, ratio = card.fit.law.kind, card.ratio
     incompressible = 2 / (ratio * card.bulk)
@@ -305,7 +308,7 @@ def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
     return "2,MOONEY", [*values, incompressible], []
 
 
-def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
+def _write_ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
     """Return the same of a law of the stretches."""
     law, ratio = card.fit.law, card.ratio
     count = len(law.exponents)
@@ -317,9 +320,11 @@ def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
     return f"{count},FOAM", values + volume, [_OTHER_MU]
 
 
-def _ansys(card: _Card) -> Body:
+def _write_ansys(card: _Card) -> Body:
     law = card.fit.law
-    name, values, sentences = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
+    name, values, sentences = (
+        _write_ansys_invariants if law.kind in POWERS else _write_ansys_powers
+    )(card)
     message = ["d = 2 / K", *sentences]
     body = [f"TB,HYPER,1,1,{name}", *format_tbdata(values)]
     if card.prony:
@@ -336,7 +341,7 @@ def _ansys(card: _Card) -> Body:
     return body, message
 
 
-def _lsdyna(card: _Card) -> Body:
+def _write_lsdyna(card: _Card) -> Body:
     law, units = card.fit.law, card.units
     density = units.density(card.density or 0.0)
     G = units.stress(law.shear_modulus)
@@ -344,7 +349,7 @@ def _lsdyna(card: _Card) -> Body:
     if len(shear) > _MOST_TERMS:
         raise ExportError(f"*MAT_077 takes {_MOST_TERMS} terms of relaxation, found {len(shear)}")
     if law.kind == "hyperfoam":
-        return _hill_foam(card, density)
+        return _write_hill_foam(card, density)
     K = card.bulk
     poisson = (3 * K - 2 * G) / (6 * K + 2 * G)
     head = format_fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
@@ -355,7 +360,7 @@ def _lsdyna(card: _Card) -> Body:
         constants = (entries.get(name, 0.0) for name in order)
         body = ["*MAT_HYPERELASTIC_RUBBER", head, format_fields(*constants, 0.0)]
     else:
-        body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]
+        body = ["*MAT_OGDEN_RUBBER", head, *_list_eight_terms(card)]
         message.append(_OTHER_MU)
     if shear:
         message.append(
@@ -364,7 +369,7 @@ def _lsdyna(card: _Card) -> Body:
     return ["*KEYWORD", *body, *(format_fields(*pair) for pair in shear), "*END"], message
 
 
-def _hill_foam(card: _Card, density: float) -> Body:
+def _write_hill_foam(card: _Card, density: float) -> Body:
     law = card.fit.law
     beta = law.poisson / (1 - 2 * law.poisson)
     bulk = card.units.stress(law.bulk_modulus or 0.0)
@@ -377,13 +382,13 @@ def _hill_foam(card: _Card, density: float) -> Body:
         "*KEYWORD",
         "*MAT_HILL_FOAM",
         format_fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
-        *_eight_terms(card),
+        *_list_eight_terms(card),
         format_fields(0.0, 0.0),
         "*END",
     ], message
 
 
-def _eight_terms(card: _Card) -> list[str]:
+def _list_eight_terms(card: _Card) -> list[str]:
     """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
     filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
     return [
@@ -393,6 +398,11 @@ def _eight_terms(card: _Card) -> list[str]:
 
 
 TARGETS: Mapping[str, Callable[[_Card], Body]] = MappingProxyType(
-    {"abaqus": _abaqus, "calculix": _calculix, "ansys": _ansys, "lsdyna": _lsdyna}
+    {
+        "abaqus": _write_abaqus,
+        "calculix": _write_calculix,
+        "ansys": _write_ansys,
+        "lsdyna": _write_lsdyna,
+    }
 )
 """The solvers that take a hyperelastic law."""

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, StressStrainTest
-from dashpot.extensions.materials.strokes import Stroke, strokes_of
+from dashpot.extensions.materials.strokes import Stroke, find_strokes
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_POINTS = 100
@@ -31,7 +31,7 @@ class _LoadingRows(NamedTuple):
     softer: float | None
 
 
-def elastic_curve(
+def extract_elastic_curve(
     test: StressStrainTest,
     *,
     relaxation: GeneralizedMaxwell | None = None,
@@ -54,9 +54,9 @@ def elastic_curve(
         If relaxation is to be removed from a test without a clock, or there is no such loading.
     """
     stress = test.stress if relaxation is None else _remove_relaxation(relaxation, test)
-    chosen_samples = _chosen(test.stretch, stress, cycle)
+    chosen_samples = _choose_loading(test.stretch, stress, cycle)
     rows = chosen_samples.rows
-    x, y = _means(test.stretch[rows], stress[rows])
+    x, y = _average_points(test.stretch[rows], stress[rows])
     duration = None if test.time is None else float(np.ptp(test.time[rows]))
     return ElasticCurve(
         test.mode, x, y, len(rows), chosen_samples.loss_fraction, chosen_samples.softer, duration,
@@ -77,31 +77,31 @@ def _remove_relaxation(relaxation: GeneralizedMaxwell, test: StressStrainTest) -
     return relaxation.displacement(test.time, test.stress * test.stretch) / test.stretch
 
 
-def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:
+def _choose_loading(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:
     strain = stretch - 1
     largest_strain = strain[np.argmax(np.abs(strain))]
     if min(float(strain.max()), -float(strain.min())) > _BOTH * abs(largest_strain):
         return _LoadingRows(np.argsort(stretch, kind="stable"), None, None)
     strain_size = np.sign(largest_strain) * strain
-    strokes = strokes_of(strain_size, resolution=0.0)
+    strokes = find_strokes(strain_size, resolution=0.0)
     if len(stretch) < _SCATTERED * len(strokes):
         return _LoadingRows(np.argsort(strain_size, kind="stable"), None, None)
-    loadings = _loadings(strain_size, strokes)
+    loadings = _find_loadings(strain_size, strokes)
     if cycle is not None and cycle > len(loadings):
         raise FitError(f"cycle = {cycle}, but the test has {len(loadings)} whole loadings")
     chosen_stroke = loadings[-1 if cycle is None else cycle - 1]
     softer = None
     if len(loadings) > 1:
-        softer = 1 - _middle(strain_size, stress, loadings[-1]) / _middle(
-            strain_size, stress, loadings[0]
-        )
+        softer = 1 - _get_stress_at_half_strain(
+            strain_size, stress, loadings[-1]
+        ) / _get_stress_at_half_strain(strain_size, stress, loadings[0])
     loss_fraction = _compute_loss_fraction(strain_size, stress, chosen_stroke, strokes)
     return _LoadingRows(
         np.arange(chosen_stroke.first, chosen_stroke.last + 1), loss_fraction, softer
     )
 
 
-def _loadings(strain_size: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
+def _find_loadings(strain_size: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
     """Return the whole loadings; any, where none is whole."""
     inward = [stroke for stroke in strokes if stroke.inward]
     complete_strain = _WHOLE * float(strain_size.max())
@@ -137,12 +137,12 @@ def _compute_loss_fraction(
     return 1 - work_out / work_in
 
 
-def _middle(x: FloatArray, y: FloatArray, stroke: Stroke) -> float:
+def _get_stress_at_half_strain(x: FloatArray, y: FloatArray, stroke: Stroke) -> float:
     """Stress at half the largest strain."""
     return float(np.interp(0.5 * x.max(), *_sort_stroke_samples(x, y, stroke)))
 
 
-def _means(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _average_points(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the points by stretch; of many, the means over even parts of their range."""
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]

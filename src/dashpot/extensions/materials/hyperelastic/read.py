@@ -25,10 +25,10 @@ from dashpot.reading.readers.relaxation import signals
 from dashpot.reading.readers.size_checks import stress_of_a_rubber
 from dashpot.reading.table import Column
 
-_RESTS, _HELD, _RELAXED = 0.02, 0.5, 0.02
-"""Of its range, by how much a held strain moves; of a record, how long it is held at least; of the
-stress, by how much it falls there."""
-_MIXED = 0.05
+_REST_SHARE, _HOLD_SHARE, _RELAXATION_SHARE = 0.02, 0.5, 0.02
+"""By how much a held strain moves, in parts of its range; shortest hold, in parts of the record;
+least fall of the stress in the hold, in parts of the stress."""
+_WRONG_SIGN_SHARE = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 
 
@@ -90,7 +90,7 @@ def read_stress_strain(
             stress = stress / strain if is_true else stress
         poisson = None
         if mode == "uniaxial" and elongated == "strain":
-            poisson, said_sideways = _sideways(
+            poisson, said_sideways = _read_lateral_strain(
                 file, channels_chosen[-2], measures, is_compression=is_compression
             )
             notes += said_sideways
@@ -104,13 +104,13 @@ def _refuse_relaxation(
     file: OpenedFile, channels_chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
 ) -> None:
     """Refuse a strain that is held while the stress relaxes: an elastic law would take its ramp."""
-    is_held = np.abs(strain - np.median(strain)) < _RESTS * float(np.ptp(strain))
-    if is_held.mean() < _HELD or not np.ptp(strain):
+    is_held = np.abs(strain - np.median(strain)) < _REST_SHARE * float(np.ptp(strain))
+    if is_held.mean() < _HOLD_SHARE or not np.ptp(strain):
         return
     stress_at_start, end = (
         float(np.median(part)) for part in np.array_split(stress[is_held], 10)[::9]
     )
-    if abs(stress_at_start - end) < _RELAXED * abs(stress_at_start) or abs(end) > abs(
+    if abs(stress_at_start - end) < _RELAXATION_SHARE * abs(stress_at_start) or abs(end) > abs(
         stress_at_start
     ):
         return
@@ -174,7 +174,7 @@ def _is_sideways(column: Column) -> bool:
     )
 
 
-def _sideways(
+def _read_lateral_strain(
     file: OpenedFile, axial_channel: Channel, measures: Measures, *, is_compression: bool
 ) -> tuple[float | None, list[str]]:
     """Poisson's ratio of a column of strain square to the force, and what is said of it."""
@@ -255,7 +255,7 @@ def _apply_stress_sign(
     strain_stress_product = float(strain @ stress)
     if strain_stress_product >= 0:
         return stretch, stress, []
-    if float(strain.max()) <= _MIXED * float(np.abs(strain).max()):
+    if float(strain.max()) <= _WRONG_SIGN_SHARE * float(np.abs(strain).max()):
         sign_notes = ["the specimen was pressed, and its stress is counted > 0: sign changed"]
         return stretch, -stress, sign_notes
     raise ReadError(

@@ -131,9 +131,11 @@ class Hyperelastic:
     exponents : tuple of float
         Every alpha of ``"ogden"`` and ``"hyperfoam"``.
     poisson : float
-        Of a foam, the same for all its terms; 0.5 for all others, which keep their volume.
+        Poisson's ratio of a foam, the same for all its terms; 0.5 for all others, which keep their
+        volume.
     bulk : float or None
-        Of a rubber, Pa, where it is known: W has K (J - 1)^2 / 2 besides. A foam has its own.
+        Bulk modulus of a rubber, Pa, where it is known: W has K (J - 1)^2 / 2 besides. A foam has
+        its own.
 
     >>> rubber = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))
     >>> rubber.nominal("uniaxial", 2.0).round(6), rubber.nominal("equibiaxial", 2.0).round(6)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot.extensions.materials.law_ranking import format_bic_differences
-from dashpot.text_output.layout import Text, facts, table
+from dashpot.text_output.layout import Text, format_values, table
 from dashpot.text_output.results import format_rounded
 
 
@@ -20,7 +20,7 @@ def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:
     ]  # fmt: skip
     lines = [
         f"  law: {hyperelastic_fit.law.kind}, {hyperelastic_fit.loading_rate}",
-        *facts(hyperelastic_fit.found),
+        *format_values(hyperelastic_fit.found),
         *table(tests),
         format_bic_differences(hyperelastic_fit.orders),
     ]

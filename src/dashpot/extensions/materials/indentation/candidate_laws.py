@@ -20,10 +20,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.extensions.materials.indentation.collision import (
     Collision,
     Shape,
-    relaxing,
+    get_stiffness,
+    integrate_relaxing_contact,
+    integrate_viscous_contact,
     scale_collision,
-    stiffness_of,
-    viscous,
 )
 from dashpot.extensions.materials.indentation.contact_law import (
     SPHERE,
@@ -34,8 +34,8 @@ from dashpot.extensions.materials.indentation.contact_law import (
 from dashpot.extensions.materials.indentation.datamodel import Motion
 from dashpot.numerics.least_squares import Parameter
 
-_SLIGHT = np.array([0.02, 1.0])
-"""Of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
+_ARSINH_UNITS = np.array([0.02, 1.0])
+"""Unit of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
 changes in proportion, and where both are more their logarithms do."""
 _RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
 _REACH = 8.0
@@ -54,7 +54,7 @@ class Law:
     ----------
     exponent : float
     shape : callable
-        Of the law's own numbers and the pull, without units.
+        Parameters: those of the law's own numbers and the pull, without units.
     build_law : callable
         The contact of k, the unit of time and the law's own numbers.
     starts : tuple of tuple
@@ -76,7 +76,7 @@ class Law:
 
     def parameters(self, duration: float, change: float) -> list[Parameter]:
         """Return the range of each, but for the touch."""
-        value = np.arcsinh(_RANGE / _SLIGHT[:, None])[: len(self.starts)]
+        value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starts)]
         first, last = np.log((duration, change))
         ranges = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
         return [Parameter(float(low), float(high)) for low, high in ranges]
@@ -86,12 +86,12 @@ class Law:
     ) -> FloatArray:
         """Return the parameters, but for the touch."""
         first, last = np.log((duration, change))
-        return np.array([first, *np.arcsinh(values / _SLIGHT[: len(values)]), last])
+        return np.array([first, *np.arcsinh(values / _ARSINH_UNITS[: len(values)]), last])
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
         """Return the unit of time, the law's own numbers and the speed of parameters."""
         duration, change = np.exp(theta[[0, -2]]).tolist()
-        value = np.sinh(theta[1:-2]) * _SLIGHT[: len(theta) - 3]
+        value = np.sinh(theta[1:-2]) * _ARSINH_UNITS[: len(theta) - 3]
         values = self.numbers(*value.tolist())
         free = self.shape(*values, 0.0)
         return duration / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
@@ -99,7 +99,7 @@ class Law:
     def contact(self, theta: FloatArray, mass: float) -> ContactLaw:
         """Return the contact of a fit's parameters."""
         unit, values, speed = self._read(theta)
-        k = stiffness_of(self.exponent, unit=unit, mass=mass, velocity=speed)
+        k = get_stiffness(self.exponent, unit=unit, mass=mass, velocity=speed)
         return self.build_law(k, unit, *values)
 
     def collision(self, theta: FloatArray, mass: float, acceleration: float) -> Collision:
@@ -111,7 +111,7 @@ class Law:
         )
 
 
-def _maxwell(loss: float, time: float) -> tuple[float, float]:
+def _compute_arm(loss: float, time: float) -> tuple[float, float]:
     """Return the arm's g, and its tau in the unit of time, of k''(w) / k and w tau.
 
     Nearly: w is pi over the length of a lossless contact as stiff as k'(w). In these a record's
@@ -123,17 +123,21 @@ def _maxwell(loss: float, time: float) -> tuple[float, float]:
 LAWS = MappingProxyType(
     {
         "kelvin-voigt": Law(
-            1.0, partial(viscous, 1.0), lambda k, unit, A: ViscousContact(k, A * unit, 1.0),
+            1.0, partial(integrate_viscous_contact, 1.0), lambda k, unit, A: ViscousContact(k,
+            A * unit, 1.0),
             ((0.1, 0.5),),
         ),
-        "hertz": Law(SPHERE, partial(viscous, SPHERE, 0.0), lambda k, _: ViscousContact(k)),
+        "hertz": Law(SPHERE, partial(integrate_viscous_contact, SPHERE, 0.0), lambda k,
+        _: ViscousContact(k)),
         "hertz-kelvin-voigt": Law(
-            SPHERE, partial(viscous, SPHERE), lambda k, unit, A: ViscousContact(k, A * unit),
+            SPHERE, partial(integrate_viscous_contact, SPHERE), lambda k, unit,
+            A: ViscousContact(k, A * unit),
             ((0.05, 0.3),),
         ),
         "hertz-maxwell": Law(
-            SPHERE, relaxing, lambda k, unit, g, tau: RelaxingContact(k, g, tau * unit),
-            (tuple(0.02 * 2.0**np.arange(7)), tuple(2.0**np.arange(-3, 4))), _maxwell,
+            SPHERE, integrate_relaxing_contact, lambda k, unit, g, tau: RelaxingContact(k, g,
+            tau * unit),
+            (tuple(0.02 * 2.0**np.arange(7)), tuple(2.0**np.arange(-3, 4))), _compute_arm,
         ),
     }
 )  # fmt: skip
@@ -170,12 +174,12 @@ def simulate_sensor_signal(
     in_contact = (time_since_touch > 0) & (time_since_touch < end)
 
     def interpolate_cubic(
-        values: FloatArray, rate: FloatArray, at: FloatArray = time_since_touch
+        values: FloatArray, rate: FloatArray, time: FloatArray = time_since_touch
     ) -> tuple[FloatArray, ...]:
         """Return values and rates from cubics through value and rate."""
         cubic = CubicHermiteSpline(t, values, rate)
-        at = np.clip(at, 0.0, end)
-        return cubic(at), cubic(at, 1)
+        time = np.clip(time, 0.0, end)
+        return cubic(time), cubic(time, 1)
 
     push, rate = (
         values * in_contact for values in interpolate_cubic(F, np.gradient(F, t, edge_order=2))

@@ -65,20 +65,20 @@ def run_checks(
         sensor_in_range(clipped),
         first_contact(contact.before, contact.after),
         law_residual_small(relative, fit.residual),
-        no_adhesion_on_release(*_undershoot(fit, size)),
+        no_adhesion_on_release(*_compute_undershoot(fit, size)),
         parameters_determined(
-            worst.name, worst.high / worst.value, bounded, leading_factor=_leading(fit)
+            worst.name, worst.high / worst.value, bounded, leading_factor=_get_widest_interval(fit)
         ),
         laws_agree(fit, other_laws),
         velocity_agrees(fit["impact_velocity"].value, stated_velocity),
         gravity_stated(GRAVITY * T / hit.approach, stated_velocity),
-        force_agrees(_force_ratio(fit, test)),
+        force_agrees(_compute_force_ratio(fit, test)),
         indentation_shallow(hit.depth, test.indenter.radius),
         sensor_fast_enough(_noise_correlation_fraction(fit, test.step)),
     )
 
 
-def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
+def _compute_undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
     """Return the mean record after release over the push, and its noise; None where it ends."""
     if fit.of not in {"acceleration", "force"}:
         return None, 0.0
@@ -91,7 +91,7 @@ def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
     )
 
 
-def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
+def _compute_force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
     """Return the impulse of a recorded force over mass times the change of speed."""
     if test.force is None or test.of == "force" or test.indenter.mass is None:
         return None
@@ -143,11 +143,11 @@ def contact_sampled(samples: float) -> Finding:
     "our choice: a tenth of the contact shows offset and touch",
     other_grade="stop where a third of the contact is missing",
 )
-def flights_recorded(before: float, duration_after: float) -> Finding:
+def flights_recorded(duration_before: float, duration_after: float) -> Finding:
     """The record begins before the contact and ends after the release."""
-    short = min(before, duration_after)
-    verb = "begins" if before <= duration_after else "ends"
-    where_text = "before the touch" if before <= duration_after else "after the release"
+    short = min(duration_before, duration_after)
+    verb = "begins" if duration_before <= duration_after else "ends"
+    where_text = "before the touch" if duration_before <= duration_after else "after the release"
     message = f"The record {verb} {abs(short):.2g} contact times {where_text}"
     reason = "Offset, touch and damping cannot be separated" if short >= 0 else ""
     instead = (
@@ -178,12 +178,12 @@ def sensor_in_range(clipped: int) -> Finding:
 
 
 @criterion("earlier contacts", "<=", 0.0, "later contacts are slower bounces")
-def first_contact(before: int, later_contacts: int) -> Finding:
+def first_contact(earlier_contacts: int, later_contacts: int) -> Finding:
     """The fitted contact is the first one of the record."""
     more_text = f"; {later_contacts} later contacts were left out" if later_contacts else ""
     return Finding(
-        f"{before} contacts come before the one fitted{more_text}",
-        float(before),
+        f"{earlier_contacts} contacts come before the one fitted{more_text}",
+        float(earlier_contacts),
         "The body did not meet the surface at rest, or something else touched it",
         "Cut the record.",
     )
@@ -252,7 +252,7 @@ def parameters_determined(
     )
 
 
-def _leading(fit: IndentationFit) -> float:
+def _get_widest_interval(fit: IndentationFit) -> float:
     """The widest interval, a factor, of what a contact is made for."""
     return max(
         reported_value.high / reported_value.value

@@ -25,11 +25,11 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.extensions.materials.indentation.contact_law import ContactLaw, ViscousContact
 
 _STEP, _RELAXING_STEP = 0.03, 0.05
-"""Of the march; a lossless contact is some five long. The motion is right to 1e-8, that of a model
-that relaxes to 3e-6, its force to 1e-5 of the largest."""
-_WITHIN = 6
+"""Step of integration; a lossless contact is some five long. The motion is right to 1e-8, that of
+a model that relaxes to 3e-6, its force to 1e-5 of the largest."""
+_SAMPLES_PER_STEP = 6
 """Samples of a step."""
-_ROUNDS = 30
+_MOST_ROUNDS = 30
 """Iterations in the search for the end of a contact."""
 _REMEMBERED = 1024
 """Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
@@ -80,12 +80,12 @@ class Collision(EqualByValue):
     @property
     def depth(self) -> float:
         """Largest indentation, m."""
-        return _peak(self.time, self.displacement)
+        return _find_peak(self.time, self.displacement)
 
     @property
     def largest_force(self) -> float:
         """N."""
-        return _peak(self.time, self.force)
+        return _find_peak(self.time, self.force)
 
     @property
     def acceleration(self) -> FloatArray:
@@ -104,7 +104,7 @@ def collide(
     mass : float
         kg.
     velocity : float
-        Of approach, m/s, > 0.
+        Velocity of approach, m/s, > 0.
     acceleration : float
         Acceleration that acts besides the contact, m/s^2: 9.81 for a fall, 0 across.
 
@@ -118,15 +118,15 @@ def collide(
     unit = ((n + 1) / 2 * mass * velocity ** (1 - n) / law.k) ** (1 / (n + 1))
     scaled_acceleration = acceleration * unit / velocity
     if isinstance(law, ViscousContact):
-        shape = viscous(n, law.viscous_time / unit, scaled_acceleration)
+        shape = integrate_viscous_contact(n, law.viscous_time / unit, scaled_acceleration)
     else:
-        shape = relaxing(law.g, law.tau / unit, scaled_acceleration)
+        shape = integrate_relaxing_contact(law.g, law.tau / unit, scaled_acceleration)
     return scale_collision(
         shape, unit=unit, mass=mass, velocity=velocity, acceleration=acceleration
     )
 
 
-def stiffness_of(exponent: float, *, unit: float, mass: float, velocity: float) -> float:
+def get_stiffness(exponent: float, *, unit: float, mass: float, velocity: float) -> float:
     """Return k of the contact whose lossless motion has that unit of time, s: depth over speed."""
     return float((exponent + 1) / 2 * mass * velocity ** (1 - exponent) / unit ** (exponent + 1))
 
@@ -152,7 +152,7 @@ def scale_collision(
     return Collision(t * unit, x * depth, v * velocity, F * push, mass, acceleration)
 
 
-def _peak(t: FloatArray, y: FloatArray) -> float:
+def _find_peak(t: FloatArray, y: FloatArray) -> float:
     """Return the maximum of the parabola through the largest sample and its neighbours."""
     top = int(y.argmax())
     if top in {0, len(y) - 1}:
@@ -165,7 +165,7 @@ def _peak(t: FloatArray, y: FloatArray) -> float:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def viscous(n: float, A: float, acceleration: float = 0.0) -> Shape:
+def integrate_viscous_contact(n: float, A: float, acceleration: float = 0.0) -> Shape:
     r"""Return the motion where the force follows from displacement and velocity.
 
     A and pull are in units of the lossless contact. On a sphere :math:`y = \sqrt x` and
@@ -194,7 +194,7 @@ def viscous(n: float, A: float, acceleration: float = 0.0) -> Shape:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def relaxing(g: float, tau: float, acceleration: float = 0.0) -> Shape:
+def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) -> Shape:
     r"""Return Ting's contact: loading with a state of the arm, unloading at the size it once had.
 
     With :math:`q = \int e^{-(t-s)/\tau} dx^{3/2}` and :math:`p = \int e^{-(t-s)/\tau} dx`, the
@@ -217,8 +217,8 @@ def relaxing(g: float, tau: float, acceleration: float = 0.0) -> Shape:
     from scipy.interpolate import CubicSpline
 
     # at this angle of the size the way there is smooth, at the touch as at the turn
-    nodes = slice(None, None, _WITHIN)
-    angle = _angle(y[nodes], top)
+    nodes = slice(None, None, _SAMPLES_PER_STEP)
+    angle = _compute_angle(y[nodes], top)
     loading_history = CubicSpline(angle, np.stack((t, q), axis=1)[nodes])
     edges, cubics = angle.tolist(), loading_history.c.transpose(1, 2, 0).tolist()
 
@@ -236,7 +236,7 @@ def relaxing(g: float, tau: float, acceleration: float = 0.0) -> Shape:
     unloading_time, w, u, x = _integrate_contact(
         unloading, (at, top, 0.0, top**2), lambda *state: state[1], step
     )
-    t1, q1 = loading_history(_angle(w, top)).T
+    t1, q1 = loading_history(_compute_angle(w, top)).T
     F = 1.25 * (w**3 + g * np.exp((t1 - unloading_time) / tau) * q1)
     F[-1] = 0.0
     return Shape(
@@ -247,7 +247,7 @@ def relaxing(g: float, tau: float, acceleration: float = 0.0) -> Shape:
     )
 
 
-def _angle(y: FloatArray, top: float) -> FloatArray:
+def _compute_angle(y: FloatArray, top: float) -> FloatArray:
     return np.arctan2(y, np.sqrt(np.maximum(top**2 - y**2, 0.0)))
 
 
@@ -282,7 +282,7 @@ def _integrate_contact(
         before, condition = condition, end_condition(*states[-1])
     # the last step ends where the function is zero: false position, its stale end halved
     low, high, part = 0.0, step, 0.0
-    for _ in range(_ROUNDS):
+    for _ in range(_MOST_ROUNDS):
         part = high - condition * (high - low) / (condition - before)
         states[-1] = compute_next_state(states[-2], rates[-2], part)
         value = end_condition(*states[-1])
@@ -296,7 +296,7 @@ def _integrate_contact(
     rates[-1] = rate(*states[-1])
     y, k = np.array(states).T, np.array(rates).T
     h = np.append(np.full(len(states) - 2, step), part)
-    s = np.arange(_WITHIN)[:, None, None] / _WITHIN
+    s = np.arange(_SAMPLES_PER_STEP)[:, None, None] / _SAMPLES_PER_STEP
     change = np.diff(y)
     interpolated = y[:, :-1] + s * (
         h * k[:, :-1] * (1 - s) ** 2 + s * ((3 - 2 * s) * change + (s - 1) * h * k[:, 1:])

@@ -77,7 +77,7 @@ class RelaxingContact:
     Attributes
     ----------
     k : float
-        Of the relaxed material, N/m^1.5, > 0.
+        Stiffness of the relaxed material, N/m^1.5, > 0.
     g : float
         The arm's stiffness over k, >= 0.
     tau : float

@@ -14,7 +14,7 @@ from dashpot.extensions.materials.indentation.contact_law import ViscousContact,
 from dashpot.registry import Example
 
 
-def _hit() -> str:
+def _simulate_hit() -> str:
     """A steel ball of 5 g on rubber, its acceleration at 100 kHz, 0.5 % noisy, with an offset."""
     law = ViscousContact(sphere_stiffness(4e6, 5e-3), 1e-4)
     collision = collide(law, mass=5e-3, velocity=1.0, acceleration=GRAVITY)
@@ -35,7 +35,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         "hit.csv": Example(
             "indentation",
             "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot fit",
-            _hit,
+            _simulate_hit,
         ),
     }
 )

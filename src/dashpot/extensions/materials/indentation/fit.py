@@ -190,7 +190,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         If no law can follow the record.
     """
     require_choice("law", law, ImpactLawAsked)
-    window = _window(test, largest_contact(test))
+    window = _select_window(test, largest_contact(test))
     candidates = []
     for name in [law] if law != "auto" else LAWS:
         # beside a valley the body may never be let go
@@ -208,7 +208,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         optimum.name: score(
             optimum.optimum,
             effective,
-            rounding_sse=len(optimum.residual) * _rounding(optimum.model) ** 2,
+            rounding_sse=len(optimum.residual) * _compute_rounding(optimum.model) ** 2,
         )
         for optimum in candidates
     }
@@ -254,7 +254,7 @@ def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | Non
     SIZES["contact pressure"].refuse(float(pressure), remedy=remedy)
 
 
-def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
+def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     mass = test.indenter.mass
     if mass is None:
         raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
@@ -290,7 +290,7 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
     return clipped
 
 
-def _change(window: _NearHit) -> float:
+def _estimate_speed_change(window: _NearHit) -> float:
     """Return an estimate of the speed by the contact."""
     signal, of = window.signal, window.test.of
     if of == "velocity":
@@ -306,7 +306,7 @@ def _change(window: _NearHit) -> float:
 
 def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     """Return the best least-squares fit of a law from its starts; None without a motion."""
-    law, change, duration = LAWS[name], _change(window), window.contact.duration
+    law, change, duration = LAWS[name], _estimate_speed_change(window), window.contact.duration
     contact_start, max_shift = window.contact.start, _FAR * duration
     touch_parameter = Parameter(contact_start - max_shift, contact_start + max_shift, duration)
 
@@ -330,7 +330,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
     table = [nearly(values) for values in product(*law.starts)]
     cost = np.array([value for value, _ in table]).reshape([len(start) for start in law.starts])
-    starts = [table[i][1] for i in _valleys(cost)]
+    starts = [table[i][1] for i in _find_valleys(cost)]
     full_problem = problem(law, window.test.indenter.pull)
     optima = full_problem.valleys(
         starts, same_distance=_SAME, max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
@@ -348,7 +348,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     return _estimate_law_errors(window, name, best, optima)
 
 
-def _valleys(cost: FloatArray) -> list[int]:
+def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
     around = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
@@ -368,7 +368,7 @@ def _estimate_law_errors(
     signal = window.sample_collision(hit, float(best.theta[-1]))
     model = signal.value
     count = len(best.residual)
-    noise = noise_of(best.residual, best.jacobian[:count], rounding=_rounding(model))
+    noise = noise_of(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
@@ -379,7 +379,7 @@ def _estimate_law_errors(
     return _LawOptimum(name, hit, model, uncertainty, tuple(optima))
 
 
-def _rounding(model: FloatArray) -> float:
+def _compute_rounding(model: FloatArray) -> float:
     """Return the rms error of integration and interpolation."""
     return _ROUNDING * float(np.ptp(model))
 
@@ -391,14 +391,18 @@ def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray
 
 def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
     """Return the law's parameters and what follows from them, each with its interval."""
-    derived_values = _follows(window, optimum.law, optimum.optimum.theta)
+    derived_values = _compute_numbers(window, optimum.law, optimum.optimum.theta)
 
     def numbers(values: FloatArray) -> FloatArray:
         theta = values[: len(optimum.optimum.theta)]
-        return np.array([value for value, _ in _follows(window, optimum.law, theta).values()])
+        return np.array(
+            [value for value, _ in _compute_numbers(window, optimum.law, theta).values()]
+        )
 
     slices = (
-        _slices(optimum) if len(optimum.law.starts) > 1 else [ProfileSlice(0.0, optimum.estimate)]
+        _collect_slices(optimum)
+        if len(optimum.law.starts) > 1
+        else [ProfileSlice(0.0, optimum.estimate)]
     )
     widest = optimum.estimate.quantile(_LEVEL)
     derived = [
@@ -453,7 +457,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
     )
 
 
-def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
+def _collect_slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     """Return the limits over all minima that the record does not reject.
 
     A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
@@ -472,7 +476,7 @@ def _slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     return slices
 
 
-def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
+def _compute_numbers(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
     """Return each number by the parameters of a law, by name, with its unit."""
     contact, hit = law.contact(theta, window.mass), window.simulate_collision(law, theta)
     radius = window.test.indenter.radius

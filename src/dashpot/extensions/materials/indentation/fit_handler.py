@@ -14,7 +14,7 @@ from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 
 def run(value: FitRequest) -> CommandResult:
     """Find stiffness, damping, modulus and restitution from the motion of an indenter."""
-    value.check_output_suffix(".json", what="an indenter's hit")
+    value.check_output_suffix(".json", result_name="an indenter's hit")
     if len(value.files) > 1:
         raise click.UsageError(
             f"one hit of an indenter is fitted at a time, and there are {len(value.files)} files. "

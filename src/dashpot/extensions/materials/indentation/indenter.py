@@ -21,13 +21,13 @@ class Indenter:
     mass : float or None
         kg; all that moves with the indenter.
     radius : float or None
-        Of its spherical tip, m.
+        Radius of its spherical tip, m.
     radius_error : float
         Its standard deviation, relative; a tip that is worn, or a radius that is nominal.
     drop_height : float or None
         From rest to the surface, m: it falls, and gravity pulls on.
     impact_velocity : float or None
-        Of approach, m/s, where something else measured it.
+        Velocity of approach, m/s, where something else measured it.
     """
 
     mass: float | None = option(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dashpot.base.number_format import duration, format_with_error, round_to_error
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.law_ranking import make_law_ranking
-from dashpot.report.result_page import KindPage, Topic, group, make_indicators, sources_behind
+from dashpot.report.result_page import KindPage, Topic, get_sources, group, make_indicators
 
 
 def page(indentation_fit: IndentationFit) -> KindPage:
@@ -32,6 +32,6 @@ def page(indentation_fit: IndentationFit) -> KindPage:
         picture=indentation_fit.plot(),
         table_title=f"The {indentation_fit.law} law",
         groups=(group("", indentation_fit.found),),
-        sources=sources_behind(indentation_fit),
+        sources=get_sources(indentation_fit),
         folds=(make_law_ranking(indentation_fit.orders),),
     )

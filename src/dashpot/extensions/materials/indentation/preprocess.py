@@ -51,7 +51,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     DataError
         If nothing stands out of the scatter.
     """
-    push, width = _push(test)
+    push, width = _compute_push(test)
     # a record may be cut so close that most of it is contact, or begin in one
     tenth = max(len(push) // 10, 1)
     rest = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
@@ -65,7 +65,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
             f"{push[top]:.3g}, its scatter {scatter:.3g}; cut the record about the contact, or "
             "record it with less noise"
         )
-    runs = _runs(push > _FOOT * push[top])
+    runs = _find_runs(push > _FOOT * push[top])
     start, end = next(run for run in runs if run[0] <= top < run[1])
     width_ratio = max((end - start) - 0.5 * width, 2.0) * test.step / _FOOT_WIDTH
     if end - start < _FEWEST:
@@ -75,7 +75,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
         )
     middle = test.time[0] + 0.5 * (start + end - 1) * test.step
     level = max(_OTHER * push[top], 8 * scatter)
-    other_runs = [run for run in _runs(push > level) if run[1] - run[0] >= 3]
+    other_runs = [run for run in _find_runs(push > level) if run[1] - run[0] >= 3]
     gap = 0.5 * width_ratio / test.step
     return ContactInterval(
         sign,
@@ -86,7 +86,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     )
 
 
-def _push(test: IndentationTest) -> tuple[FloatArray, int]:
+def _compute_push(test: IndentationTest) -> tuple[FloatArray, int]:
     """The record, or its derivative, smoothed over as few samples as let the contact stand out."""
     best, clearest = (test.signal, 1), 0.0
     for power in range(max(int(np.log2(len(test.time) / 8)), 1)):
@@ -116,7 +116,7 @@ def _apply_moving_average(values: FloatArray, width: int) -> FloatArray:
     return np.convolve(padded, np.full(width, 1 / width), mode="valid")
 
 
-def _runs(mask: np.ndarray) -> list[tuple[int, int]]:
+def _find_runs(mask: np.ndarray) -> list[tuple[int, int]]:
     """First and one past the last of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(int)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

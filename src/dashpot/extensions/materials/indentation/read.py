@@ -43,7 +43,7 @@ def read_indentation(
         # an acceleration beside a force is a hammer's, unless the file concerns an indenter
         kinds: list[FileKind] = ["indentation"] if assignment else ["indentation", "impact"]
         channels.expect(file, kinds, "the motion of an indenter is", stated_columns=_NAMED)
-        motion, of = _motion(file)
+        motion, of = _find_motion_column(file)
         forces = (
             [assignment]
             if assignment and of != "force" and assignment.index != motion.index
@@ -68,12 +68,14 @@ def read_indentation(
         )  # fmt: skip
 
 
-def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
+def _find_motion_column(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
     """Return the column that is fitted, and what it is."""
     roles_named = [role for role in _NAMED if getattr(file.options, role)]
     for role in roles_named or _NAMED:
         answer = (
-            _acceleration(file) if role == "acceleration" else file.find_unambiguous_column(role)
+            _find_acceleration(file)
+            if role == "acceleration"
+            else file.find_unambiguous_column(role)
         )
         if answer is not None:
             return answer, role
@@ -84,7 +86,7 @@ def _motion(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
     )
 
 
-def _acceleration(file: OpenedFile) -> RoleAssignment | None:
+def _find_acceleration(file: OpenedFile) -> RoleAssignment | None:
     """Return the only acceleration, if there is one."""
     indices = accelerations(file.table, (), file.options)
     if len(indices) > 1:

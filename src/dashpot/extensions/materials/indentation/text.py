@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dashpot.extensions.materials.law_ranking import format_bic_differences
-from dashpot.text_output.layout import Text, facts
+from dashpot.text_output.layout import Text, format_values
 
 if TYPE_CHECKING:
     from dashpot.extensions.materials.indentation.datamodel import IndentationFit
@@ -16,7 +16,7 @@ def indentation(indentation_fit: IndentationFit) -> Text:
     return Text(
         [
             f"  law: {indentation_fit.law}",
-            *facts(indentation_fit.found),
+            *format_values(indentation_fit.found),
             format_bic_differences(indentation_fit.orders),
         ]
     )

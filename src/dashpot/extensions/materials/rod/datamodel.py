@@ -17,15 +17,16 @@ class RodErrors:
     Attributes
     ----------
     gain : float
-        Of one sensor over the other, relative.
+        Error of the gain of one sensor over the other, relative.
     phase : float
         Between them, rad.
     mass, length, area, density : float
-        Of the mass on top, and of the rod, relative.
+        Relative errors of the mass on top, and of length, area and density of the rod.
     poisson : float
-        Of Poisson's ratio, absolute: what is not known of a rubber's, 0.4985 to 0.4999.
+        Error of Poisson's ratio, absolute: what is not known of a rubber's, 0.4985 to 0.4999.
     glue : float
-        Of what the glue between rod, base and mass gives, over what the rod gives: trials had 12 %.
+        Compliance of what the glue between rod, base and mass gives, over what the rod gives:
+        trials had 12 %.
     """
 
     gain: float = 0.01
@@ -93,10 +94,10 @@ class RodModulus(EqualByValue):
         """E''/E'."""
         return np.asarray(self.modulus.imag / self.modulus.real)
 
-    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
+    def changes(self, name: str, size: float) -> tuple[FloatArray, FloatArray]:
         """Relative change of the storage, and change of the loss factor, by an error of `name`."""
         slope: ComplexArray = getattr(self, f"by_{name}")
-        return compute_stiffness_change(by * slope, self.loss_factor)
+        return compute_stiffness_change(size * slope, self.loss_factor)
 
     @property
     def error_contributions(self) -> tuple[ComplexArray, ...]:

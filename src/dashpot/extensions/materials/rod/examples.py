@@ -14,7 +14,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part_geometry import Disc
 
 
-def _rod() -> str:
+def _simulate_rod() -> str:
     """T of a rubber cylinder, 20 mm by 20 mm and 6.283 g, under 31.4 g; 0.5 % noisy."""
     part, density = Disc(20e-3, 20e-3), 1000.0
     frequency = np.arange(20.0, 600.0, 1.0)
@@ -40,7 +40,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         "rod.csv": Example(
             "transmissibility",
             "the transmissibility of a rubber cylinder to a mass on it, for dashpot fit",
-            _rod,
+            _simulate_rod,
         ),
     }
 )

@@ -26,7 +26,7 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
     ----------
     modulus : RodModulus
     fit : Fit, optional
-        Of the usable band.
+        Fit of the usable band.
     stamp : str
         What the figure says of its origin.
     """

@@ -45,7 +45,7 @@ class Rod(HasVerdict, Serialisable):
     Attributes
     ----------
     frf : FRF
-        Of the mass, judged.
+        FRF of the mass, judged.
     modulus : RodModulus
         Line by line.
     part : Disc or Block
@@ -189,7 +189,7 @@ def rod_under(
     mass : float
         On the rod, kg.
     density : float
-        Of the rod, kg/m^3.
+        Density of the rod, kg/m^3.
     rod : RodChoices
     arms, family
         Of the model fitted to the usable band.
@@ -198,11 +198,11 @@ def rod_under(
     mass_sd : float, optional
         Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
     poisson : float, optional
-        Of the rod, which its bonded ends ask; by default that of a rubber.
+        Poisson's ratio of the rod, which its bonded ends ask; by default that of a rubber.
     specimen : Specimen, optional
     """
     part, errors, bonded = (
-        _part(rod),
+        _make_rod_shape(rod),
         RodErrors(rod.gain_error, rod.phase_error, glue=rod.glue_error),
         not rod.lubricated,
     )
@@ -246,7 +246,7 @@ def rod_under(
     return replace(new_rod, fit=replace(fit, provenance=provenance, evidence=evidence))
 
 
-def _part(rod: RodChoices) -> Disc | Block:
+def _make_rod_shape(rod: RodChoices) -> Disc | Block:
     """Return the shape of the rod; its last length is the axial one."""
     if (rod.disc is None) == (rod.block is None):
         raise DataError(

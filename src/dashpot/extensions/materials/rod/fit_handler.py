@@ -6,7 +6,7 @@ import click
 
 from dashpot.base.errors import ReadError
 from dashpot.base.option_fields import FamilyOption
-from dashpot.cli._command_files import format_command, grams
+from dashpot.cli._command_files import format_command, format_grams
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
@@ -14,7 +14,7 @@ from dashpot.extensions.materials.rod.fit_files import Rod, rod_files
 
 def run(request: FitRequest) -> CommandResult:
     """Find the modulus and the loss factor of a rod's material from the motion of a mass on it."""
-    request.check_output_suffix(".json", what="the fit of a rod")
+    request.check_output_suffix(".json", result_name="the fit of a rod")
     options = {
         "--shape disc:20mm,20mm": request["rod"].disc or request["rod"].block,
         "--density 1000": request["density"],
@@ -38,11 +38,11 @@ def run(request: FitRequest) -> CommandResult:
     )
     if request.output and not request.page and rod.fit is None:
         raise ReadError(f"-o writes a fit, and there is none: {rod.reason}")
-    return request.write_output(rod, follow=_follow(rod, request))
+    return request.write_output(rod, next_command=_format_next_command(rod, request))
 
 
-def _follow(rod: Rod, request: FitRequest) -> str:
+def _format_next_command(rod: Rod, request: FitRequest) -> str:
     if rod.fit is None or not request.result_path:
         return ""
-    part = ("--shape", "disc:20mm,10mm", "--mass", grams(rod.mass), "--base")
+    part = ("--shape", "disc:20mm,10mm", "--mass", format_grams(rod.mass), "--base")
     return format_command("predict", request.result_path, *part)

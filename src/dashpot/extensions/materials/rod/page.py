@@ -9,7 +9,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.materials.rod.fit_files import Rod
 from dashpot.report.first_screen import NBSP
 from dashpot.report.result_page import Group, KindPage, Topic, make_indicators, row
-from dashpot.report.solid_and_frf_pages import OF_LOSS, OF_REST, make_solid_groups
+from dashpot.report.solid_and_frf_pages import LOSS_CHECKS, STIFFNESS_CHECKS, make_solid_groups
 
 
 def page(rod: Rod) -> KindPage:
@@ -22,7 +22,7 @@ def page(rod: Rod) -> KindPage:
         "sensors_agree"},
         f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "",
     )  # fmt: skip
-    model_checks = OF_REST | OF_LOSS | {
+    model_checks = STIFFNESS_CHECKS | LOSS_CHECKS | {
         "one_solid_explains_lines", "residuals_white", "optimum_found", "storage_rises",
     }  # fmt: skip
     groups: list[Group] = []

@@ -48,10 +48,10 @@ def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float
     size = len(errors)
     weight = 1 / (np.abs(E) * scatter)
     A = np.vstack((
-        _parts(np.column_stack((columns, *errors)) * weight[:, None]),
+        _split_real_imaginary(np.column_stack((columns, *errors)) * weight[:, None]),
         np.eye(size, columns.shape[1] + size, columns.shape[1]),
     ))  # fmt: skip
-    y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(size)))
+    y = np.concatenate((_split_real_imaginary(np.asarray(E * weight)), np.zeros(size)))
     is_nonnegative = np.arange(A.shape[1]) < columns.shape[1]
     beta, _ = solve_linear(A, y, is_nonnegative)
     residual = y - A @ beta
@@ -59,5 +59,5 @@ def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float
     return float(residual @ residual) / max(free, 1)
 
 
-def _parts(rows: npt.NDArray[Any]) -> FloatArray:
+def _split_real_imaginary(rows: npt.NDArray[Any]) -> FloatArray:
     return np.concatenate((rows.real, rows.imag))

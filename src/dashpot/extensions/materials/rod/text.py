@@ -34,14 +34,14 @@ def rod(rod: Rod) -> Text:
         if of.usable.any()
         else "  usable      nowhere"
     )
-    lines += _lines(rod, _ROWS, ())
+    lines += _format_lines(rod, _ROWS, ())
     if rod.fit is None:
         lines.append(f"  No model was fitted: {rod.reason}")
-        return Text(lines, _lines(rod, len(of.frequency)))
-    fitted = results.fit(rod.fit)
-    details = ["every line", *_lines(rod, len(of.frequency))]
+        return Text(lines, _format_lines(rod, len(of.frequency)))
+    fitted = results.render_fit(rod.fit)
+    details = ["every line", *_format_lines(rod, len(of.frequency))]
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 
 
-def _lines(rod: Rod, lines_shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
+def _format_lines(rod: Rod, lines_shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
     return format_error_sensitivity(rod.modulus, errors=errors, unit="Pa", line_count=lines_shown)

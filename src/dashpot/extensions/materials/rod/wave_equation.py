@@ -91,7 +91,7 @@ def rod_modulus(
     mass : float or str
         On top, kg.
     density : float
-        Of the rod, kg/m^3.
+        Density of the rod, kg/m^3.
     bonded : bool
         To its plates: what that stiffens is taken off.
     errors : RodErrors, optional
@@ -192,7 +192,7 @@ def _invert_lines(
     part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.quantity.over_base
     omega = 2 * np.pi * measured.frequency
     y = 1 / measured.value if over_base else measured.value / (rod.rod_mass * omega**2)
-    equation = _base if over_base else _force
+    equation = _evaluate_base_equation if over_base else _evaluate_force_equation
     w = _solve_line_roots(equation, y, omega, ratio)
     finite = np.isfinite(w)
     measured, omega, y, w = measured.only(finite), omega[finite], y[finite], w[finite]
@@ -224,7 +224,7 @@ def _invert_lines(
     ]
     random = measured.random_sd
     if random is None:
-        part_of: ComplexArray = _scatter(np.log(E)).astype(complex)
+        part_of: ComplexArray = _estimate_scatter(np.log(E)).astype(complex)
     else:
         part_of = random / np.abs(measured.value) * relative
     relative_errors += [part_of, 1j * part_of]
@@ -235,7 +235,10 @@ def _invert_lines(
     )  # fmt: skip
     response = np.abs(measured.value if over_base else 1 / measured.value)
     modulus = _estimate_errors_and_band(
-        modulus, relative_errors, response, np.abs(w) / part.height**2 * _across(part)
+        modulus,
+        relative_errors,
+        response,
+        np.abs(w) / part.height**2 * _correct_lateral_inertia(part),
     )
     usable = modulus.usable
     scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
@@ -308,14 +311,16 @@ def _estimate_rest_offset(
     first = int(usable[0])
     # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)
     power = 2 - 2 / np.pi * float(np.angle(modulus.modulus[first]))
-    expected, _, _ = _base(modulus.wave[first] * (f[low] / f[first]) ** power, ratio)
+    expected, _, _ = _evaluate_base_equation(
+        modulus.wave[first] * (f[low] / f[first]) ** power, ratio
+    )
     log_offsets = np.log(measured.value[low] * expected)
     parts = np.stack([log_offsets.real, log_offsets.imag])
     error = _MEDIAN * parts.std(axis=1, ddof=1) / np.sqrt(len(log_offsets))
     return complex(*np.median(parts, axis=1)), complex(*error)
 
 
-def _scatter(lines: ComplexArray) -> FloatArray:
+def _estimate_scatter(lines: ComplexArray) -> FloatArray:
     """Standard deviation of either part of lines by their second differences, which no curve has.
 
     The mean over a few neighbours; of fewer lines than that it is not known, 0.
@@ -328,7 +333,7 @@ def _scatter(lines: ComplexArray) -> FloatArray:
     return np.sqrt(np.pad(mean, 1, mode="edge"))
 
 
-def _across(part: Disc | Block) -> float:
+def _correct_lateral_inertia(part: Disc | Block) -> float:
     r"""Return the decrease of the modulus by lateral inertia, over k^2 (Rayleigh).
 
     .. math:: \nu^2 I_p / A, \qquad \nu = 1/2
@@ -341,7 +346,9 @@ def _across(part: Disc | Block) -> float:
 _Equation = Callable[[ComplexArray, float], tuple[ComplexArray, ComplexArray, ComplexArray]]
 
 
-def _base(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+def _evaluate_base_equation(
+    w: ComplexArray, ratio: float
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Return 1/T, and its derivatives by w = z^2 and by M/m."""
     z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
     sine, cosine = np.sin(z), np.cos(z)
@@ -349,7 +356,9 @@ def _base(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, Co
     return cosine - ratio * z * sine, by_z / (2 * z), -z * sine
 
 
-def _force(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+def _evaluate_force_equation(
+    w: ComplexArray, ratio: float
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """F/(x m omega^2), and its derivatives by w = z^2 and by M/m."""
     z: ComplexArray = np.sqrt(np.asarray(w, dtype=complex))
     cotangent = 1 / np.tan(z)
@@ -369,14 +378,18 @@ def _solve_line_roots(
     DataError
         If less than half of the lines have one.
     """
-    peak = int(np.abs(y / (1 if equation is _base else 1 / omega**2)).argmin())
+    peak = int(np.abs(y / (1 if equation is _evaluate_base_equation else 1 / omega**2)).argmin())
     w = np.zeros(len(y), dtype=complex)
-    guess = (1 - y[peak]) / (ratio + 0.5) if equation is _base else 1 / (y[peak] + ratio + 1 / 3)
+    guess = (
+        (1 - y[peak]) / (ratio + 0.5)
+        if equation is _evaluate_base_equation
+        else 1 / (y[peak] + ratio + 1 / 3)
+    )
     for order in (range(peak, len(y)), range(peak - 1, -1, -1)):
         before = peak
         for i in order:
             start = guess if i == peak else w[before] * (omega[i] / omega[before]) ** 2
-            w[i] = _root(equation, complex(start), complex(y[i]), ratio)
+            w[i] = _find_root(equation, complex(start), complex(y[i]), ratio)
             before = i if np.isfinite(w[i]) else before
     failed_indices = np.flatnonzero(~np.isfinite(w))
     if np.isnan(w[peak]) or 2 * len(failed_indices) > len(w):
@@ -388,7 +401,7 @@ def _solve_line_roots(
     return w
 
 
-def _root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
+def _find_root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
     for _ in range(_ROUNDS):
         value, slope, _ = equation(np.asarray(w), ratio)
         step = complex((value - y) / slope)

@@ -33,7 +33,7 @@ class ViscoelasticCard:
     Attributes
     ----------
     name : str
-        Of the material, or the number of the property.
+        Name of the material, or the number of the property.
     keyword : str
         The card that holds the relaxation.
     relative : tuple of (float, float)
@@ -50,7 +50,7 @@ class ViscoelasticCard:
     table : FrequencyTable or None
         SI.
     law : TemperatureLaw or None
-        Of the relaxation times.
+        Law of the relaxation times.
     notes : tuple of str
         What was not read, and what was taken for granted.
     """

@@ -37,13 +37,13 @@ goes to predict, compare, report and export as a fit does.
     ),
     group(
         _TEST,
-        build_options(PlannedRamp, "ramp_time", "hold_time", "depth", "noise", into="planned"),
+        build_options(PlannedRamp, "ramp_time", "hold_time", "depth", "noise", argument="planned"),
         opt("--relative-noise", type=float, metavar="SHARE",
             help="Noise over the peak, of a material (0.002)."),
-        mark_advanced(build_options(PlannedRamp, "rate", "baseline", into="planned")),
+        mark_advanced(build_options(PlannedRamp, "rate", "baseline", argument="planned")),
     ),
-    options.piece(more=False),
-    options.result("Model as .json.", ".json", plot=False, opens=False),
+    options.specimen_options(is_advanced=False),
+    options.result_options("Model as .json.", ".json", plot=False, has_open_option=False),
 )  # fmt: skip
 def command(
     *,
@@ -83,8 +83,8 @@ def command(
     )  # fmt: skip
     if output:
         write_output(output, format_json(result.fit) + "\n")
-    follow = _format_next(output, result.fit.unit) if output else ""
-    return CommandResult.from_result(result, follow=follow)
+    next_command = _format_next(output, result.fit.unit) if output else ""
+    return CommandResult.from_result(result, next_command=next_command)
 
 
 def _format_next(model: str, unit: str) -> str:

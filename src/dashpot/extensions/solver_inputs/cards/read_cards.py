@@ -61,10 +61,10 @@ def read_cards(
     ----------
     text : str
     name : str
-        Of the file, for messages.
+        Name of the file, for messages.
     units : UnitSystem
     component : int, optional
-        Of bushes.
+        For bushes.
 
     Raises
     ------

@@ -31,9 +31,9 @@ from dashpot.text_output.layout import Text
 from dashpot.vibration.mass_on_seals import model_modes
 from dashpot.workflow.bench_tests import prepared_files, refuse_unfitted_tests
 
-OWN = ("draws", "seed", "record")
+DRAW_OPTIONS = ("draws", "seed", "record")
 """The options of draws among those of ``dashpot export``."""
-_FACTOR = 0.3
+_FACTOR_LIMIT = 0.3
 """A larger standard deviation of a logarithm is printed as a factor."""
 
 
@@ -60,7 +60,7 @@ class Draws(Serialisable):
         The table of what each does to the peak.
     seed : int
     peak, damping_ratio : float
-        Of the fit itself, Hz and dimensionless.
+        Peak and damping ratio of the fit itself, Hz and dimensionless.
     ln_peak_sd, ln_damping_sd : float
         Standard deviations of their logarithms over the draws.
     """
@@ -106,7 +106,7 @@ def export_draws(
         raise ExportError("--draws writes several files; name the first: -o FILE")
     if mass is None:
         raise ExportError("--draws needs the mass on the seals, whose peak the index lists: --mass")
-    draw_options = {name: value for name, value in choices.items() if name not in OWN}
+    draw_options = {name: value for name, value in choices.items() if name not in DRAW_OPTIONS}
     if not uses_argument(target, "mass"):
         del draw_options["mass"]
     count, seed = choices["draws"], choices["seed"] or 0
@@ -117,7 +117,7 @@ def export_draws(
     ]
     index = path.with_name(f"{path.stem}_draws.csv")
     claim_outputs([*files, index])
-    base = deck_for(target, fit, **draw_options)
+    fit_deck = deck_for(target, fit, **draw_options)
     peak_of = _PeakFinder(mass, choices["seals"], choices["compression"], choices["temperature"])
     peak = peak_of(fit)
     times = choose_unresolved_times(fit, peak.frequency)
@@ -128,7 +128,7 @@ def export_draws(
     fits = [replace_solid(fit, draw, count=count, seed=seed) for draw in solids_drawn]
     peaks = [peak_of(fit_drawn) for fit_drawn in fits]
     check = unresolved_arm_drawn(int(times is not None), peak.frequency, has_record=bool(records))
-    write_output(output, base.file_content)
+    write_output(output, fit_deck.file_content)
     for file, fit_drawn in zip(files, fits, strict=True):
         write_output(file, deck_for(target, fit_drawn, **draw_options).file_content)
     table = format_index(
@@ -139,15 +139,15 @@ def export_draws(
         ],
     )
     write_output(index, table)
-    for override in base.overrides:
+    for override in fit_deck.overrides:
         to_stderr(f"OVERRIDE: {override}")
-    logs = np.log([(peak.frequency, peak.damping_ratio) for peak in peaks])
-    frequency_sd, damping_sd = (float(sd) for sd in logs.std(axis=0, ddof=1))
+    log_values = np.log([(peak.frequency, peak.damping_ratio) for peak in peaks])
+    frequency_sd, damping_sd = (float(sd) for sd in log_values.std(axis=0, ddof=1))
     result = Draws(
         target, output, tuple(map(str, files)), str(index), seed, peak.frequency,
         peak.damping_ratio, frequency_sd, damping_sd,
     )  # fmt: skip
-    checks: tuple[Check, ...] = (*base.checks, check)
+    checks: tuple[Check, ...] = (*fit_deck.checks, check)
     low, high = (choose(peak.frequency for peak in peaks) for choose in (min, max))
     lowest, highest = (choose(peak.damping_ratio for peak in peaks) for choose in (min, max))
     frequencies = f"{peak.frequency:.5g} Hz, {low:.4g} to {high:.4g} Hz"
@@ -165,7 +165,7 @@ def export_draws(
 
 def _format_spread(ln_sd: float) -> str:
     """Return the standard deviation of a logarithm as a percentage, or as a factor."""
-    if ln_sd < _FACTOR:
+    if ln_sd < _FACTOR_LIMIT:
         return f"standard deviation {100 * ln_sd:.2g} %"
     return f"standard deviation a factor of {np.exp(ln_sd):.3g}"
 

@@ -118,7 +118,7 @@ class ModelDescription:
                 else index_by_reference[variable.derivative_of]
             )
             minimum_text = None if variable.minimum is None else repr(variable.minimum)
-            yield f"    <ScalarVariable{_format_attributes(**_common(variable))}>"
+            yield f"    <ScalarVariable{_format_attributes(**_get_attributes(variable))}>"
             numbers = _format_attributes(
                 unit=variable.unit, derivative=of, min=minimum_text, start=start
             )
@@ -167,7 +167,7 @@ class ModelDescription:
             minimum_text = None if variable.minimum is None else repr(variable.minimum)
             of = None if variable.derivative_of is None else str(variable.derivative_of)
             numbers = {"unit": variable.unit, "derivative": of, "min": minimum_text, "start": start}
-            yield f"    <Float64{_format_attributes(**_common(variable), **numbers)}/>"
+            yield f"    <Float64{_format_attributes(**_get_attributes(variable), **numbers)}/>"
         yield "  </ModelVariables>"
         yield "  <ModelStructure>"
         for kind, variables in (
@@ -207,7 +207,7 @@ class ModelDescription:
         yield "  </UnitDefinitions>"
 
 
-def _common(variable: Variable) -> dict[str, str | None]:
+def _get_attributes(variable: Variable) -> dict[str, str | None]:
     return {
         "name": variable.name, "valueReference": str(variable.reference),
         "causality": variable.causality,

@@ -39,10 +39,10 @@ def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
         In the chamber, Pa and kg/m^3; outside they are those of the ambient.
     """
     log_pressure = np.log(np.asarray(pressure, dtype=float) / AMBIENT)
-    return _flux(log_pressure, np.log(np.asarray(density, dtype=float) / DENSITY))
+    return _compute_log_flux(log_pressure, np.log(np.asarray(density, dtype=float) / DENSITY))
 
 
-def _flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
+def _compute_log_flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
     """Return the same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
     upstream = np.exp(np.where(log_pressure > 0, 0.5 * (log_pressure + denser), 0.0))
     log_ratio = np.maximum(-np.abs(log_pressure), _LOG_CHOKED)
@@ -51,14 +51,14 @@ def _flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
     return np.asarray(np.copysign(_SLOPE * upstream * np.sqrt(flow_drop), log_pressure))
 
 
-def pressure_of(density: npt.ArrayLike, exponent: float) -> FloatArray:
+def compute_pressure(density: npt.ArrayLike, exponent: float) -> FloatArray:
     """Pa, of air of a density, kg/m^3, that was the ambient's."""
     return np.asarray(AMBIENT * (np.asarray(density) / DENSITY) ** exponent)
 
 
 def compute_stored_energy(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
     """Return the energy that the air of a chamber would give back in expansion, J."""
-    p = pressure_of(density, exponent)
+    p = compute_pressure(density, exponent)
     free = volume * density / DENSITY
     if exponent == 1.0:
         inner = p * volume * np.log(p / AMBIENT)
@@ -92,12 +92,14 @@ def compute_next_density(
     mass = density * before
     inner = before + _STAGE * (volume_after - before)
     step = opening * seconds
-    first = _implicit(mass, inner, _STAGE * step, exponent, density)
-    flow = step * mass_flux(pressure_of(first, exponent), first)
-    return _implicit(mass - (1 - _STAGE) * flow, volume_after, _STAGE * step, exponent, first)
+    first = _solve_implicit_step(mass, inner, _STAGE * step, exponent, density)
+    flow = step * mass_flux(compute_pressure(first, exponent), first)
+    return _solve_implicit_step(
+        mass - (1 - _STAGE) * flow, volume_after, _STAGE * step, exponent, first
+    )
 
 
-def _implicit(
+def _solve_implicit_step(
     mass: FloatArray, volume: FloatArray, step: FloatArray, n: float, guess: FloatArray
 ) -> FloatArray:
     """Return the density r with V r + step * flux(r) = mass, near a guess.
@@ -105,16 +107,16 @@ def _implicit(
     In z with p/p_a = 1 + z|z| the flux is all but straight, so that Newton does not feel its
     infinite slope at rest; the answer lies between rest and the chamber without its opening.
     """
-    bound = _root(np.maximum(mass / volume, 1e-6 * DENSITY), n)
+    bound = _find_density(np.maximum(mass / volume, 1e-6 * DENSITY), n)
     low, high = np.minimum(bound, 0.0), np.maximum(bound, 0.0)
     # where nothing flows, the bound is the answer
-    z = np.where(step > 0, np.clip(_root(guess, n), low, high), bound)
+    z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), bound)
     slope = np.sqrt(2 * AMBIENT * DENSITY)
     for _ in range(_ROUNDS):
         size = np.abs(z)
         log_pressure = np.log1p(z * size)
         air_mass = volume * DENSITY * np.exp(log_pressure / n)
-        miss = air_mass + step * _flux(log_pressure, log_pressure / n) - mass
+        miss = air_mass + step * _compute_log_flux(log_pressure, log_pressure / n) - mass
         slope_of_balance = air_mass * (2 / n) * size / (1 + z * size) + step * slope
         z = np.minimum(
             np.maximum(z - miss / np.where(slope_of_balance > 0, slope_of_balance, np.inf), low),
@@ -125,6 +127,6 @@ def _implicit(
     return np.asarray(DENSITY * (1 + z * np.abs(z)) ** (1 / n))
 
 
-def _root(density: FloatArray, n: float) -> FloatArray:
+def _find_density(density: FloatArray, n: float) -> FloatArray:
     relative_pressure = (density / DENSITY) ** n - 1
     return np.asarray(np.copysign(np.sqrt(np.abs(relative_pressure)), relative_pressure))

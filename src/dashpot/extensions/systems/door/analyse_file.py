@@ -17,17 +17,17 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.random_response import RandomResponse
 from dashpot.datamodel.seal_line import SealSection, Shear
 from dashpot.extensions.systems.door import checks
-from dashpot.extensions.systems.door.assembly import BODY, DOOR, Assembly, implied_mass
+from dashpot.extensions.systems.door.assembly import BODY, DOOR, Assembly, estimate_mass
 from dashpot.extensions.systems.door.door_model import Door, DoorPoint, SealChoice
 from dashpot.extensions.systems.door.modes import (
     DoorMode,
-    basis_error,
     count_free_motions,
     count_lateral_free_motions,
     door_modes,
+    estimate_basis_error,
+    estimate_station_error,
     find_farthest_point,
-    oscillations,
-    station_error,
+    find_oscillations,
 )
 from dashpot.extensions.systems.door.mounts import SEAL
 from dashpot.extensions.systems.door.read import read_door
@@ -59,7 +59,7 @@ def open_door(
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it, or what it reads.
     temperature : float, optional
-        Of the seal, K, instead of what the file says.
+        Temperature of the seal, K, instead of what the file says.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def open_door(
                 fit,
                 length=choice_of_seal.length,
                 temperature=kelvin,
-                shear=shear_of(choice_of_seal, kelvin),
+                shear=get_shear(choice_of_seal, kelvin),
                 friction=choice_of_seal.friction,
             )
             fit = fit if kelvin is None else fit.at_temperature(kelvin)
@@ -95,10 +95,10 @@ def open_door(
                 max_compression = float(door.line.compression.max())
                 require_plausible_compression(max_compression, fit.elastic_law, fit.specimen.height)
             door = replace(door, line=replace(door.line, section=section))
-        return Assembly(door, modes, dict(_parts_of(door))), fit
+        return Assembly(door, modes, dict(_list_fitted_parts(door))), fit
 
 
-def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
+def get_shear(choice: SealChoice, temperature: float | None) -> Shear:
     """Return what the seal of a door answers sideways: ratios, or one metre of what was tested so.
 
     Raises
@@ -140,7 +140,7 @@ def add_file_to_errors(path: str | Path | Door) -> AbstractContextManager[None]:
     return nullcontext() if isinstance(path, Door) else add_name_to_errors(Path(path).name)
 
 
-def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
+def _list_fitted_parts(door: Door) -> Iterator[tuple[str, Solid]]:
     """Hinges, latch and bumpers that a fit describes, at their compression."""
     for support in (*door.hinges, *((door.latch,) if door.latch else ()), *door.bumpers):
         if not support.fit:
@@ -174,9 +174,9 @@ def door_file(
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it, or what it reads.
     band : (float, float), optional
-        Of the FRFs and modes, Hz; 1 to 200 Hz by default.
+        Band of the FRFs and modes, Hz; 1 to 200 Hz by default.
     temperature : float, optional
-        Of the seal, K, instead of what the file says.
+        Temperature of the seal, K, instead of what the file says.
 
     Raises
     ------
@@ -188,23 +188,29 @@ def door_file(
     with add_file_to_errors(path):
         system, system_without_seal = assembly.system(), assembly.system(sealed=False)
         modes = door_modes(assembly, band[1])
-        points = _points(assembly)
+        points = _list_points(assembly)
         driven_point = next(point for point in points if point.on == DOOR)
         lines = np.linspace(*band, LINES)
         frfs = []
         for door_point in points:
             sealed, frf_without_seal = (
-                item.frf(response=_place(door_point), force=_place(driven_point), frequency=lines)
+                item.frf(
+                    response=_make_place(door_point),
+                    force=_make_place(driven_point),
+                    frequency=lines,
+                )
                 for item in (system, system_without_seal)
             )
             frfs.append((door_point.name, sealed, frf_without_seal))
-        base_responses = tuple(_shaken(assembly, points)) if assembly.door.base else ()
+        base_responses = (
+            tuple(_list_shaken_responses(assembly, points)) if assembly.door.base else ()
+        )
         return DoorResult(
             assembly,
             fit,
             band,
             modes,
-            tuple(mode.frequency for mode in oscillations(system_without_seal, band[1])),
+            tuple(mode.frequency for mode in find_oscillations(system_without_seal, band[1])),
             driven_point,
             tuple(frfs),
             base_responses,
@@ -212,7 +218,7 @@ def door_file(
         )
 
 
-def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
+def _list_points(assembly: Assembly) -> tuple[DoorPoint, ...]:
     """Return the points of the file, or the farthest corner; the first on the door is driven."""
     door = assembly.door
     if any(point.on == BODY for point in door.points) and door.body is None:
@@ -221,10 +227,10 @@ def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
         )
     if any(point.on == DOOR for point in door.points):
         return door.points
-    return (_corner(assembly), *door.points)
+    return (_find_far_corner(assembly), *door.points)
 
 
-def _corner(assembly: Assembly) -> DoorPoint:
+def _find_far_corner(assembly: Assembly) -> DoorPoint:
     """Return the point of the door that is farthest from its hinges."""
     door, modes = assembly.door, assembly.modes
     support_points = np.array([hinge.at for hinge in door.hinges] or [assembly.body().at])
@@ -237,11 +243,13 @@ def _corner(assembly: Assembly) -> DoorPoint:
     return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
 
 
-def _place(point: DoorPoint) -> Point:
+def _make_place(point: DoorPoint) -> Point:
     return Point(point.on, point.at, point.along)
 
 
-def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseResponse]:
+def _list_shaken_responses(
+    assembly: Assembly, points: tuple[DoorPoint, ...]
+) -> Iterator[BaseResponse]:
     door = assembly.door
     if door.body is not None:
         raise DataError(
@@ -252,7 +260,7 @@ def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[BaseR
         responses: list[RandomResponse | None] = []
         for sealed in (True, False):
             try:
-                response = respond(assembly.system(sealed=sealed), _place(point))
+                response = respond(assembly.system(sealed=sealed), _make_place(point))
             except DataError:
                 if sealed:
                     raise
@@ -307,16 +315,16 @@ def _check_seal_line(
     norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
     pieces = np.diff(line.arc_length).tolist()
     yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, pieces)
-    yield checks.stations_suffice(station_error(assembly, max_hz), assembly.door.pitch)
+    yield checks.stations_suffice(estimate_station_error(assembly, max_hz), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     compressions = stations.compression
     if compressions is not None:
-        yield touches_along(compressions, stations.along, line.length)
+        yield check_contact(compressions, stations.along, line.length)
         law = fit.elastic_law
         yield compression_tested(float(compressions.max()), None if law is None else law.depth)
 
 
-def touches_along(compressions: FloatArray, positions: FloatArray, length: float) -> Check:
+def check_contact(compressions: FloatArray, positions: FloatArray, length: float) -> Check:
     """Return whether the seal touches at all stations, by their compressions and places, m."""
     worst = int(compressions.argmin())
     return checks.seal_touches(
@@ -333,8 +341,8 @@ def _check_modes(modes: FreeModes, assembly: Assembly, max_hz: float) -> Iterato
     yield checks.mode_shapes_cover_points(*find_farthest_point(assembly, modes))
     elastic = modes.frequency[~modes.rigid]
     highest = float(elastic.max(initial=0.0))
-    yield checks.modes_suffice(basis_error(assembly, max_hz), len(elastic), highest)
+    yield checks.modes_suffice(estimate_basis_error(assembly, max_hz), len(elastic), highest)
     rigid = assembly.door.rigid
-    implied = None if rigid is None else implied_mass(modes, rigid)
+    implied = None if rigid is None else estimate_mass(modes, rigid)
     if rigid is not None and implied is not None:
         yield checks.masses_agree(rigid.mass, implied)

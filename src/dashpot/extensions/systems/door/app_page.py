@@ -11,8 +11,17 @@ from dashpot.base.errors import ReadError
 from dashpot.base.number_format import hertz, round_to_error
 from dashpot.datamodel.fit import Fit
 from dashpot.extensions.systems.door.analyse_file import door_file
-from dashpot.extensions.systems.door.figure import View, frf_panel, line_panel, shape_panels
-from dashpot.extensions.systems.door.page import format_door_summary, make_door_indicators, modes_of
+from dashpot.extensions.systems.door.figure import (
+    View,
+    make_frf_panel,
+    make_line_panel,
+    make_shape_panels,
+)
+from dashpot.extensions.systems.door.page import (
+    format_door_summary,
+    make_door_indicators,
+    make_mode_table,
+)
 from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.plot.picture import Picture
 from dashpot.reading.toml import parsed_toml
@@ -63,18 +72,18 @@ def page(result: DoorResult) -> KindPage:
 def list_cards(result: DoorResult) -> list[AppCard]:
     """Return the seal line and the response, the modes with their shares, and their shapes."""
     view = View.from_result(result)
-    panels = [] if view is None else [line_panel(result, view)]
+    panels = [] if view is None else [make_line_panel(result, view)]
     if result.frfs:
-        panels.append(frf_panel(result, 0, height=panels[0].height if panels else _HEIGHT))
+        panels.append(make_frf_panel(result, 0, height=panels[0].height if panels else _HEIGHT))
     cards: list[AppCard] = []
     if panels:
         picture = Picture("door", "", tuple((panel,) for panel in panels), len(panels))
         cards.append(AppCard("", picture))
     if result.modes:
         table = environment("dashpot.extensions.systems.door").get_template("modes_table.html")
-        html = table.render(modes=modes_of(result))
+        html = table.render(modes=make_mode_table(result))
         cards.append(AppCard("Modes: who holds, who loses", html))
-    shapes = [] if view is None else shape_panels(result, view)
+    shapes = [] if view is None else make_shape_panels(result, view)
     if shapes:
         cards.append(AppCard("Shapes, from outside", tuple(shapes)))
     return cards
@@ -100,7 +109,7 @@ def predict_open_files(
         toml = parsed_toml(path.read_bytes())
     except ReadError as error:
         raise ReadError(f"{path.name}: {error}") from None
-    for text in _texts(toml):
+    for text in _list_texts(toml):
         if Path(text).is_absolute() or ".." in Path(text).parts or text[1:3] == ":\\":
             raise ReadError(
                 f"{path.name} names a file elsewhere ({text}). Name it alone, and open it here"
@@ -117,10 +126,10 @@ def predict_open_files(
     return door_file(folder / path.name)
 
 
-def _texts(text: Any) -> Iterator[str]:
+def _list_texts(text: Any) -> Iterator[str]:
     """Every text in a document."""
     if isinstance(text, str):
         yield text
     elif isinstance(text, dict | list):
         for item in text.values() if isinstance(text, dict) else text:
-            yield from _texts(item)
+            yield from _list_texts(item)

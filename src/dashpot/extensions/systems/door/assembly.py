@@ -10,7 +10,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.door.door_model import Door, RigidPart, Support
-from dashpot.extensions.systems.door.mounts import line_mounts
+from dashpot.extensions.systems.door.mounts import make_line_mounts
 from dashpot.extensions.systems.free_modes import FreeModes
 from dashpot.extensions.systems.multibody import Body, Mount, System
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -32,7 +32,7 @@ class Assembly:
     door : Door
         Its line with the section, if it has a seal.
     modes : FreeModes or None
-        Of the door.
+        Modes of the door.
     parts : mapping
         From the path of a fit to the solid of the part, N/m.
     """
@@ -60,8 +60,8 @@ class Assembly:
                     "the door has no mass: give [door] its mass, centre and inertia, or [modes] "
                     "with its six rigid ones"
                 )
-            rigid = rigid_of(modes)
-        elastic = None if modes is None else _elastic(modes)
+            rigid = find_rigid_body(modes)
+        elastic = None if modes is None else _select_elastic_modes(modes)
         return Body(
             DOOR, rigid.mass, rigid.inertia, at=rigid.centre, free=rigid.motions, modes=elastic
         )
@@ -75,7 +75,7 @@ class Assembly:
         ----------
         sealed : bool
         pitch : float, optional
-            Of the stations, m; by default the one stated.
+            Pitch of the stations, m; by default the one stated.
         friction_sticks : bool
             The friction of the seal sticks, as under small vibration; else it may slip, and the
             system answers at a level.
@@ -95,7 +95,7 @@ class Assembly:
         ]
         if sealed and door.line is not None:
             requested_pitch = pitch or self.door.pitch
-            mounts += line_mounts(
+            mounts += make_line_mounts(
                 door.line, DOOR, requested_pitch, ground=BODY, friction_sticks=friction_sticks
             )
         return System(tuple(bodies), tuple(mounts), grounds)
@@ -115,7 +115,7 @@ class Assembly:
         ]
 
 
-def _elastic(modes: FreeModes) -> FreeModes | None:
+def _select_elastic_modes(modes: FreeModes) -> FreeModes | None:
     """Return the modes by which a door bends; those at rest must be rigid motions."""
     is_elastic = ~modes.rigid
     zero_frequency_count = int((modes.frequency[is_elastic] < _STILL).sum())
@@ -128,7 +128,7 @@ def _elastic(modes: FreeModes) -> FreeModes | None:
     return modes.only(is_elastic) if is_elastic.any() else None
 
 
-def about_origin(part: RigidPart) -> FloatArray:
+def compute_inertia_about_origin(part: RigidPart) -> FloatArray:
     """Mass and inertia of a rigid part about the origin, shape (6, 6), kg, kg m, kg m^2."""
     x, y, z = part.centre
     tensor = np.array(part.inertia, dtype=float)
@@ -142,7 +142,7 @@ def about_origin(part: RigidPart) -> FloatArray:
     return mass_about_origin
 
 
-def implied_mass(modes: FreeModes, part: RigidPart) -> float | None:
+def estimate_mass(modes: FreeModes, part: RigidPart) -> float | None:
     r"""Mass, kg, of a door like `part` whose rigid modes those are, :math:`m\,t^T M t = m'`.
 
     None if no mode is rigid.
@@ -150,11 +150,11 @@ def implied_mass(modes: FreeModes, part: RigidPart) -> float | None:
     motion = modes.rigid_motion
     if not len(motion):
         return None
-    modal = np.einsum("ri,ij,rj->r", motion, about_origin(part), motion)
+    modal = np.einsum("ri,ij,rj->r", motion, compute_inertia_about_origin(part), motion)
     return float(part.mass / np.median(modal))
 
 
-def rigid_of(modes: FreeModes) -> RigidPart:
+def find_rigid_body(modes: FreeModes) -> RigidPart:
     """Mass, centre and the inertia tensor about it that six rigid modes imply.
 
     Raises

@@ -135,13 +135,14 @@ class ClosingHistory:
     kinetic, time : array, shape (n + 1, doors)
         J, nan once a door has stopped, and s.
     work : mapping of str to array, shape (n, doors)
-        Of every term in every step, J: what it took from the motion.
+        Work of every term in every step, J: what it took from the motion.
     stored : mapping of str to array, shape (doors,)
-        Of which it would give back, J, at the end of the march; nan for doors that stopped.
+        The part of the work that it would give back, J, at the end of the march; nan for
+        doors that stopped.
     pressure : mapping of str to array, shape (n + 1, doors)
         Highest gauge pressure in the chambers, Pa.
     returned : float
-        Of the first door, if it stopped: kinetic energy with which it comes back, J.
+        For the first door, if it stopped: kinetic energy with which it comes back, J.
     """
 
     angle: FloatArray
@@ -215,7 +216,9 @@ class _Doors:
         """Turn to an angle, with the moment of the step before to show how long it takes."""
         end_angles = np.array([self.angle, angle])
         turned_angle = float(end_angles[0] - end_angles[1])
-        seconds = _seconds(self.door.inertia, kinetic, moment * turned_angle, turned_angle)
+        seconds = _compute_step_times(
+            self.door.inertia, kinetic, moment * turned_angle, turned_angle
+        )
         work: dict[str, FloatArray | float] = {}
         for name, values in self.door.resisting(end_angles).items():
             path = abs(turned_angle) if name == HINGE else turned_angle
@@ -233,7 +236,7 @@ class _Instants(NamedTuple):
     seconds: FloatArray
 
 
-def march(
+def simulate_closing(
     door: ClosingDoor,
     speed: FloatArray,
     *,
@@ -256,7 +259,7 @@ def march(
     dashpot : array, shape (doors,), optional
         Beside the seal before that factor, N s/m per m.
     steps : int
-        Of the angle over which the seal is pressed.
+        Steps of the angle over which the seal is pressed.
     """
     doors = len(speed)
     compressions = np.broadcast_to(
@@ -317,7 +320,7 @@ def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
     return float(kinetic[0])
 
 
-def _seconds(
+def _compute_step_times(
     inertia: float, kinetic: FloatArray, energy: FloatArray, turned_angle: float
 ) -> FloatArray:
     """Return how long a step takes that takes so much energy, s."""

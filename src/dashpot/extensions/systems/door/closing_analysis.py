@@ -18,7 +18,7 @@ from dashpot.extensions.systems.door.closing import (
     STEPS,
     ClosingDoor,
     ClosingHistory,
-    march,
+    simulate_closing,
 )
 from dashpot.extensions.systems.door.closing_setup import ClosingSetup, Tolerances
 from dashpot.extensions.systems.door.door_model import Door, RigidPart
@@ -46,7 +46,7 @@ class Share(Serialisable):
     work : float
         J; below 0 where it helped.
     stored : float
-        Of which it would give back, J; nan of a door that stopped.
+        The part of the work that it would give back, J; nan of a door that stopped.
     peak_moment : float
         The largest against closing, N m.
     """
@@ -285,7 +285,7 @@ def close_door(
     seal_uncertainty : SealDoubt, optional
         What of the seal is not known.
     steps : int
-        Of the angle over which the seal is pressed.
+        Steps of the angle over which the seal is pressed.
 
     Raises
     ------
@@ -297,10 +297,17 @@ def close_door(
         raise DataError(
             f"a closing speed of {v:g} m/s; expected > 0 and at most {FASTEST:g} m/s, such as 1m/s"
         )
-    moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
-    closing_march = march(moving, np.array([v]), steps=steps)
+    moving = door if isinstance(door, ClosingDoor) else make_closing_door(door, line)
+    closing_march = simulate_closing(moving, np.array([v]), steps=steps)
     closing = ClosingAnalysis(
-        moving, v, closing_march, tuple(_shares(closing_march)), np.inf, None, True, None
+        moving,
+        v,
+        closing_march,
+        tuple(_list_energy_shares(closing_march)),
+        np.inf,
+        None,
+        True,
+        None,
     )
     load, hidden = np.ones(1), np.zeros(1)
     if seal_uncertainty is not None:
@@ -309,7 +316,7 @@ def close_door(
             np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
         )
     min_speed, limited = np.full(len(load), np.inf), np.isfinite(hidden)
-    min_speed[limited] = least_speed(
+    min_speed[limited] = find_least_speed(
         moving, load=load[limited], dashpot=hidden[limited], steps=steps
     )
     minimum, variation = float(min_speed[0]), moving.setup.variation
@@ -317,12 +324,12 @@ def close_door(
         closing,
         minimum=minimum,
         interval=None if seal_uncertainty is None else (float(min_speed[1]), float(min_speed[2])),
-        monotone=_faster_close(moving, minimum),
+        monotone=_check_faster_doors(moving, minimum),
         scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
     )
 
 
-def _shares(history: ClosingHistory) -> list[Share]:
+def _list_energy_shares(history: ClosingHistory) -> list[Share]:
     turned_angle = -np.diff(history.angle)
     return [
         Share(
@@ -335,14 +342,14 @@ def _shares(history: ClosingHistory) -> list[Share]:
     ]
 
 
-def _faster_close(door: ClosingDoor, minimum: float) -> bool:
+def _check_faster_doors(door: ClosingDoor, minimum: float) -> bool:
     if not np.isfinite(minimum):
         return True
     faster_speeds = max(minimum, 1e-2) * np.array(_FASTER)
-    return bool(march(door, faster_speeds, steps=_COARSE).is_latched.all())
+    return bool(simulate_closing(door, faster_speeds, steps=_COARSE).is_latched.all())
 
 
-def least_speed(
+def find_least_speed(
     door: ClosingDoor,
     *,
     compression: FloatArray | None = None,
@@ -368,7 +375,7 @@ def least_speed(
         Beside the seal before that factor, N s/m per m.
     steps : int
     tolerance : float
-        Of the speed, relative.
+        Tolerance of the speed, relative.
     """
     row = load if compression is None else compression
     doors = 1 if row is None else len(row)
@@ -377,7 +384,7 @@ def least_speed(
 
     def spare(energy: FloatArray) -> FloatArray:
         speed = np.sqrt(np.maximum(energy, _NOTHING * half_mass) / half_mass)
-        return march(door, speed, steps=steps, **entries).least_kinetic_energy
+        return simulate_closing(door, speed, steps=steps, **entries).least_kinetic_energy
 
     high, low = np.full(doors, half_mass), np.zeros(doors)
     energy_left = spare(high)
@@ -448,10 +455,10 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     share = door.length / reduced_door.length[group]
     groups = np.zeros((n, len(reduced_door.lever)))
     groups[np.arange(n), group] = share
-    rough = least_speed(
+    rough = find_least_speed(
         reduced_door, compression=compressions @ groups, load=load, steps=_COARSE, tolerance=_ROUGH
     )
-    nominal = least_speed(reduced_door, steps=_COARSE, tolerance=_ROUGH)[0]
+    nominal = find_least_speed(reduced_door, steps=_COARSE, tolerance=_ROUGH)[0]
     # few stations and steps miss alike in every door what the nominal one shows of it
     scale = minimum / nominal if 0 < nominal < np.inf and np.isfinite(minimum) else 1.0
     speed = scale * rough
@@ -459,7 +466,7 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     return Scatter(variation, speed, compressions.min(axis=1), force.min(axis=1))
 
 
-def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
+def make_closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
     """Return the motion of a door about its hinges.
 
     Raises
@@ -477,7 +484,7 @@ def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
         raise DataError("closing needs the hinges of the door; none is there")
     stations = line.stations(min(door.pitch, line.length))
     hinge = np.array(door.hinges[0].at)
-    axis = _axis(door, setup)
+    axis = _get_hinge_axis(door, setup)
     lever = -(np.cross(axis, stations.place - hinge) * stations.normal).sum(axis=1)
     if (lever * stations.length).sum() < 0:
         axis, lever = -axis, -lever
@@ -521,7 +528,7 @@ def _compute_hinge_inertia(
     return inertia, (turning, float(axis @ np.cross(np.cross(axis, centre_offset), weight_vector)))
 
 
-def _axis(door: Door, setup: ClosingSetup) -> FloatArray:
+def _get_hinge_axis(door: Door, setup: ClosingSetup) -> FloatArray:
     if setup.axis is not None:
         axis_vector = np.array(setup.axis, dtype=float)
     elif len(door.hinges) >= 2:

@@ -35,12 +35,12 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     """
     closing_result = result.closing
     strips: list[tuple[Panel, ...]] = [
-        (waterfall(closing_result),),
-        (moments_panel(closing_result),),
-        (speed_panel(closing_result),),
+        (make_energy_waterfall(closing_result),),
+        (make_moments_panel(closing_result),),
+        (make_speed_panel(closing_result),),
     ]
     if closing_result.scatter is not None and np.isfinite(closing_result.scatter.least_speed).any():
-        strips.append((doors_panel(closing_result, closing_result.scatter),))
+        strips.append((make_doors_panel(closing_result, closing_result.scatter),))
     caption = (
         "A door that closes: what each term takes of its energy, their moments and its speed over "
         "the way, and the least speed that closes doors within their tolerances."
@@ -50,7 +50,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     )
 
 
-def waterfall(closing: ClosingAnalysis) -> Panel:
+def make_energy_waterfall(closing: ClosingAnalysis) -> Panel:
     """Return what each term takes of the energy, the largest first, and what is left."""
     rows = [("door", 0.0, closing.energy)]
     at = closing.energy
@@ -91,7 +91,7 @@ def waterfall(closing: ClosingAnalysis) -> Panel:
     )
 
 
-def _way(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
+def _get_edge_path(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
     """Return where the edge is, mm to closed, and how far of it is drawn."""
     edge_distance = convert_to_unit(closing.door.edge * closing.march.angle, "mm")
     door = closing.door
@@ -104,9 +104,9 @@ def _way(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
     )
 
 
-def moments_panel(closing: ClosingAnalysis) -> Panel:
+def make_moments_panel(closing: ClosingAnalysis) -> Panel:
     """Return the moment of each term over the last of the way."""
-    edge_distance, axis_limit = _way(closing)
+    edge_distance, axis_limit = _get_edge_path(closing)
     middle, turned_angle = (
         0.5 * (edge_distance[1:] + edge_distance[:-1]),
         -np.diff(closing.march.angle),
@@ -129,9 +129,9 @@ def moments_panel(closing: ClosingAnalysis) -> Panel:
     )
 
 
-def speed_panel(closing: ClosingAnalysis) -> Panel:
+def make_speed_panel(closing: ClosingAnalysis) -> Panel:
     """Return the speed of the edge over its way."""
-    edge_distance, _ = _way(closing)
+    edge_distance, _ = _get_edge_path(closing)
     speed = closing.door.edge * np.sqrt(2 * closing.march.kinetic[:, 0] / closing.door.inertia)
     finite = np.isfinite(speed)
     marks: list[Mark] = [Line(edge_distance[finite], speed[finite], FIT)]
@@ -145,11 +145,11 @@ def speed_panel(closing: ClosingAnalysis) -> Panel:
     )
 
 
-def doors_panel(closing: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
+def make_doors_panel(closing: ClosingAnalysis, scatter: Scatter, *, height: float = 220.0) -> Panel:
     """Return the least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.least_speed[np.isfinite(scatter.least_speed)]
     limit, share_above_limit = scatter.variation.limit, scatter.share_above_limit
-    bars, top = _bars(speed, limit)
+    bars, top = _make_histogram(speed, limit)
     marks: list[Mark] = [*bars]
     speeds = [speed]
     if closing.interval is not None and np.isfinite(closing.interval).all():
@@ -179,7 +179,7 @@ def doors_panel(closing: ClosingAnalysis, scatter: Scatter, *, height: float = 2
     )
 
 
-def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
+def _make_histogram(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
     """Return the histogram of closing speeds, those beyond the limit apart, and its largest bar."""
     bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
     if limit is not None and bins[0] < limit < bins[-1]:

@@ -124,7 +124,7 @@ class Chambers:
     @property
     def pressure(self) -> FloatArray:
         """Pa, shape (doors, chambers)."""
-        return air_flow.pressure_of(self.density, self.kind.exponent)
+        return air_flow.compute_pressure(self.density, self.kind.exponent)
 
     @property
     def gauge(self) -> FloatArray:

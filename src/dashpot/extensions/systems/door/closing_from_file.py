@@ -12,8 +12,8 @@ from dashpot.datamodel.fit import Fit
 from dashpot.extensions.systems.door import checks
 from dashpot.extensions.systems.door.analyse_file import (
     add_file_to_errors,
+    check_contact,
     open_door,
-    touches_along,
 )
 from dashpot.extensions.systems.door.closing_analysis import ClosingAnalysis, SealDoubt, close_door
 from dashpot.extensions.systems.door.closing_result import ClosingResult
@@ -35,7 +35,7 @@ def close_file(
     speed : float
         At the door's edge where it begins, m/s.
     temperature : float, optional
-        Of the seal, K, instead of what the file says.
+        Temperature of the seal, K, instead of what the file says.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def close_file(
 def _check_closing(closing: ClosingAnalysis, fit: Fit | None) -> Iterator[Check]:
     yield checks.faster_closings_latch(closing.monotone)
     compressions, pieces = closing.door.compression, closing.door.length
-    yield touches_along(compressions, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
+    yield check_contact(compressions, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
     if fit is None:
         return
     solid = closing.door.section.solid

@@ -23,7 +23,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     ----------
     door : Door
     fit : Fit or None
-        Of the seal, at its temperature.
+        Fit of the seal, at its temperature.
     closing : Closing
     checks : tuple of Check
     """

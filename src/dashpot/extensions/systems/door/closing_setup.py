@@ -76,11 +76,11 @@ class Vents(Air):
     Attributes
     ----------
     width : float
-        Of the bulb where it is pressed, m.
+        Width of the bulb where it is pressed, m.
     section : float
         Area of the free bulb's hollow, m^2.
     opening : float
-        Of the holes of one metre of seal, m^2/m; 0 is a sealed bulb.
+        Opening of the holes of one metre of seal, m^2/m; 0 is a sealed bulb.
     """
 
     width: float = 0.0
@@ -115,9 +115,9 @@ class Between(Air):
     width : float
         Distance of the two seals, m.
     depth : float
-        Of the space between them with the door closed, m.
+        Depth of the space between them with the door closed, m.
     opening : float
-        Of drains and leaks of one metre, m^2/m.
+        Opening of drains and leaks of one metre, m^2/m.
     """
 
     width: float = 0.0
@@ -145,11 +145,11 @@ class Cabin(Air):
     volume : float
         m^3.
     area : float
-        Of the door, m^2.
+        Area of the door, m^2.
     lever : float
-        Of its middle about the hinges, m.
+        Lever arm of its middle about the hinges, m.
     opening : float
-        Of exhaust vents, open windows and leaks, m^2.
+        Opening of exhaust vents, open windows and leaks, m^2.
     """
 
     volume: float = 0.0
@@ -191,7 +191,7 @@ class Latch:
     def __post_init__(self) -> None:
         require_positive("the latch: ", lever=self.lever)
         require_nonnegative("the latch: ", beyond=self.beyond)
-        _table("the latch", self.travel, self.force, from_zero=True)
+        _validate_table("the latch", self.travel, self.force, from_zero=True)
 
     def moment(self, angle: FloatArray) -> FloatArray:
         """N m against closing, at angles from fully latched, rad; none beyond its travel."""
@@ -213,7 +213,7 @@ class CheckStrap:
     moment: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        _table("the check", self.angle, self.moment)
+        _validate_table("the check", self.angle, self.moment)
 
     def moment_at(self, angle: FloatArray) -> FloatArray:
         """N m against closing; none outside the table."""
@@ -303,7 +303,7 @@ class ClosingSetup:
         object.__setattr__(self, "airs", airs)
 
 
-def _table(
+def _validate_table(
     owner: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
 ) -> None:
     rises = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)

@@ -28,8 +28,8 @@ def closing_text(value: ClosingAnalysis) -> Text:
             f"hinges: {format_rounded(value.energy)} J (I = {format_rounded(value.door.inertia)} "
             "kg m^2)"
         ),
-        _outcome(value),
-        _least(value),
+        _format_outcome(value),
+        _format_least_speed(value),
     ]
     compressions = value.door.compression
     force = value.door.section.force(compressions)
@@ -38,7 +38,7 @@ def closing_text(value: ClosingAnalysis) -> Text:
         f"{format_rounded(convert_to_unit(float(compressions.min()), 'mm'), digits=3)} mm, with "
         f"{format_rounded(float(force.min()), digits=3)} N/m after relaxation."
     )
-    lines += _scatter(value)
+    lines += _format_scatter(value)
     rows = [["term", "J", "% of all", "recoverable, J", "highest moment, N m"]]
     total_work = sum(term.work for term in value.terms)
     for energy_term in value.terms:
@@ -61,7 +61,7 @@ def closing_text(value: ClosingAnalysis) -> Text:
     return Text([*lines, *table(rows), *([f"  highest pressure: {peaks}"] if peaks else [])])
 
 
-def _outcome(closing: ClosingAnalysis) -> str:
+def _format_outcome(closing: ClosingAnalysis) -> str:
     if closing.is_latched:
         return (
             f"  The door closes in {format_rounded(closing.seconds, digits=3)} s; the last "
@@ -78,7 +78,7 @@ def _outcome(closing: ClosingAnalysis) -> str:
     )
 
 
-def _least(closing: ClosingAnalysis) -> str:
+def _format_least_speed(closing: ClosingAnalysis) -> str:
     if not math.isfinite(closing.minimum):
         return "  No speed closes it."
     if closing.minimum == 0:
@@ -94,7 +94,7 @@ def _least(closing: ClosingAnalysis) -> str:
     return f"  Least closing speed: {format_rounded(closing.minimum)} m/s{name}"
 
 
-def _scatter(closing: ClosingAnalysis) -> list[str]:
+def _format_scatter(closing: ClosingAnalysis) -> list[str]:
     scatter = closing.scatter
     if scatter is None:
         return []

@@ -56,7 +56,7 @@ class Support:
     fit : str
         Path of the fit of the part, in place of stiffness and damping; "" if there is none.
     compression : float or None
-        Of that part, m.
+        Compression of that part, m.
     """
 
     name: str
@@ -75,10 +75,10 @@ class ShearChoice:
     Attributes
     ----------
     across, along : float or str
-        Of the stiffness normal to the line; or the path of a fit of a specimen that was pressed and
-        then moved that way.
+        Fit of the stiffness normal to the line; or the path of a fit of a specimen that was pressed
+        and then moved that way.
     length : float or None
-        Of that specimen, m; None where the fit states it.
+        Length of that specimen, m; None where the fit states it.
     """
 
     across: float | str = 0.0
@@ -95,7 +95,7 @@ class SealChoice:
     fit : str
         Path of the fit of a specimen of it.
     length : float or None
-        Of that specimen, m; None where the fit states it.
+        Length of that specimen, m; None where the fit states it.
     temperature : float or None
         K; None is that of the fit.
     pitch : float or None
@@ -120,9 +120,9 @@ class ModesChoice:
     ----------
     path : str
     unit : str or None
-        Of the coordinates, where the file does not say.
+        Unit of the coordinates, where the file does not say.
     modal_mass : float or None
-        Of every mode, where the file does not say, kg.
+        Modal mass of every mode, where the file does not say, kg.
     damping : float or None
         Damping ratio of every mode, instead of what the file says.
     most : float

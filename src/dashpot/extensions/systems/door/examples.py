@@ -14,7 +14,7 @@ from dashpot.extensions.systems.door.free_plate import free_plate
 from dashpot.registry import Example
 
 
-def _line() -> str:
+def _write_line() -> str:
     """A quarter of a door: x, y, z, mm."""
     angle = np.linspace(0.0, np.pi / 2, 13)
     rows = (f"{400 * np.cos(a):.3f},{400 * np.sin(a):.3f},0" for a in angle)
@@ -40,7 +40,7 @@ def _make_seal_line() -> tuple[FloatArray, FloatArray]:
     return positions, gap
 
 
-def _door_line() -> str:
+def _write_door_line() -> str:
     positions, gap = _make_seal_line()
     rows = (
         ",".join(f"{convert_to_unit(v, 'mm'):.3f}" for v in (*p, g))
@@ -50,7 +50,7 @@ def _door_line() -> str:
     return "\n".join([*head, *rows, ""])
 
 
-def _door_modes() -> str:
+def _make_door_modes() -> str:
     """Return the modes of a plate of 25 kg whose first elastic mode lies at 64 Hz."""
     positions = np.concatenate((_make_seal_line()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
     modes = free_plate(positions, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
@@ -66,7 +66,7 @@ def _door_modes() -> str:
     return "\n".join([*head, "mode,frequency [Hz],x [mm],y [mm],z [mm],uz", *rows, ""])
 
 
-def _door() -> str:
+def _write_door() -> str:
     return f"""\
 # {byline("simulated door")}
 # dashpot fit seal_8mm.csv -o fit.json writes the fit of its seal
@@ -181,16 +181,16 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
         "line.csv": Example(
             "seal-line",
             "x, y, z of a seal along a quarter of a door, for dashpot export --line",
-            _line,
+            _write_line,
         ),
         "door.toml": Example(
-            "door", "a door with hinges, latch, seal and modes, for dashpot predict", _door
+            "door", "a door with hinges, latch, seal and modes, for dashpot predict", _write_door
         ),
         "door_line.csv": Example(
-            "seal-line", "its seal line: x, y, z and the gap that the seal fills", _door_line
+            "seal-line", "its seal line: x, y, z and the gap that the seal fills", _write_door_line
         ),
         "door_modes.csv": Example(
-            "free-modes", "its modes, as it moves when nothing holds it", _door_modes
+            "free-modes", "its modes, as it moves when nothing holds it", _make_door_modes
         ),
     }
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dashpot.base.errors import ExportError
 from dashpot.datamodel.seal_line import Shear, Stations
-from dashpot.extensions.systems.door.analyse_file import shear_of
+from dashpot.extensions.systems.door.analyse_file import get_shear
 from dashpot.extensions.systems.door.read import read_door
 
 
@@ -28,4 +28,4 @@ def find_line_stations(
             "file, and add its ratios to those of [seal.shear] for a seal that sticks"
         )
     kelvin = door.seal.temperature if temperature is None else temperature
-    return door.line.stations(requested_pitch), shear_of(door.seal, kelvin)
+    return door.line.stations(requested_pitch), get_shear(door.seal, kelvin)

@@ -73,13 +73,15 @@ def door(result: DoorResult, *, stamp: str = "") -> Picture:
     strips: list[tuple[Panel, ...]] = []
     view = View.from_result(result)
     if view is not None:
-        strips.append((line_panel(result, view),))
+        strips.append((make_line_panel(result, view),))
         if result.stations is not None and result.stations.compression is not None:
-            strips.append((pressed_panel(result),))
-    responses = [(frf_panel(result, i, height=264.0),) for i in range(min(len(result.frfs), 2))]
+            strips.append((make_compression_panel(result),))
+    responses = [
+        (make_frf_panel(result, i, height=264.0),) for i in range(min(len(result.frfs), 2))
+    ]
     # one beside the line, so that rows of three are full
     strips += responses[:1]
-    shapes = [] if view is None else [(panel,) for panel in shape_panels(result, view)]
+    shapes = [] if view is None else [(panel,) for panel in make_shape_panels(result, view)]
     rows = (len(strips), len(shapes), len(responses[1:])) if shapes else ()
     strips += [*shapes, *responses[1:]]
     caption = (
@@ -133,7 +135,7 @@ class View:
         return np.asarray(projected)
 
 
-def line_panel(result: DoorResult, view: View) -> Panel:
+def make_line_panel(result: DoorResult, view: View) -> Panel:
     """Return the seal line by its compression, and what holds the door beside it."""
     stations, line = result.stations, result.door.line
     marks: list[Mark] = []
@@ -177,10 +179,10 @@ def line_panel(result: DoorResult, view: View) -> Panel:
 
 
 def mark_classes(
-    at: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
+    points: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
 ) -> list[Mark]:
     """Return stations in a few classes of their values, and those that do not touch."""
-    x, y = at.T
+    x, y = points.T
     marks: list[Mark] = []
     if touches.any():
         low, high = float(values[touches].min()), float(values[touches].max())
@@ -198,7 +200,7 @@ def mark_classes(
     return marks
 
 
-def pressed_panel(result: DoorResult) -> Panel:
+def make_compression_panel(result: DoorResult) -> Panel:
     """Return how far the seal is pressed along its line, and the depth of its test."""
     stations = result.stations
     arc_length = np.zeros(0) if stations is None else stations.along
@@ -222,7 +224,7 @@ def pressed_panel(result: DoorResult) -> Panel:
     )
 
 
-def shape_panels(result: DoorResult, view: View) -> list[Panel]:
+def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
     """Return how the line moves in each of the first modes; nothing is drawn that is not known.
 
     Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
@@ -260,7 +262,7 @@ def shape_panels(result: DoorResult, view: View) -> list[Panel]:
         motion_marks = (
             _draw_plane_motion(projected, view.project_points(plane_motion), size)
             if is_in_plane
-            else _bands(projected, normal_motion, size)
+            else _make_motion_bands(projected, normal_motion, size)
         )
         if len(hinge_points):
             motion_marks.append(
@@ -294,9 +296,11 @@ def _draw_plane_motion(rest_points: FloatArray, change: FloatArray, size: float)
     ]
 
 
-def _bands(rest_points: FloatArray, normal_motion: FloatArray, size: float) -> list[Mark]:
+def _make_motion_bands(
+    rest_points: FloatArray, normal_motion: FloatArray, size: float
+) -> list[Mark]:
     """Return a motion across the plane as bands on the line, rings where it stands still."""
-    normal = _outwards(rest_points)
+    normal = _compute_outward_normals(rest_points)
     scaled = normal_motion / float(np.abs(normal_motion).max())
     edge = rest_points + size * scaled[:, None] * normal
     marks: list[Mark] = []
@@ -320,7 +324,7 @@ def _bands(rest_points: FloatArray, normal_motion: FloatArray, size: float) -> l
     return marks
 
 
-def _outwards(rest_points: FloatArray) -> FloatArray:
+def _compute_outward_normals(rest_points: FloatArray) -> FloatArray:
     """Across the line in its plane, away from its middle, of length 1, shape (n, 2)."""
     tangent = np.gradient(rest_points, axis=0)
     if np.allclose(rest_points[0], rest_points[-1]):
@@ -344,7 +348,7 @@ def _extract_real_motion(change: ComplexArray) -> FloatArray:
     return np.asarray((change / top).real)
 
 
-def frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel:
+def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> Panel:
     """Return the accelerance of a place with the seal and without, where the seal holds a mode."""
     name, sealed, bare_frf = result.frfs[index]
     seal_modes = [

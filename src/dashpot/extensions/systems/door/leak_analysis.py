@@ -50,11 +50,11 @@ class StateLeak(Serialisable):
     pressure : array, shape (n,)
         Pressure difference that lifts the seal, Pa.
     speed : array, shape (n,)
-        Of the car at that pressure, m/s.
+        Speed of the car at that pressure, m/s.
     limits : array, shape (2, n)
         95 % of the speed, m/s.
     density : float
-        Of the air, kg/m^3.
+        Density of the air, kg/m^3.
     retained : float
         Part of the force that aging leaves.
     """
@@ -166,9 +166,9 @@ def find_leak(
     case : SectionState
     setup : LeakSetup
     fit : Fit
-        Of the seal, at the temperature of the state.
+        Fit of the seal, at the temperature of the state.
     compression, factor : array, shape (n,)
-        Of the stations, m, and the factor of their joints.
+        Compression and factor of the stations, m, and the factor of their joints.
     """
     state, section = case.state, case.section
     retained_fraction = case.retained.value

@@ -17,8 +17,8 @@ from dashpot.datamodel.seal_line import SealSection
 from dashpot.extensions.systems.door import checks
 from dashpot.extensions.systems.door.analyse_file import (
     add_file_to_errors,
+    check_contact,
     open_door,
-    touches_along,
 )
 from dashpot.extensions.systems.door.door_model import Door
 from dashpot.extensions.systems.door.leak_analysis import Interval, SectionState, find_leak
@@ -42,7 +42,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it.
     temperature : float, optional
-        Of the new seal, K, instead of what the file says.
+        Temperature of the new seal, K, instead of what the file says.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:
 def _run_checks(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iterator[Check]:
     """Iterate over the checks of leak speeds, each state with the fit at its temperature."""
     fit, compression = result.fit, result.compression
-    yield touches_along(compression, result.arc_length, result.stations.length.sum())
+    yield check_contact(compression, result.arc_length, result.stations.length.sum())
     law = fit.elastic_law
     yield compression_tested(float(compression.max()), None if law is None else law.depth)
     for state, fit_there in states:

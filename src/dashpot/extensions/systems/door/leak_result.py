@@ -27,10 +27,10 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     door : Door
     setup : LeakSetup
     fit : Fit
-        Of the seal, at its temperature.
+        Fit of the seal, at its temperature.
     stations : Stations
     compression : array, shape (n,)
-        Of each station, m.
+        Compression of each station, m.
     states : tuple of StateLeak
         The first is that of the door as its file describes it.
     checks : tuple of Check

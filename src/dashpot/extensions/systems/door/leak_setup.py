@@ -33,7 +33,7 @@ class AgingChoice:
     Attributes
     ----------
     law_path : str
-        Of the law, a fit of compression stress relaxation.
+        Path of the law, a fit of compression stress relaxation.
     time, temperature : float
         s and K.
     """
@@ -63,7 +63,7 @@ class LeakState:
     aging : AgingChoice or None
         In place of `retained`.
     density : float or None
-        Of the air, kg/m^3; None is that at the temperature.
+        Density of the air, kg/m^3; None is that at the temperature.
     """
 
     name: str

@@ -34,7 +34,7 @@ class DoorMode(Serialisable):
     ----------
     mode : ComplexMode
     shares : tuple of EnergyShare
-        Of each hinge, the latch, the bumpers, the seal, and the door itself.
+        Shares of each hinge, the latch, the bumpers, the seal, and the door itself.
     without_seal : float or None
         Frequency of the same motion without the seal, Hz; None if none is like it.
     """
@@ -66,7 +66,7 @@ class DoorMode(Serialisable):
         return loss / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
 
 
-def oscillations(system: System, max_hz: float = np.inf) -> tuple[ComplexMode, ...]:
+def find_oscillations(system: System, max_hz: float = np.inf) -> tuple[ComplexMode, ...]:
     """Return the modes of a system that oscillate, up to a frequency, Hz, by rising frequency."""
     n = len(system.dofs)
     times = {tau for spring in system.springs for tau in spring.linearised_solid.maxwell.tau}
@@ -78,10 +78,10 @@ def oscillations(system: System, max_hz: float = np.inf) -> tuple[ComplexMode, .
 def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
     """The modes of a door on its seal up to a frequency, Hz, each beside that without the seal."""
     system, system_without_seal = assembly.system(), assembly.system(sealed=False)
-    modes_without_seal = oscillations(system_without_seal)
+    modes_without_seal = find_oscillations(system_without_seal)
     M = system.mass_matrix
     modes = []
-    for mode in oscillations(system, max_hz):
+    for mode in find_oscillations(system, max_hz):
         similarities = [
             compute_similarity(mode.shape, other.shape, M) for other in modes_without_seal
         ]
@@ -95,17 +95,17 @@ def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
     return tuple(modes)
 
 
-def station_error(assembly: Assembly, max_hz: float) -> float:
+def estimate_station_error(assembly: Assembly, max_hz: float) -> float:
     """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
     line, pitch = assembly.door.line, assembly.door.pitch
     # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
     half_pitch = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
     return _compute_frequency_change(
-        *(oscillations(assembly.system(pitch=value), max_hz) for value in (pitch, half_pitch))
+        *(find_oscillations(assembly.system(pitch=value), max_hz) for value in (pitch, half_pitch))
     )
 
 
-def basis_error(assembly: Assembly, max_hz: float) -> float | None:
+def estimate_basis_error(assembly: Assembly, max_hz: float) -> float | None:
     """Return the change of frequencies without the upper third of the elastic modes."""
     modes = assembly.modes
     if modes is None or (elastic := int((~modes.rigid).sum())) < 3:
@@ -115,7 +115,7 @@ def basis_error(assembly: Assembly, max_hz: float) -> float | None:
     highest_kept = modes.frequency[order[len(modes) - elastic // 3 - 1]]
     limit = min(max_hz, float(highest_kept)) / 2
     return _compute_frequency_change(
-        *(oscillations(item.system(), limit) for item in (assembly, with_fewer_modes))
+        *(find_oscillations(item.system(), limit) for item in (assembly, with_fewer_modes))
     )
 
 
@@ -166,7 +166,7 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
     count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _SIDEWAYS).sum())
     if not count:
         return 0, None
-    modes = oscillations(assembly.system())
+    modes = find_oscillations(assembly.system())
     return count, modes[0].frequency if modes and count_free_motions(
         assembly.system()
     ) == 0 else None

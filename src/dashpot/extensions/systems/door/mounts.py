@@ -18,7 +18,7 @@ from dashpot.solids.networks import spring
 SEAL = "seal"
 
 
-def line_mounts(
+def make_line_mounts(
     line: SealLine,
     body: str,
     pitch: Quantity,
@@ -59,11 +59,13 @@ def line_mounts(
     return tuple(
         mount
         for direction in section.ways(stations)
-        for mount in _mounts(direction, stations, (body, ground), friction_sticks=friction_sticks)
+        for mount in _make_direction_mounts(
+            direction, stations, (body, ground), friction_sticks=friction_sticks
+        )
     )
 
 
-def _mounts(
+def _make_direction_mounts(
     direction: LineDirection, stations: Stations, bodies: tuple[str, str], *, friction_sticks: bool
 ) -> Iterator[Mount]:
     """One at each station that answers that way; stations of one share are one solid."""

@@ -14,19 +14,19 @@ from dashpot.base.number_format import duration, format_count, hertz, round_to_e
 from dashpot.base.plain_text import sentence
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.systems.door.closing_figure import (
-    doors_panel,
-    moments_panel,
-    speed_panel,
-    waterfall,
+    make_doors_panel,
+    make_energy_waterfall,
+    make_moments_panel,
+    make_speed_panel,
 )
 from dashpot.extensions.systems.door.closing_result import ClosingResult
 from dashpot.extensions.systems.door.figure import (
     SHOWN,
     View,
-    frf_panel,
-    line_panel,
-    pressed_panel,
-    shape_panels,
+    make_compression_panel,
+    make_frf_panel,
+    make_line_panel,
+    make_shape_panels,
 )
 from dashpot.extensions.systems.door.modes import DoorMode
 from dashpot.extensions.systems.door.mounts import SEAL
@@ -39,9 +39,9 @@ from dashpot.report.page_frame import Attachment, attachment, environment
 from dashpot.report.result_page import (
     CollapsibleSection,
     Topic,
-    judgement,
+    format_json,
     make_indicators,
-    text_of,
+    make_verdict_contents,
 )
 from dashpot.report.tables import TextTable
 
@@ -107,26 +107,28 @@ def build_page_contents(result: DoorResult | None, closed: ClosingResult | None)
     results = [item for item in (result, closed) if item is not None]
     checks = tuple(dict.fromkeys(check for result in results for check in result.checks))
     sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
-    verdict = _verdict(results, checks)
+    verdict = _combine_verdicts(results, checks)
     names = dict.fromkeys(source.file for source in sources)
-    folds = tuple(_folds(result, closed))
+    folds = tuple(_make_sections(result, closed))
     return {
-        **judgement("door", verdict, checks, sources),
+        **make_verdict_contents("door", verdict, checks, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
         "beside": " ".join(sentence(result._headline) for result in results),
         "lights": tuple(make_door_indicators(result, closed, checks, verdict)),
-        "figures": dict(_figures(result, closed))
+        "figures": dict(_make_figures(result, closed))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
-        "modes": ModesTable((), (), "", 0) if result is None else modes_of(result),
-        "closing_notes": () if closed is None else _closing_notes(closed),
+        "modes": ModesTable((), (), "", 0) if result is None else make_mode_table(result),
+        "closing_notes": () if closed is None else _list_closing_notes(closed),
         "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
         "folds": folds,
-        "files": tuple(_files(result, closed)),
+        "files": tuple(_attach_files(result, closed)),
     }
 
 
-def _verdict(results: Sequence[DoorResult | ClosingResult], checks: Sequence[Check]) -> Verdict:
+def _combine_verdicts(
+    results: Sequence[DoorResult | ClosingResult], checks: Sequence[Check]
+) -> Verdict:
     return (
         results[0].verdict if len(results) == 1 else verdict(checks, headline=results[-1]._headline)
     )
@@ -167,7 +169,7 @@ def make_door_indicators(
         speed_text = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
         topics.append(Topic("Closing", _CLOSING, speed_text, _format_speed_interval(closed)))
     yield from make_indicators(
-        checks, Topic("Seal line", message=_line_says(result, closed)), *topics
+        checks, Topic("Seal line", message=_format_line_note(result, closed)), *topics
     )
     scatter = None if closed is None else closed.closing.scatter
     share_above_limit = None if scatter is None else scatter.share_above_limit
@@ -190,7 +192,7 @@ def _format_speed_interval(closed: ClosingResult) -> str:
     return f"from {interval[0]:.3g} to {interval[1]:.3g}{NBSP}m/s"
 
 
-def _line_says(result: DoorResult | None, closed: ClosingResult | None) -> str:
+def _format_line_note(result: DoorResult | None, closed: ClosingResult | None) -> str:
     compressions = np.zeros(0)
     if (
         result is not None
@@ -214,13 +216,13 @@ def _select_seal_modes(result: DoorResult) -> list[DoorMode]:
     return [mode for mode in result.modes if mode.share(SEAL) >= _HOLDS]
 
 
-def modes_of(result: DoorResult) -> ModesTable:
+def make_mode_table(result: DoorResult) -> ModesTable:
     """Return the table of the modes."""
-    rows, parts = tuple(_rows(result)), tuple(_colours(result.modes).items())
-    return ModesTable(rows, parts, _seal_note(result), len(result.modes) - len(rows))
+    rows, parts = tuple(_make_rows(result)), tuple(_choose_colours(result.modes).items())
+    return ModesTable(rows, parts, _format_seal_note(result), len(result.modes) - len(rows))
 
 
-def _seal_note(result: DoorResult) -> str:
+def _format_seal_note(result: DoorResult) -> str:
     if result.fit is None or not result.modes:
         return ""
     return (
@@ -229,7 +231,7 @@ def _seal_note(result: DoorResult) -> str:
     )
 
 
-def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
+def _list_closing_notes(closed: ClosingResult) -> tuple[str, str]:
     closing = closed.closing
     seal = sum(term.work for term in closing.terms if term.name.startswith(SEAL))
     total_work = sum(term.work for term in closing.terms)
@@ -255,7 +257,7 @@ def _closing_notes(closed: ClosingResult) -> tuple[str, str]:
 # -- the table of modes ---------------------------------------------------------------------------
 
 
-def _colours(modes: Sequence[DoorMode]) -> dict[str, str]:
+def _choose_colours(modes: Sequence[DoorMode]) -> dict[str, str]:
     """Each part that holds the door, and its colour: seal, latch, hinges, the door itself."""
     parts = list(dict.fromkeys(share.name for mode in modes for share in mode.shares))
     other_parts = [part for part in parts if part not in {SEAL, "latch", "door"}]
@@ -264,8 +266,8 @@ def _colours(modes: Sequence[DoorMode]) -> dict[str, str]:
     return {name: colour for name, colour in (entries | {"door": "line"}).items() if name in parts}
 
 
-def _rows(result: DoorResult) -> Iterator[ModeRow]:
-    colours = _colours(result.modes)
+def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
+    colours = _choose_colours(result.modes)
     for number, mode in enumerate(result.modes[:_ROWS], start=1):
         hz = mode.mode.frequency
         excess = result.extrapolation_factor(hz)
@@ -275,16 +277,16 @@ def _rows(result: DoorResult) -> Iterator[ModeRow]:
             round_to_error(hz, digits=4),
             "" if mode.without_seal is None else round_to_error(mode.without_seal, digits=4),
             round_to_error(100 * mode.mode.damping_ratio, digits=2),
-            _bars({share.name: share.energy for share in mode.shares}, colours),
+            _make_share_bars({share.name: share.energy for share in mode.shares}, colours),
             f"{100 * mode.share(SEAL):.1f}",
-            _bars({share.name: share.loss for share in mode.shares}, colours),
+            _make_share_bars({share.name: share.loss for share in mode.shares}, colours),
             f"{100 * lossy:.1f}",
             "" if math.isnan(excess) else "inside" if excess <= 1 else f"×{excess:.3g}",
             marked=mode.share(SEAL) >= _HOLDS and excess > 1,
         )
 
 
-def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
+def _make_share_bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
     """Return what each part has, side by side, of all of it."""
     total, at, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
@@ -298,7 +300,7 @@ def _bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
 # -- figures --------------------------------------------------------------------------------------
 
 
-def _figures(
+def _make_figures(
     result: DoorResult | None, closed: ClosingResult | None
 ) -> Iterator[tuple[str, RenderedFigure]]:
     """Every figure of the page by its name."""
@@ -306,23 +308,26 @@ def _figures(
         view = View.from_result(result)
         if view is not None:
             yield _render_panel(
-                "line", line_panel(result, view), _SIDE, "Where the seal is pressed", 240.0
+                "line", make_line_panel(result, view), _SIDE, "Where the seal is pressed", 240.0
             )
-            shapes = shape_panels(result, view)
+            shapes = make_shape_panels(result, view)
             if shapes:
                 words = "How the seal line moves in each mode, seen from outside"
                 picture = Picture("shapes", words, tuple((shape,) for shape in shapes), len(shapes))
                 yield "shapes", render_figure(picture, phone=2)
         if result.frfs:
             words = "Accelerance with the seal and without, where the seal holds a mode"
-            yield _render_panel("frf", frf_panel(result, 0, height=220.0), _THIRD, words)
+            yield _render_panel("frf", make_frf_panel(result, 0, height=220.0), _THIRD, words)
     if closed is not None:
         closing = closed.closing
         yield _render_panel(
-            "waterfall", waterfall(closing), _THIRD, "What each term takes of the energy"
+            "waterfall",
+            make_energy_waterfall(closing),
+            _THIRD,
+            "What each term takes of the energy",
         )
         if closing.scatter is not None and np.isfinite(closing.scatter.least_speed).any():
-            panel = doors_panel(closing, closing.scatter, height=205.0)
+            panel = make_doors_panel(closing, closing.scatter, height=205.0)
             yield _render_panel(
                 "doors", panel, _THIRD, "The least speeds of doors within their tolerances"
             )
@@ -338,27 +343,31 @@ def _render_panel(
     )
 
 
-def _folds(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[CollapsibleSection]:
+def _make_sections(
+    result: DoorResult | None, closed: ClosingResult | None
+) -> Iterator[CollapsibleSection]:
     if (
         result is not None
         and result.stations is not None
         and result.stations.compression is not None
     ):
-        picture = Picture("pressed", "Compression along the line.", ((pressed_panel(result),),),
+        picture = Picture("pressed", "Compression along the line.",
+        ((make_compression_panel(result),),),
                           stamp=stamp(result.sources))  # fmt: skip
-        yield CollapsibleSection("Along the line", _line_line(result), None, picture)
+        yield CollapsibleSection("Along the line", _format_line_facts(result), None, picture)
     if result is not None and result.modes:
         yield CollapsibleSection(
-            "Every share", "per cent of the energy, and of the loss", _shares(result)
+            "Every share", "per cent of the energy, and of the loss", _make_share_table(result)
         )
     if closed is not None:
-        panels = ((moments_panel(closed.closing),), (speed_panel(closed.closing),))
+        panels = ((make_moments_panel(closed.closing),), (make_speed_panel(closed.closing),))
         words = "Moments against closing, and the speed of the edge over the way"
-        yield CollapsibleSection("As it closes", "moments and speed over the way", _terms(closed),
+        yield CollapsibleSection("As it closes", "moments and speed over the way",
+        _make_term_table(closed),
                    Picture("course", words, panels, 2, stamp(closed.sources)))  # fmt: skip
 
 
-def _line_line(result: DoorResult) -> str:
+def _format_line_facts(result: DoorResult) -> str:
     seal = result.seal
     if seal is None or seal.force is None:
         return "compression by place"
@@ -368,8 +377,8 @@ def _line_line(result: DoorResult) -> str:
     )
 
 
-def _shares(result: DoorResult) -> TextTable:
-    parts = list(_colours(result.modes))
+def _make_share_table(result: DoorResult) -> TextTable:
+    parts = list(_choose_colours(result.modes))
     rows = []
     for number, mode in enumerate(result.modes[: 2 * SHOWN], start=1):
         total_loss = sum(share.loss for share in mode.shares) or 1.0
@@ -384,7 +393,7 @@ def _shares(result: DoorResult) -> TextTable:
     return TextTable(head, tuple(rows))
 
 
-def _terms(closed: ClosingResult) -> TextTable:
+def _make_term_table(closed: ClosingResult) -> TextTable:
     rows = tuple(
         (term.name, round_to_error(term.work, digits=3), round_to_error(term.stored, digits=3),
          round_to_error(term.peak_moment, digits=3))
@@ -393,8 +402,10 @@ def _terms(closed: ClosingResult) -> TextTable:
     return TextTable(("term", "J", "recoverable, J", "highest moment, N m"), rows)
 
 
-def _files(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
+def _attach_files(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
     for name, item in (("door", result), ("closing", closed)):
         if item is not None:
             document = f"{name}.json"
-            yield attachment(document, document, "every number", "application/json", text_of(item))
+            yield attachment(
+                document, document, "every number", "application/json", format_json(item)
+            )

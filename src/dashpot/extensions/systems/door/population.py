@@ -45,14 +45,14 @@ from dashpot.extensions.systems.door.analyse_file import (
     open_door,
 )
 from dashpot.extensions.systems.door.assembly import Assembly
-from dashpot.extensions.systems.door.closing_analysis import closing_door, least_speed
+from dashpot.extensions.systems.door.closing_analysis import find_least_speed, make_closing_door
 from dashpot.extensions.systems.door.closing_setup import ClosingSetup
 from dashpot.extensions.systems.door.door_model import Door
 from dashpot.extensions.systems.door.modes import (
     DoorMode,
     compute_similarity,
     door_modes,
-    oscillations,
+    find_oscillations,
 )
 from dashpot.extensions.systems.door.mounts import SEAL
 from dashpot.extensions.systems.door.result import list_sources
@@ -164,18 +164,18 @@ class DoorQuantity(Serialisable):
     name : str
         ``"mode 1"`` or ``"closing"``.
     value : float
-        Of the door whose seal is the median one, Hz or m/s.
+        Value of the door whose seal is the median one, Hz or m/s.
     sd, between_sd, mean_sd : float
         Standard deviation of its ln: over the cars with the common error, of the cars, and of the
         common error.
     low, high : float
         Between which 95 % of the cars lie.
     seal_share : float or None
-        Of the energy of the mode.
+        Share of the seal in the energy of the mode.
     limit : float or None
     limit_is_most : bool
     share_beyond : float or None
-        Of the cars, for the median draw of mean and scatter.
+        Share of the cars, for the median draw of mean and scatter.
     share_low, share_high : float or None
         Its 95 % interval.
     factors, values : tuple of float
@@ -255,7 +255,7 @@ class DoorPopulation(HasVerdict, Serialisable):
                     ReportedValue(
                         f"{quantity.name.replace(' ', '_')}_beyond",
                         quantity.share_beyond,
-                        *_share_limits(quantity),
+                        *_compute_share_limits(quantity),
                         "1",
                         None,
                         "%",
@@ -293,7 +293,7 @@ def format_share(share: float | None) -> str:
     return round_to_error(100 * share, digits=2)
 
 
-def _share_limits(quantity: DoorQuantity) -> tuple[float, float]:
+def _compute_share_limits(quantity: DoorQuantity) -> tuple[float, float]:
     """Return the interval of a share beyond; nan of one that every draw has the same."""
     low, high = quantity.share_low, quantity.share_high
     if low is None or high is None or low == high:
@@ -351,9 +351,9 @@ def predict_population(
     limits : sequence of str
         ``"mode 1 >= 30Hz"``, ``"closing <= 1.2m/s"``.
     band : (float, float), optional
-        Of the modes, Hz.
+        Band of the modes, Hz.
     temperature : float, optional
-        Of the seal, K.
+        Temperature of the seal, K.
 
     Raises
     ------
@@ -373,7 +373,7 @@ def predict_population(
     assembly, fit = open_door(path, temperature=temperature)
     if fit is None or assembly.door.line is None or assembly.door.line.section is None:
         raise DataError("this door has no seal with a fit, so nothing scatters: give it a [seal]")
-    seal_spread = _state_spread(spread, fit) if lot is None else _read_spread(lot, fit)
+    seal_spread = _widen_spread(spread, fit) if lot is None else _read_spread(lot, fit)
     with add_file_to_errors(path):
         widest = math.hypot(_find_widest_sd(seal_spread), seal_spread.mean_sd)
         max_hz = (band or BAND)[1]
@@ -419,7 +419,7 @@ def predict_population(
     )
 
 
-def _state_spread(stated_spread: Quantity | None, fit: Fit) -> SpecimenSpread:
+def _widen_spread(stated_spread: Quantity | None, fit: Fit) -> SpecimenSpread:
     """Return a stated scatter about the door's fit, with the error of that."""
     sd = (
         convert_to_si(stated_spread, "strain")
@@ -498,7 +498,7 @@ def _follow_modes(
     for indices in (range(middle - 1, -1, -1), range(middle + 1, len(u))):
         shapes = [door_mode.mode.shape for door_mode in modes]
         for i in indices:
-            modes_there = oscillations(
+            modes_there = find_oscillations(
                 _scale_seal(assembly, float(np.exp(u[i]))).system(), 2 * max_hz
             )
             assigned: set[int] = set()
@@ -521,7 +521,7 @@ def _follow_closing(
     """Return the least closing speed for the factors e^u; nothing of a door that does not close."""
     if assembly.door.closing in (None, ClosingSetup()) and not is_wanted:
         return []
-    speed = least_speed(closing_door(assembly.door), load=np.exp(u))
+    speed = find_least_speed(make_closing_door(assembly.door), load=np.exp(u))
     if not np.isfinite(speed).all():
         raise DataError(
             "the stiffest of these seals keep the door from closing at any speed, so no share of "
@@ -549,7 +549,7 @@ def describe_quantity(
     specimen_spread : SpecimenSpread
     limit : DoorLimit, optional
     seal_share : float, optional
-        Of the energy of the mode.
+        Share of the seal in the energy of the mode.
     """
     middle, half_range = float(u.mean()), float(np.ptp(u)) / 2
     polynomial = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)

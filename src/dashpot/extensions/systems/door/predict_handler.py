@@ -10,7 +10,7 @@ from dashpot.base import dataclass
 from dashpot.base.checks import verdict
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.cli._command_result import CommandResult, format_json, write_figure, write_output
-from dashpot.cli.predict import is_page
+from dashpot.cli.predict import is_page_output
 from dashpot.extensions.systems.door.analyse_file import door_file
 from dashpot.extensions.systems.door.closing_from_file import close_file
 from dashpot.extensions.systems.door.closing_result import ClosingResult
@@ -49,7 +49,7 @@ def _write_population(
     if picture:
         write_figure(picture, cars.plot())
     if output:
-        content = html(cars) if is_page(output) else format_json(cars) + "\n"
+        content = html(cars) if is_page_output(output) else format_json(cars) + "\n"
         write_output(output, content)
     return CommandResult.from_result(cars)
 
@@ -89,13 +89,13 @@ def run(
             path, lot=lot, spread=spread, limits=limits, band=band, temperature=temperature
         )
         return _write_population(cars, picture, output)
-    page = is_page(output)
+    page = is_page_output(output)
     result = closed = None
     if speed is None or every or page:
         result = door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = close_file(path, speed, temperature=temperature)
-    outcome = _merge_door_results(result, closed, every=every)
+    outcome = _merge_door_results(result, closed, is_verbose=every)
     if picture:
         shown_result: Any = result if closed is None else closed
         write_figure(picture, shown_result.plot())
@@ -112,22 +112,22 @@ def _write_leak(result: LeakResult, picture: str | None, output: str | None) -> 
     if output and output.lower().endswith(".csv"):
         write_output(output, result.csv())
     elif output:
-        write_output(output, html(result) if is_page(output) else format_json(result) + "\n")
+        write_output(output, html(result) if is_page_output(output) else format_json(result) + "\n")
     return CommandResult.from_result(result)
 
 
 def _merge_door_results(
-    result: DoorResult | None, closed: ClosingResult | None, *, every: bool
+    result: DoorResult | None, closed: ClosingResult | None, *, is_verbose: bool
 ) -> CommandResult:
     """Return how it vibrates, how it closes, or both."""
     if closed is None:
         assert result is not None  # noqa: S101
         return CommandResult(
-            result, door(result, every=every), result.checks, verdict=result.verdict
+            result, door(result, every=is_verbose), result.checks, verdict=result.verdict
         )
     if result is None:
         return CommandResult.from_result(closed)
-    stated_text, shuts = door(result, every=every), closing_text(closed.closing)
+    stated_text, shuts = door(result, every=is_verbose), closing_text(closed.closing)
     checks = tuple(dict.fromkeys((*result.checks, *closed.checks)))
     text = Text(
         [*stated_text.lines, *shuts.lines],

@@ -25,7 +25,7 @@ from dashpot.extensions.systems.door.door_model import (
     Support,
 )
 from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
-from dashpot.extensions.systems.door.read_closing import closing_of
+from dashpot.extensions.systems.door.read_closing import read_closing
 from dashpot.extensions.systems.door.read_leak import read_leak_setup
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
@@ -64,7 +64,7 @@ def read_door(path: str | Path) -> Door:
             if name == "closing":
                 size = Section(location.where, tables["door"], tuple(tables["door"]))
                 sizes = (size.quantity(word, "length") for word in ("width", "height"))
-                results["closing"] = closing_of(location.where, entries, *sizes)
+                results["closing"] = read_closing(location.where, entries, *sizes)
             elif name == "leak":
                 results["leak"] = read_leak_setup(location.where, entries, location.path)
             else:
@@ -116,7 +116,7 @@ class _TableLocation:
 _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
 
 
-def _rigid(section: Section) -> RigidPart:
+def _read_rigid_body(section: Section) -> RigidPart:
     """Mass and inertia, or those of an even plate of that width and height."""
     section.needs("mass", "centre")
     mass = section.quantity("mass", "mass") or 0.0
@@ -132,13 +132,13 @@ def _rigid(section: Section) -> RigidPart:
     if not mass > 0 or min(inertia) < 0:
         raise ReadError(f"{section.where}: mass {mass:g} kg, inertia {inertia}; expected > 0")
     motions = section.words("motions") or RigidPart.motions
-    return RigidPart(mass, inertia, _place(section, "centre"), motions)
+    return RigidPart(mass, inertia, _read_place(section, "centre"), motions)
 
 
-def _door(location: _TableLocation, entries: Any) -> dict[str, Any]:
+def _read_door(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, *_RIGID)
-    sizes = {name: _size(section, name) for name in ("width", "height")}
-    rigid = _rigid(section) if "mass" in section else None
+    sizes = {name: _read_size(section, name) for name in ("width", "height")}
+    rigid = _read_rigid_body(section) if "mass" in section else None
     if rigid is not None and not LIGHTEST <= rigid.mass <= HEAVIEST:
         raise ReadError(
             f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
@@ -149,18 +149,18 @@ def _door(location: _TableLocation, entries: Any) -> dict[str, Any]:
     return {"rigid": rigid, **sizes}
 
 
-def _body(location: _TableLocation, entries: Any) -> dict[str, Any]:
-    return {"body": _rigid(location.section(entries, *_RIGID))}
+def _read_body(location: _TableLocation, entries: Any) -> dict[str, Any]:
+    return {"body": _read_rigid_body(location.section(entries, *_RIGID))}
 
 
 _SUPPORT = ("name", "at", "along", "stiffness", "damping", "fit", "compression")
 
 
-def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
+def _read_supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
     def read(location: _TableLocation, entries: Any) -> dict[str, Any]:
         rows = location.parse_tables(entries, *_SUPPORT)
         supports = tuple(
-            _support(location, row, f"{kind} {i}" if len(rows) > 1 else kind)
+            _read_support(location, row, f"{kind} {i}" if len(rows) > 1 else kind)
             for i, row in enumerate(rows, start=1)
         )
         if kind == "latch":
@@ -172,7 +172,7 @@ def _supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]:
     return read
 
 
-def _support(location: _TableLocation, section: Section, name: str) -> Support:
+def _read_support(location: _TableLocation, section: Section, name: str) -> Support:
     section.needs("at")
     direction, fit = section.direction("along"), location.path(section.word("fit"))
     direction_count = 1 if direction else 3
@@ -189,7 +189,7 @@ def _support(location: _TableLocation, section: Section, name: str) -> Support:
         )
     return Support(
         section.word("name") or name,
-        _place(section, "at"),
+        _read_place(section, "at"),
         stiffness,
         damping,
         direction,
@@ -208,23 +208,23 @@ def _read_directional_values(
     return values * direction_count if len(values) == 1 else values
 
 
-def _seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
+def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(
         entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
         "friction",
     )  # fmt: skip
     section.needs("fit", "points")
-    points, columns = _points(location, section)
+    points, columns = _read_point_columns(location, section)
     normal_columns = [columns[name] for name in _NORMAL if name in columns]
     normal = normal_columns if len(normal_columns) == 3 else section.direction("normal") or _Z
     normals = np.broadcast_to(np.transpose(normal), points.shape)
-    compressions = _compression(section, columns, len(points))
+    compressions = _read_compression(section, columns, len(points))
     order = np.arange(len(points))
     if section.flag("closed") and not np.array_equal(points[0], points[-1]):
         order = np.append(order, 0)
     compressions = None if compressions is None else compressions[order]
-    joints = _joints(location, section.entries.get("joint", []))
+    joints = _read_joints(location, section.entries.get("joint", []))
     normals = normals[order]
     tilt = section.quantity("tilt", "angle")
     if tilt is not None:
@@ -237,22 +237,24 @@ def _seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
         )
     choice = SealChoice(
         location.path(section.word("fit")),
-        _size(section, "length"),
+        _read_size(section, "length"),
         section.quantity("temperature", "temperature"),
-        _size(section, "pitch"),
-        _shear(location, section.entries.get("shear", {})),
-        _friction(location, section.entries.get("friction")),
+        _read_size(section, "pitch"),
+        _read_shear(location, section.entries.get("shear", {})),
+        _read_friction(location, section.entries.get("friction")),
     )
     if choice.pitch:
         _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
     return {"line": line, "seal": choice}
 
 
-def _points(location: _TableLocation, section: Section) -> tuple[FloatArray, dict[str, FloatArray]]:
+def _read_point_columns(
+    location: _TableLocation, section: Section
+) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Points, m, and the other columns of their file."""
     points = section.entries["points"]
     if isinstance(points, str):
-        return _line_file(location.path(points), section.word("unit"))
+        return _read_line_file(location.path(points), section.word("unit"))
     if not isinstance(points, list):
         raise ReadError(
             f"{section.where}: points = {points!r}; expected a file of x, y, z, or a list such as "
@@ -266,7 +268,7 @@ def _points(location: _TableLocation, section: Section) -> tuple[FloatArray, dic
 _PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny", "nz")
 
 
-def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
+def _read_line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
     """The columns of a text file; lengths in the unit of their header, or in the one stated."""
     with channels.open_file(path, None) as file:
         resolved_columns, loaded_columns = read_named_columns(
@@ -299,7 +301,7 @@ def _refuse_more(location: str, count: float, noun: str) -> None:
         raise ReadError(f"{location}: {count:.0f} {noun}; expected at most {_MOST_POINTS}")
 
 
-def _compression(
+def _read_compression(
     section: Section, columns: Mapping[str, FloatArray], count: int
 ) -> FloatArray | None:
     """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
@@ -316,7 +318,7 @@ def _compression(
     if len(values) not in {1, count}:
         raise ReadError(f"{section.where}: {len(values)} of {name} for {count} points")
     if name == "gap":
-        height = _size(section, "height")
+        height = _read_size(section, "height")
         if height is None:
             raise ReadError(
                 f"{section.where}: height is missing: what the free seal stands tall, of which the "
@@ -329,7 +331,7 @@ def _compression(
     return np.broadcast_to(values, count)
 
 
-def _shear(location: _TableLocation, entries: Any) -> ShearChoice:
+def _read_shear(location: _TableLocation, entries: Any) -> ShearChoice:
     """Ratios, or fits of their own, across the line and along it."""
     row = Section(f"{location.where[:-1]}.shear]", entries, ("across", "along", "length"))
 
@@ -344,10 +346,10 @@ def _shear(location: _TableLocation, entries: Any) -> ShearChoice:
         0.0 if isinstance(shear_across, str) else shear_across,
         0.0 if isinstance(shear_along, str) else shear_along,
     )
-    return ShearChoice(shear_across, shear_along, _size(row, "length"))
+    return ShearChoice(shear_across, shear_along, _read_size(row, "length"))
 
 
-def _friction(location: _TableLocation, entries: Any) -> LineFriction | None:
+def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | None:
     """Return what rubs sideways beside the arms."""
     if entries is None:
         return None
@@ -383,7 +385,7 @@ def _tilt_normals(
     return np.asarray(np.cos(tilt) * mean_normals + np.sign(area) * np.sin(tilt) * outwards)
 
 
-def _joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
+def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     joints = []
     for row in location.parse_tables(rows, "name", "at", "length", "factor"):
         row.needs("at", "length", "factor")
@@ -392,7 +394,7 @@ def _joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     return tuple(joints)
 
 
-def _modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
+def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
     section.needs("file")
     max_hz = section.quantity("most", "frequency")
@@ -416,7 +418,7 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
         if on not in {"door", "body"}:
             raise ReadError(f"{row.where}: on = '{on}'; expected door or body")
         name = row.word("name") or f"point {i}"
-        points.append(DoorPoint(name, _place(row, "at"), row.direction("along") or _Z, on))
+        points.append(DoorPoint(name, _read_place(row, "at"), row.direction("along") or _Z, on))
     names = [point.name for point in points]
     repeated_names = [name for name in names if names.count(name) > 1]
     if repeated_names:
@@ -424,7 +426,7 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
     return {"points": tuple(points)}
 
 
-def _base(location: _TableLocation, entries: Any) -> dict[str, Any]:
+def _read_base(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "psd", "along")
     section.needs("psd")
     word = section.word("psd") or ""
@@ -433,21 +435,21 @@ def _base(location: _TableLocation, entries: Any) -> dict[str, Any]:
     return {"base": location.path(word) if path.is_file() else word, "base_along": direction}
 
 
-def _place(section: Section, name: str) -> Vector:
+def _read_place(section: Section, name: str) -> Vector:
     values = section.vector(name, "length") or (0.0, 0.0, 0.0)
-    return _believable(section, name, values)
+    return _refuse_implausible(section, name, values)
 
 
-def _size(section: Section, name: str) -> float | None:
+def _read_size(section: Section, name: str) -> float | None:
     value = section.quantity(name, "length")
     if value is None:
         return None
     if not value > 0:
         raise ReadError(f"{section.where}: {name} = {value:g} m; expected a length > 0")
-    return _believable(section, name, (value, 0.0, 0.0))[0]
+    return _refuse_implausible(section, name, (value, 0.0, 0.0))[0]
 
 
-def _believable(section: Section, name: str, lengths: Vector) -> Vector:
+def _refuse_implausible(section: Section, name: str, lengths: Vector) -> Vector:
     """Refuse lengths that no door has: most often millimetres that are called metres."""
     max_length = max(map(abs, lengths))
     if max_length > LARGEST:
@@ -460,15 +462,15 @@ def _believable(section: Section, name: str, lengths: Vector) -> Vector:
 
 _TABLES: Mapping[str, Callable[[_TableLocation, Any], dict[str, Any]]] = MappingProxyType(
     {
-        "door": _door,
-        "hinge": _supports("hinge"),
-        "latch": _supports("latch"),
-        "bumper": _supports("bumper"),
-        "seal": _seal,
-        "modes": _modes,
+        "door": _read_door,
+        "hinge": _read_supports("hinge"),
+        "latch": _read_supports("latch"),
+        "bumper": _read_supports("bumper"),
+        "seal": _read_seal,
+        "modes": _read_modes,
         "point": _read_points,
-        "body": _body,
-        "base": _base,
+        "body": _read_body,
+        "base": _read_base,
     }
 )
 """Reader of each table; arrays of tables, such as [[hinge]], have the same name."""

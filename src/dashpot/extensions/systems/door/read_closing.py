@@ -27,7 +27,7 @@ T = TypeVar("T")
 _AIR = ("discharge", "process")
 
 
-def closing_of(
+def read_closing(
     location: str, entries: Any, width: float | None = None, height: float | None = None
 ) -> ClosingSetup:
     """Return what a table says.
@@ -38,7 +38,7 @@ def closing_of(
         How to name it.
     entries : mapping
     width, height : float, optional
-        Of the door, m.
+        Width and height of the door, m.
 
     Raises
     ------
@@ -69,11 +69,13 @@ def closing_of(
         section.quantity("friction", "torque") or 0.0,
         section.direction("gravity"),
         sub(_check, "check", "angle", "moment"),
-        sub(partial(_latch, width), "latch", "travel", "force", "lever", "beyond"),
-        sub(_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
+        sub(partial(_read_latch, width), "latch", "travel", "force", "lever", "beyond"),
+        sub(_read_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
         sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR),
-        sub(partial(_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR),
-        sub(_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
+        sub(
+            partial(_read_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR
+        ),
+        sub(_read_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
     )
 
 
@@ -84,24 +86,24 @@ def _check(table: Section) -> CheckStrap:
     )
 
 
-def _latch(width: float | None, table: Section) -> Latch:
+def _read_latch(width: float | None, table: Section) -> Latch:
     table.needs("travel", "force")
     return Latch(
         table.quantities("travel", "length") or (),
         table.quantities("force", "force") or (),
-        _or(table, "lever", "length", width),
+        _read_or_default(table, "lever", "length", width),
         table.quantity("beyond", "length") or 0.0,
     )
 
 
-def _vents(table: Section) -> Vents:
+def _read_vents(table: Section) -> Vents:
     table.needs("width", "hollow", "hole", "spacing")
     width, hollow, hole, spacing = (
         table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
     )
     if not spacing > 0:
         raise ReadError(f"{table.where}: spacing = {spacing:g} m; expected a distance > 0")
-    return Vents(*_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
+    return Vents(*_read_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
 
 
 def _read_inter_seal_air(table: Section) -> Between:
@@ -109,21 +111,21 @@ def _read_inter_seal_air(table: Section) -> Between:
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
     )
-    return Between(*_air(table), width, depth, leak)
+    return Between(*_read_air(table), width, depth, leak)
 
 
-def _cabin(width: float | None, area: float | None, table: Section) -> Cabin:
+def _read_cabin(width: float | None, area: float | None, table: Section) -> Cabin:
     table.needs("volume", "opening")
     return Cabin(
-        *_air(table),
+        *_read_air(table),
         table.quantity("volume", "volume") or 0.0,
-        _or(table, "area", "area", area),
-        _or(table, "lever", "length", 0.5 * width if width else None),
+        _read_or_default(table, "area", "area", area),
+        _read_or_default(table, "lever", "length", 0.5 * width if width else None),
         table.quantity("opening", "area") or 0.0,
     )
 
 
-def _variation(table: Section) -> Tolerances:
+def _read_variation(table: Section) -> Tolerances:
     doors, seed = table.number("doors"), table.number("seed") or 0.0
     for name, value in (("doors", doors or 0.0), ("seed", seed)):
         if value != int(value) or value < 0:
@@ -138,7 +140,7 @@ def _variation(table: Section) -> Tolerances:
     )
 
 
-def _air(table: Section) -> tuple[float, float]:
+def _read_air(table: Section) -> tuple[float, float]:
     """Discharge coefficient and exponent."""
     entries = {"adiabatic": ADIABATIC, "isothermal": ISOTHERMAL}
     process = table.word("process") or "adiabatic"
@@ -148,7 +150,9 @@ def _air(table: Section) -> tuple[float, float]:
     return DISCHARGE if discharge is None else discharge, entries[process]
 
 
-def _or(table: Section, name: str, dimension: Dimension, default: float | None) -> float:
+def _read_or_default(
+    table: Section, name: str, dimension: Dimension, default: float | None
+) -> float:
     value = table.quantity(name, dimension)
     if value is None:
         value = default

@@ -36,10 +36,10 @@ def read_modes(
     ----------
     path : path
     unit : str, optional
-        Of the coordinates, where the file does not say.
+        Unit of the coordinates, where the file does not say.
     modal_mass : str or float, optional
-        Of every mode, where the file does not say: 1 t for shapes that a code in mm, t and s has
-        normalised, kg.
+        Modal mass of every mode, where the file does not say: 1 t for shapes that a code in mm, t
+        and s has normalised, kg.
     damping : float, optional
         Damping ratio of every mode, instead of what the file says.
 
@@ -64,7 +64,7 @@ def read_modes(
                 resolved_columns[name], columns[name], dimension, unit, advice
             )
 
-        mass = _masses(resolved_columns, columns, convert_to_si(modal_mass, "mass"))
+        mass = _get_modal_masses(resolved_columns, columns, convert_to_si(modal_mass, "mass"))
         frequency = convert_column("frequency", "frequency", "Hz")
         positions = np.stack(
             [convert_column(axis, "length", unit) for axis in ("x", "y", "z")], axis=1
@@ -111,7 +111,7 @@ def _sort_rows_by_mode(
     return order
 
 
-def _masses(
+def _get_modal_masses(
     resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated_mass: float | None
 ) -> FloatArray:
     """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""

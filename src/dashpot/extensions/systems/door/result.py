@@ -67,7 +67,7 @@ class SealOfDoor(Serialisable):
     section : SealSection
     along : Stations
     fit : Fit or None
-        Of the seal, at its temperature.
+        Fit of the seal, at its temperature.
     """
 
     _keys = (
@@ -158,7 +158,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
     ----------
     assembly : Assembly
     fit : Fit or None
-        Of the seal, at its temperature.
+        Fit of the seal, at its temperature.
     band : (float, float)
         Hz.
     modes : tuple of DoorMode

@@ -53,8 +53,8 @@ class SealLine(EqualByValue):
     points : array, shape (n, 3)
         m; repeat the first at the end to close the line.
     compression : float or array, shape (n,), optional
-        Of the seal at each point, m, straight between them: its free height less the gap that it
-        fills, so below 0 where it does not reach. None is the compression of its test.
+        Compression of the seal at each point, m, straight between them: its free height less the
+        gap that it fills, so below 0 where it does not reach. None is the compression of its test.
     section : SealSection or Solid, optional
         One metre of the seal, N/m per m; without it the line is its geometry.
     normal : (float, float, float) or array, shape (n, 3) or (n - 1, 3)
@@ -71,9 +71,9 @@ class SealLine(EqualByValue):
     joints: tuple[Joint, ...] = ()
 
     def __post_init__(self) -> None:
-        points = _points(self.points)
+        points = _validate_points(self.points)
         object.__setattr__(self, "points", frozen(points))
-        object.__setattr__(self, "normal", frozen(_normals(self.normal, points)))
+        object.__setattr__(self, "normal", frozen(_validate_normals(self.normal, points)))
         if self.compression is not None:
             compressions = np.array(self.compression, dtype=float)
             if (
@@ -101,7 +101,7 @@ class SealLine(EqualByValue):
     @property
     def length(self) -> float:
         """Length along the line, m."""
-        return float(_lengths(self.points).sum())
+        return float(_compute_lengths(self.points).sum())
 
     @property
     def is_closed(self) -> bool:
@@ -112,7 +112,7 @@ class SealLine(EqualByValue):
     @property
     def arc_length(self) -> FloatArray:
         """Arc length of each point, m, shape (n,)."""
-        return np.append(0.0, np.cumsum(_lengths(self.points)))
+        return np.append(0.0, np.cumsum(_compute_lengths(self.points)))
 
     def normal_at(self, along: FloatArray) -> FloatArray:
         """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
@@ -146,7 +146,7 @@ class SealLine(EqualByValue):
                 f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "
                 "fits on it"
             )
-        middle, cell = _cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
+        middle, cell = _divide_cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
         at = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
         normal = self.normal_at(at)
         runs = np.diff(self.points, axis=0)[self._piece(at)]
@@ -182,7 +182,7 @@ class SealLine(EqualByValue):
 
     def _breaks(self, cell: float) -> FloatArray:
         """Return where no cell may reach across, from end to end, m; points of a curve are none."""
-        runs, lengths = np.diff(self.points, axis=0), _lengths(self.points)
+        runs, lengths = np.diff(self.points, axis=0), _compute_lengths(self.points)
         tangents = runs / lengths[:, None]
         is_bend = (tangents[1:] * tangents[:-1]).sum(axis=1) < _BENDS
         is_long = np.maximum(lengths[1:], lengths[:-1]) >= cell
@@ -199,7 +199,7 @@ class SealLine(EqualByValue):
         crossed = np.flatnonzero(first * last < 0)
         share = first[crossed] / (first - last)[crossed]
         values: list[float] = (
-            self.arc_length[crossed] + share * _lengths(self.points)[crossed]
+            self.arc_length[crossed] + share * _compute_lengths(self.points)[crossed]
         ).tolist()
         return values
 
@@ -220,7 +220,7 @@ class SealLine(EqualByValue):
         return np.maximum(factor, 0.0)
 
 
-def _cells(breaks: FloatArray, requested_length: float) -> tuple[FloatArray, FloatArray]:
+def _divide_cells(breaks: FloatArray, requested_length: float) -> tuple[FloatArray, FloatArray]:
     """Middle and length, m, of cells between breaks, equal from one to the next."""
     spans = np.diff(breaks)
     counts = np.maximum(np.rint(spans / requested_length), 1).astype(int)
@@ -230,7 +230,7 @@ def _cells(breaks: FloatArray, requested_length: float) -> tuple[FloatArray, Flo
     return first + (rank + 0.5) * cell, cell
 
 
-def _points(value: npt.ArrayLike) -> FloatArray:
+def _validate_points(value: npt.ArrayLike) -> FloatArray:
     """Points that make a line, or what is wrong with them."""
     points = np.array(value, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
@@ -240,12 +240,12 @@ def _points(value: npt.ArrayLike) -> FloatArray:
     if not np.isfinite(points).all():
         row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
         raise DataError(f"point {row} of the seal line is not finite: {points[row]}")
-    steps = _lengths(points)
+    steps = _compute_lengths(points)
     if (steps == 0).any():
         raise DataError(
             f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
         )
-    crossing = _first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
+    crossing = _find_first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
     if crossing is not None:
         raise DataError(
             f"the seal line crosses itself: its segment from point {crossing[0]} meets the one "
@@ -254,7 +254,7 @@ def _points(value: npt.ArrayLike) -> FloatArray:
     return points
 
 
-def _normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
+def _validate_normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
     """Unit normals at each point, or of each piece, or what is wrong with them."""
     normal, count = np.array(value, dtype=float), len(points)
     if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
@@ -294,12 +294,12 @@ def _refuse_along(normal: FloatArray, runs: FloatArray) -> None:
         )
 
 
-def _lengths(points: FloatArray) -> FloatArray:
+def _compute_lengths(points: FloatArray) -> FloatArray:
     """Lengths of the pieces, m."""
     return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
 
-def _first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int] | None:
+def _find_first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int] | None:
     """Return the first two pieces that meet and are not neighbours, by their first points."""
     pieces = len(points) - 1
     closed = bool(np.linalg.norm(points[0] - points[-1]) <= nearer_than)
@@ -310,12 +310,15 @@ def _first_crossing(points: FloatArray, *, nearer_than: float) -> tuple[int, int
         may_cross = (low[i + 2 :] <= high[i]).all(axis=1) & (high[i + 2 :] >= low[i]).all(axis=1)
         for j in (np.flatnonzero(may_cross) + i + 2).tolist():
             neighbours = closed and i == 0 and j == pieces - 1
-            if not neighbours and _distance(points[i : i + 2], points[j : j + 2]) < nearer_than:
+            if (
+                not neighbours
+                and _compute_distance(points[i : i + 2], points[j : j + 2]) < nearer_than
+            ):
                 return i, j
     return None
 
 
-def _distance(first: FloatArray, second: FloatArray) -> float:
+def _compute_distance(first: FloatArray, second: FloatArray) -> float:
     """Return the distance of two straight pieces, each of shape (2, 3).
 
     It is that of the lines where both feet of the common normal lie within, else that of an end

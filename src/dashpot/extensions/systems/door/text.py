@@ -22,27 +22,31 @@ def door(result: DoorResult, *, every: bool = False) -> Text:
 
     Of many modes those of which the seal has most; `every` shows what each part has of them.
     """
-    lines = _line(result)
+    lines = _format_line(result)
     if not result.modes:
-        return Text([*lines, f"  no mode in {hertz(result.band)}", *_shaken(result)])
+        return Text([*lines, f"  no mode in {hertz(result.band)}", *_format_shaken(result)])
     parts = list(dict.fromkeys(share.name for mode in result.modes for share in mode.shares))
     numbers = range(len(result.modes))
     first = sorted(sorted(numbers, key=lambda i: -result.modes[i].share(SEAL))[:_MOST])
-    lines += table(_rows(result, first, parts if every else []))
+    lines += table(_make_mode_rows(result, first, parts if every else []))
     if len(first) < len(numbers):
         lines.append(f"  {len(numbers) - len(first)} more modes, of which the seal has less")
     if every:
         lines.append("  of each part: % of the energy/% of the loss")
-    lines += _shaken(result)
-    details = table(_rows(result, numbers, [])) if every or len(first) < len(numbers) else []
+    lines += _format_shaken(result)
+    details = (
+        table(_make_mode_rows(result, numbers, [])) if every or len(first) < len(numbers) else []
+    )
     bare_text = f"{', '.join(format_rounded(f) for f in result.bare)} Hz" if result.bare else "none"
     details.append(f"  modes without the seal: {bare_text}")
-    details += table([["% of the energy", *parts], *_shares(result, parts, loss=False)])
-    details += table([["% of the loss", *parts], *_shares(result, parts, loss=True)])
+    details += table([["% of the energy", *parts], *_format_shares(result, parts, loss=False)])
+    details += table([["% of the loss", *parts], *_format_shares(result, parts, loss=True)])
     return Text(lines, details)
 
 
-def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> list[list[str]]:
+def _make_mode_rows(
+    result: DoorResult, numbers: Sequence[int], parts: Sequence[str]
+) -> list[list[str]]:
     """Frequency, damping and shares of some modes: of the seal, or of each of the `parts`."""
     column_titles = [
         "without seal",
@@ -63,12 +67,15 @@ def _rows(result: DoorResult, numbers: Sequence[int], parts: Sequence[str]) -> l
         ]  # fmt: skip
         if parts:
             shares = ((mode.share(name), mode.loss_share(name)) for name in parts)
-            cells = [damped, *("/".join(_part(100 * part) for part in values) for values in shares)]
+            cells = [
+                damped,
+                *("/".join(_format_share(100 * part) for part in values) for values in shares),
+            ]
         rows.append([str(i + 1), format_rounded(mode.mode.frequency, digits=5), *cells])
     return rows
 
 
-def _part(value: float) -> str:
+def _format_share(value: float) -> str:
     """Return a share, %: to a tenth below ten."""
     return f"{value:.1f}" if value < 10 else f"{value:.0f}"
 
@@ -84,7 +91,7 @@ def _format_extrapolation_factor(result: DoorResult, frequency: float) -> str:
     return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
 
 
-def _shares(result: DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
+def _format_shares(result: DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
     rows = []
     for number, mode in enumerate(result.modes, start=1):
         entries = {share.name: share.loss if loss else share.energy for share in mode.shares}
@@ -95,7 +102,7 @@ def _shares(result: DoorResult, parts: list[str], *, loss: bool) -> list[list[st
     return rows
 
 
-def _line(result: DoorResult) -> list[str]:
+def _format_line(result: DoorResult) -> list[str]:
     seal = result.seal
     if seal is None:
         return ["  no seal"]
@@ -133,7 +140,7 @@ def _line(result: DoorResult) -> list[str]:
     return sentences
 
 
-def _shaken(result: DoorResult) -> list[str]:
+def _format_shaken(result: DoorResult) -> list[str]:
     if not result.random:
         return []
     rows = [["base shakes: rms", "m/s^2", "mm to the body", "without seal, m/s^2", "mm"]]
