@@ -14,7 +14,7 @@ from typing import Any
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.extensions.app import recent, wire_format
-from dashpot.extensions.app.request_parsing import describe_job, parse_selection
+from dashpot.extensions.app.request_parsing import describe_job, parse_selection, require_text
 from dashpot.extensions.app.upload_store import (
     MAX_FILE_BYTES,
     Store,

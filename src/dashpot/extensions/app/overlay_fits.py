@@ -20,6 +20,7 @@ from dashpot.extensions.app.request_parsing import (
     build_job,
     get_list,
     get_panel_sizes,
+    require_text,
 )
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Scale
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
