@@ -157,7 +157,8 @@ class AdmissibleSpectra:
         self.tau = np.exp(log_tau)
         norm = np.linalg.norm(rows[:, 1:], axis=0)
         # what the record does not show at all is limited by nothing
-        self.shown = norm > UNSEEN * norm.max()
+        # (a dashpot has another unit, and a column of any size)
+        self.shown = norm > UNSEEN * np.delete(norm, 1).max()
         self.scale = np.where(self.shown, norm, 1.0)
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         text = np.linalg.norm(columns, axis=1) > ROUNDING

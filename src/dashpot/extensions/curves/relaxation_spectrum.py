@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,8 @@ from dashpot.extensions.curves.datamodel.superposition import Superposition, Uns
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+FindBand: TypeAlias = Callable[[GeneralizedMaxwell], tuple[tuple[float, float], BandError | None]]
 
 # arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
 # one farther out shows only its tail
@@ -270,6 +272,8 @@ def dense_spectrum_if_needed(
     origin: Superposition | UnshiftedCurve,
     spectrum: Callable[[], Dense],
     of_data: Sequence[Check] = (),
+    *,
+    find_band: FindBand | None = None,
 ) -> Fit:
     """Return the fit, or the dense spectrum where no small number of arms follows the curves.
 
@@ -284,20 +288,27 @@ def dense_spectrum_if_needed(
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check
         Those of the fit's checks that do not speak of its arms.
+    find_band : callable, optional
+        Finds the valid band of a model, Hz, and its errors there.
     """
     if isinstance(origin, Superposition):
-        return shared_spectrum_if_needed(fit, error, origin, of_data)
+        return shared_spectrum_if_needed(fit, error, origin, of_data, find_band=find_band)
     misfit = float(np.sqrt(np.mean(error * error)))
     if misfit < MAX_MISFIT:
         return fit
     dense = spectrum()
     if dense.rms > _MUCH_BETTER * misfit:
         return fit
-    return _replace_by_dense(fit, (misfit, None), dense, len(error), of_data)
+    return _replace_by_dense(fit, (misfit, None), dense, len(error), of_data, find_band=find_band)
 
 
 def shared_spectrum_if_needed(
-    fit: Fit, error: FloatArray, shared: Dense, of_data: Sequence[Check] = ()
+    fit: Fit,
+    error: FloatArray,
+    shared: Dense,
+    of_data: Sequence[Check] = (),
+    *,
+    find_band: FindBand | None = None,
 ) -> Fit:
     """Return the fit, or the spectrum of several temperatures where few arms follow less closely.
 
@@ -307,7 +318,9 @@ def shared_spectrum_if_needed(
     return (
         fit
         if misfit < limit
-        else _replace_by_dense(fit, (misfit, limit), shared, len(error), of_data)
+        else _replace_by_dense(
+            fit, (misfit, limit), shared, len(error), of_data, find_band=find_band
+        )
     )
 
 
@@ -317,8 +330,14 @@ def _replace_by_dense(
     dense: Dense,
     values: int,
     of_data: Sequence[Check],
+    *,
+    find_band: FindBand | None,
 ) -> Fit:
-    """Return the fit with a dense spectrum in the place of arms that miss more than a limit."""
+    """Return the fit with a dense spectrum in the place of arms that miss more than a limit.
+
+    Where it can be found, the valid band is that of the spectrum: about arms that miss
+    the curves by much, hardly any frequency is valid.
+    """
     check = few_arms_sufficient(
         misfit_and_limit[0],
         fit.model.arms,
@@ -331,10 +350,15 @@ def _replace_by_dense(
         (), np.zeros((0, 0)), np.inf, residual, nuisance=fit.estimate.nuisance
     )
     end = fit.evidence.end_of_hold
-    error = fit.evidence.band_error
+    band, error = fit.evidence.band, fit.evidence.band_error
+    if find_band is not None:
+        band, error = find_band(dense.model)
+    elif error is not None:
+        error = _convert_errors(error, dense.model, fit.model)
     evidence = replace(
         fit.evidence,
-        band_error=None if error is None else _convert_errors(error, dense.model, fit.model),
+        band=band,
+        band_error=error,
         certificate=None,
         checks=(*of_data, check),
         end_of_hold=None if end is None else end.widen_to_contain(dense.model),

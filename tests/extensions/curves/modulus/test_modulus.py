@@ -129,3 +129,37 @@ def test_a_real_master_curve_is_followed(real_data: Path) -> None:
     curve = read_modulus(file)
     fit = fit_modulus(curve.time, curve.modulus, source=curve.source)
     assert np.abs(fit.model.relaxation(curve.time) / curve.modulus - 1).max() < 0.005
+
+
+def test_band_of_a_dense_spectrum_is_that_of_the_curve_and_holds_the_loss_factor():
+    """A material of 600 arms over 32 decades, which no few arms follow."""
+    tau = np.geomspace(1e-16, 1e16, 600)
+    k = np.exp(-0.5 * (np.log10(tau) / 6.0) ** 2)
+    k *= 990e6 / k.sum()
+    time = np.geomspace(1e-13, 1e13, 400)
+    modulus = 10e6 + np.exp(-time[:, None] / tau) @ k
+    noise = 1 + 1e-3 * np.random.default_rng(5).standard_normal(len(time))
+    fit = fit_modulus(time, modulus * noise)
+    assert any(check.name == "few_arms_sufficient" and check.failed for check in fit.checks)
+    low, high = fit.band
+    assert high / low > 1e7
+    error = fit.evidence.band_error
+    x = 2 * np.pi * np.array(error.frequency)[:, None] * tau
+    storage = 10e6 + (k * x**2 / (1 + x**2)).sum(axis=1)
+    loss_factor = (k * x / (1 + x**2)).sum(axis=1) / storage
+    fitted = fit.model.loss_factor(frequency=error.frequency)
+    ratio = np.maximum(loss_factor / fitted, fitted / loss_factor) - 1
+    assert (ratio <= np.array(error.loss_factor)).mean() > 0.9
+    assert max(error.loss_factor) <= 0.3 + 1e-6
+
+
+@pytest.mark.parametrize("factor", [1e-20, 1.0, 1e20])
+def test_band_of_a_curve_scales_with_its_times(factor: float) -> None:
+    """Nothing that a curve shows depends on whether its times are of a clock or of a reference."""
+    time = np.geomspace(0.01, 1e4, 120)
+    modulus = (1.0 + 2.0 * np.exp(-time / 0.5) + np.exp(-time / 300.0)) * 1e6
+    noise = 1 + 1e-3 * np.random.default_rng(2).standard_normal(len(time))
+    fit = fit_modulus(factor * time, modulus * noise)
+    reference = fit_modulus(time, modulus * noise)
+    np.testing.assert_allclose(np.array(fit.band) * factor, reference.band, rtol=0.05)
+    assert max(fit.evidence.band_error.loss_factor) < 0.31

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -32,6 +33,7 @@ from dashpot.extensions.curves.checks import (
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
     MIN_FREE_POINTS,
+    CurveData,
     find_admissible_spectra,
     find_valid_band,
     fit_single_test,
@@ -219,11 +221,13 @@ def fit_dynamic(
     selection = family_choice.best
     band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
     end, band_error = None, None
+    curve = _weight_sweep(data, sets[0])
+    find_band = partial(_find_valid_band, data, curve, band)
     # relaxation tests beside it see further
     if not records:
-        end, band, band_error = _limit_end(
-            data, sets[0], selection, family_choice.arms.model.tau, band
-        )
+        tau = family_choice.arms.model.tau
+        end = _limit_end(data, curve, selection, tau)
+        band, band_error = find_band(selection.solid, tau)
     other = family_choice.alternative(band, BY_SWEEPS)
     of_data = (
         kramers_kronig(compute_passive_misfit(data)),
@@ -277,8 +281,9 @@ def fit_dynamic(
     if records or arms != "auto" or dashpot or fit_with_few_arms.family != "maxwell":
         return fit_with_few_arms
     return dense_spectrum_if_needed(
-        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), of_data
-    )
+        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), of_data,
+        find_band=lambda model: find_band(model, model.tau),
+    )  # fmt: skip
 
 
 def fit_complex_modulus(
@@ -439,30 +444,42 @@ def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     return sets
 
 
-def _limit_end(
-    data: DynamicTest,
-    sweep: _Set,
-    selection: SelectedModel,
-    tau: Sequence[float],
-    band: tuple[float, float],
-) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """Return the limits of the storage below a sweep, and the valid band.
-
-    Nothing of one of few lines.
-    """
+def _weight_sweep(data: DynamicTest, sweep: _Set) -> CurveData | None:
+    """Return the lines of a sweep with their errors; None if they are few."""
     if len(data.frequency) < MIN_FREE_POINTS:
-        return None, band, None
+        return None
+    window = 1 / (_FASTER * float(data.omega.max())), _SLOWER / float(data.omega.min())
+    return weight_curve(sweep.block, data.frequency, window=window)
+
+
+def _limit_end(
+    data: DynamicTest, curve: CurveData | None, selection: SelectedModel, tau: Sequence[float]
+) -> EndOfHold | None:
+    """Return the limits of the storage below a sweep; None for one of few lines."""
+    if curve is None:
+        return None
     slowest = 1 / float(data.omega.min())
-    window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
-    curve = weight_curve(sweep.block, data.frequency, window=window)
-    spectra = find_admissible_spectra(curve, time=slowest, extra=tau)
-    end = limit_end_of_curve(
-        curve, "sweep", time=slowest, model=selection.model, extra=tau, spectra=spectra
-    )
-    band, error = find_valid_band(spectra, selection.solid, band)
+    return limit_end_of_curve(curve, "sweep", time=slowest, model=selection.model, extra=tau)
+
+
+def _find_valid_band(
+    data: DynamicTest,
+    curve: CurveData | None,
+    band: tuple[float, float],
+    solid: Solid,
+    tau: Sequence[float],
+) -> tuple[tuple[float, float], BandError | None]:
+    """Return where in a band a sweep knows a solid, Hz, and the errors there.
+
+    The whole band without errors for a sweep of few lines.
+    """
+    if curve is None:
+        return band, None
+    spectra = find_admissible_spectra(curve, time=1 / float(data.omega.min()), extra=tau)
+    band, error = find_valid_band(spectra, solid, band)
     if error is not None:
-        error = replace(error, misfit=_compute_misfit_in_band(selection.solid, data, band))
-    return end, band, error
+        error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
+    return band, error
 
 
 def _compute_misfit_in_band(

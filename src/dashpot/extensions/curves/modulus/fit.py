@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
     MIN_FREE_POINTS,
     BeforeCurve,
+    CurveData,
     find_admissible_spectra,
     find_valid_band,
     fit_single_test,
@@ -130,12 +132,11 @@ def fit_modulus(
     )
     model = selection.model
     positive = t[t > 0]
-    band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
-    end, band, band_error = _limit_end(t, block, model, band)
-    if band_error is not None:
-        # a curve shows its modulus alone
-        misfit = _compute_misfit_in_band(model, t, values, band)
-        band_error = replace(band_error, misfit=(misfit, 0.0))
+    lines = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
+    weighted_curve = _weight_values(t, block)
+    end = _limit_end(t, weighted_curve, model)
+    find_band = partial(_find_band, t, values, weighted_curve, lines)
+    band, band_error = find_band(model)
     checks = run_plateau_checks(
         model,
         float(selection.error[0]),
@@ -188,25 +189,49 @@ def fit_modulus(
         origin,
         lambda: master_curve(t[is_positive_time], values[is_positive_time]),
         (*origin.checks, *checks),
+        find_band=find_band,
     )
 
 
-def _limit_end(
-    t: FloatArray, block: DataBlock, model: GeneralizedMaxwell, band: tuple[float, float]
-) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
-    """Return what the curve leaves open of its end, and where in a band it knows the solid.
-
-    Nothing of one of few values.
-    """
+def _weight_values(t: FloatArray, block: DataBlock) -> CurveData | None:
+    """Return the values of a curve with their errors; None if they are few."""
     if len(t) < MIN_FREE_POINTS:
-        return None, band, None
+        return None
     shortest, longest = _get_window(t)
-    positive_time = np.maximum(t, t[1])
-    data = weight_curve(block, positive_time, window=(shortest, 10 * longest))
-    end = limit_end_of_curve(data, "curve", time=longest, model=model, extra=model.tau)
-    early = BeforeCurve(data, float(t[t > 0][0]), model)
-    spectra = find_admissible_spectra(early, time=longest, extra=model.tau)
-    return end, *find_valid_band(spectra, model, band)
+    return weight_curve(block, np.maximum(t, t[1]), window=(shortest, 10 * longest))
+
+
+def _limit_end(
+    t: FloatArray, curve: CurveData | None, model: GeneralizedMaxwell
+) -> EndOfHold | None:
+    """Return what the curve leaves open of its end; None for one of few values."""
+    if curve is None:
+        return None
+    longest = _get_window(t)[1]
+    return limit_end_of_curve(curve, "curve", time=longest, model=model, extra=model.tau)
+
+
+def _find_band(
+    t: FloatArray,
+    values: FloatArray,
+    curve: CurveData | None,
+    band: tuple[float, float],
+    model: GeneralizedMaxwell,
+) -> tuple[tuple[float, float], BandError | None]:
+    """Return where in a band the curve knows a model, Hz, and the errors there.
+
+    The whole band without errors for a curve of few values.
+    """
+    if curve is None:
+        return band, None
+    early = BeforeCurve(curve, float(t[t > 0][0]), model)
+    spectra = find_admissible_spectra(early, time=_get_window(t)[1], extra=model.tau)
+    band, error = find_valid_band(spectra, model, band)
+    if error is not None:
+        # a curve shows its modulus alone
+        misfit = _compute_misfit_in_band(model, t, values, band)
+        error = replace(error, misfit=(misfit, 0.0))
+    return band, error
 
 
 def _compute_misfit_in_band(
