@@ -156,10 +156,10 @@ def test_hammers_are_paired_by_the_name_of_the_test_and_are_no_tests_themselves(
     by_stem = {"A_1": ["A_1_hammer1.csv", "A_1_hammer2.csv"], "A_2": ["A_2_hammer.csv"], "A_10": []}
     assert hammers("t", pair="{stem}_hammer*.csv") == by_stem
     # by the labels, which the hammer's own path has too
-    assert hammers("t", by=r"(\w)_(\d+)", pair="{lot}_{seal}_hammer*") == by_stem
+    assert hammers("t", label_pattern=r"(\w)_(\d+)", pair="{lot}_{seal}_hammer*") == by_stem
     # in another folder, and one hammer for all the repeats of a seal
     Path("t/A_2_again.csv").write_text("")
-    rows = hammers("t/A_2.csv", "t/A_2_again.csv", "hits", by=r"(\w)[_-](\d+)",
+    rows = hammers("t/A_2.csv", "t/A_2_again.csv", "hits", label_pattern=r"(\w)[_-](\d+)",
                         pair="../hits/{lot}-{seal}.uff")  # fmt: skip
     assert rows == {"A_2": ["A-2.uff"], "A_2_again": ["A-2.uff"]}
 
