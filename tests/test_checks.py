@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -1421,7 +1421,15 @@ DYNAMIC_STIFFNESS = [
         0.999,
         1.001,
     ),
-    Case("loss_factor_determined_at", dynamic_stiffness.loss_factor_determined_at, 0.299, 0.301),
+    *(
+        Case(
+            "loss_factor_determined_at",
+            partial(dynamic_stiffness.loss_factor_determined_at, with_hammer=with_hammer),
+            0.299,
+            0.301,
+        )
+        for with_hammer in (False, True)
+    ),
 ]
 
 DROP = [

@@ -4,7 +4,9 @@ import json
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from kit.shell import ran
 
@@ -142,3 +144,20 @@ def test_list_of_frequencies_equals_the_option_repeated(fit, tmp_path):
     )
     assert listed == repeated
     assert json.loads(listed)["frequencies"] == [1, 5, 10, 20]
+
+
+def test_joint_fit_has_the_error_of_its_band_and_is_not_told_to_add_a_hammer():
+    folder = Path(__file__).parents[2] / "data" / "documents_1"
+    joint = dp.read(folder / "fit-joint.json")
+    error = joint.evidence.band_error
+    peak = joint.band[1] / 1.2
+    prediction = dp.predict(joint, frequency=peak)
+    (check,) = [item for item in prediction.checks if item.name == "loss_factor_determined_at"]
+    assert "add a hammer test" not in check.message_with_remedy
+    value = next(item for item in prediction.values if item.name == "loss_factor")
+    # limits of the band error are a factor, so the upper one is as far as it says
+    at = float(np.interp(math.log(peak), np.log(error.frequency), error.loss_factor))
+    assert check.value >= at * 0.999
+    assert check.value == pytest.approx(
+        max(value.high / value.value - 1, 1 - value.low / value.value)
+    )

@@ -34,7 +34,7 @@ def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float,
 
 
 @criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice, as in the valid band")
-def loss_factor_determined_at(error: float | None) -> Finding:
+def loss_factor_determined_at(error: float | None, *, with_hammer: bool) -> Finding:
     """The loss factor at the requested frequencies is known."""
     if error is None:
         return Finding("How well the loss factor is known was not computed")
@@ -42,6 +42,10 @@ def loss_factor_determined_at(error: float | None) -> Finding:
     return Finding(
         f"The loss factor at the frequencies asked is known to {size}",
         error,
-        "Arms that the data cannot show leave it open",
-        "Use the stiffness alone, or add a hammer test.",
+        "Cables, table and added mass, and arms that the data cannot show, leave it open"
+        if with_hammer
+        else "Arms that the data cannot show leave it open",
+        "Use the stiffness alone, or fit a hammer test whose cables hang free, and say so."
+        if with_hammer
+        else "Use the stiffness alone, or add a hammer test.",
     )

@@ -162,7 +162,8 @@ def predict_stiffness(
     )
     errors = [_compute_relative_error(value) for value in values[2::3]]
     largest = max((error for error in errors if error is not None), default=None)
-    own_checks = [checks.loss_factor_determined_at(largest)]
+    with_hammer = any(check.name == "cables_described" for check in fit.checks)
+    own_checks = [checks.loss_factor_determined_at(largest, with_hammer=with_hammer)]
     if not records:
         own_checks.insert(0, checks.frequencies_in_valid_band(hertz, fit_here.band))
     return StiffnessPrediction(fit_here, hertz, values, (*own_checks, *fit.checks))
@@ -218,9 +219,9 @@ def _compute_limits_in_band(
 
 
 def _compute_relative_error(value: ReportedValue) -> float | None:
-    """Return the largest factor from a value to its limits, less 1; None where none is known."""
+    """Return the larger distance of a value to its limits over it; None where none is known."""
     if math.isnan(value.low) and math.isnan(value.high):
         return None
     if not (value.low > 0 and math.isfinite(value.high)):
         return math.inf
-    return max(value.high / value.value, value.value / value.low) - 1
+    return max(value.high / value.value - 1, 1 - value.low / value.value)
