@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from pathlib import Path
 
@@ -286,3 +287,18 @@ def test_fit_and_report_take_time_limits_and_machine_as_mappings():
 def test_read_refuses_a_list_of_what_is_no_path(wrong):
     with pytest.raises(dp.DataError, match=r"Read each table by itself: dp\.read\(TABLE\)"):
         dp.read(wrong)
+
+
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_read_of_any_example_is_a_record_or_a_sentence(name, examples):
+    """Whatever is stated beside it; any other exception would be a fault."""
+    for stated in ({}, {"specimen": {"temperature": "23degC"}}):
+        with contextlib.suppress(dp.DashpotError):
+            assert dp.read(examples(name), **stated) is not None
+
+
+def test_read_says_what_holds_no_record(examples):
+    with pytest.raises(dp.ReadError, match=r"door_modes.csv is .*, which holds no record"):
+        dp.read(examples("door_modes.csv"))
+    with pytest.raises(dp.DataError, match=r"specimen= does not suit rod\.csv"):
+        dp.read(examples("rod.csv"), specimen=dp.Specimen())

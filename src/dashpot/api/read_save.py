@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from inspect import signature
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar
@@ -213,7 +214,9 @@ def _get_column_text(role: str, name_or_number: Any) -> str | tuple[str, ...]:
 def _read_record(path: Place, kind: str, options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
     """Return the record in a file of one of the kinds of the register."""
     name = Path(path).name
-    if kind not in KINDS or not KINDS[kind].reader:
+    reader = KINDS[kind].reader if kind in KINDS else ""
+    accepted = signature(load_object(reader)).parameters if reader else ()
+    if "options" not in accepted:
         raise ReadError(
             f"{name} is {get_kind_label(kind)}, which holds no record. To see what is in it: "
             f'dp.inspect("{path}")'
@@ -226,13 +229,15 @@ def _read_record(path: Place, kind: str, options: ReadOptions, keywords: Mapping
                     f"{get_kind_label(kind)}: leave {word}= out, or give "
                     f'kind="{owner.name}" if it is one after all'
                 )
+    if "specimen" in keywords and "specimen" not in accepted:
+        raise DataError(f"specimen= does not suit {name}, {get_kind_label(kind)}. Leave it out")
     arguments: dict[str, Any] = {"options": options}
     read_special = _SPECIAL.get(kind) or find_handler("read record", kind)
     if read_special is not None:
         return read_special(path, arguments, keywords)
     if "specimen" in keywords:
         arguments["specimen"] = keywords["specimen"]
-    return load_object(KINDS[kind].reader)(path, **arguments)
+    return load_object(reader)(path, **arguments)
 
 
 def _read_impact(path: Place, options: dict[str, Any], _: Mapping[str, Any]) -> Any:
