@@ -38,14 +38,14 @@ def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | N
     names, channels = [name.casefold() for name, _ in words], [f"{n} [{u}]" for n, u in words]
     if "time" not in names:
         return tuple(channels), None, 1.0
-    at = names.index("time")
-    del channels[at]
+    time_column = names.index("time")
+    del channels[time_column]
     if not channels:
         raise DataError("only a time is sent; expected a displacement or a force with it")
-    unit = find_unit(words[at][1], "time")
+    unit = find_unit(words[time_column][1], "time")
     if unit is None:
-        raise DataError(f"'{words[at][1]}' is no unit of time that dashpot knows")
-    return tuple(channels), at, unit.factor
+        raise DataError(f"'{words[time_column][1]}' is no unit of time that dashpot knows")
+    return tuple(channels), time_column, unit.factor
 
 
 class Lines:

@@ -210,8 +210,11 @@ class _LawOnSweep:
     def starts(self) -> list[FloatArray]:
         """Return the starting points of the descents."""
         low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
-        rest = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
-        return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
+        other_starts = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
+        return [
+            np.array([(1 - fraction) * low + fraction * high, *other_starts])
+            for fraction in (0.2, 0.5, 0.8)
+        ]
 
     def insert_fixed_parameters(self, theta: FloatArray) -> FloatArray:
         """Ln X_c, exponent and share, with what is set."""

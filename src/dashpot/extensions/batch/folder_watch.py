@@ -135,8 +135,8 @@ class _Watched:
         if state is None:
             self._since.pop(file, None)
             return False
-        before, unchanged_since = self._since.setdefault(file, (state, current))
-        if before != state:
+        previous_state, unchanged_since = self._since.setdefault(file, (state, current))
+        if previous_state != state:
             self._since[file] = state, current
             return False
         return current - unchanged_since >= UNCHANGED_SECONDS

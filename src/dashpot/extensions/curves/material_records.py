@@ -89,12 +89,12 @@ def _has_relaxing_holds(time: FloatArray, strain: FloatArray, stress: FloatArray
     """
     _, segments = find_rising_sign(time, strain)
     held_samples, relaxing_count, loaded_count = 0, 0, 0
-    for before, hold in pairwise(segments):
-        if hold.kind != "hold" or before.kind == "hold":
+    for previous, hold in pairwise(segments):
+        if hold.kind != "hold" or previous.kind == "hold":
             continue
         part = stress[hold.first : hold.last + 1]
         held_samples += len(part)
-        if before.kind == "load":
+        if previous.kind == "load":
             tenth = max(len(part) // 10, 1)
             first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
             relaxing_count += first - last > _RELAXED * first

@@ -65,8 +65,8 @@ class Calibration(EqualByValue):
 
     def small(self, load: FloatArray, axis: str) -> list[str]:
         """Say if an axis uses little of its range."""
-        at = AXES.index(axis)
-        limit, max_load = float(self.limit[at]), float(np.abs(load[at]).max())
+        axis_index = AXES.index(axis)
+        limit, max_load = float(self.limit[axis_index]), float(np.abs(load[axis_index]).max())
         if not 0 < max_load < _LITTLE * limit:
             return []
         unit = "N" if axis[0] == "F" else "N m"
@@ -210,12 +210,13 @@ def _compute_loads(
     calibration: Calibration, volts: FloatArray, axis: str
 ) -> tuple[FloatArray, list[str]]:
     """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
-    rest = max(1, int(_REST * volts.shape[1]))
-    loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
+    unloaded_samples = max(1, int(_REST * volts.shape[1]))
+    loads = calibration.load(volts, np.nanmedian(volts[:, :unloaded_samples], axis=1))
     values = np.isfinite(loads).all(axis=0)
     message = (
         f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
-        f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
+        f"({calibration.part}, {calibration.date}); the median of the first {unloaded_samples} "
+        "rows is "
         "taken as unloaded and subtracted in volts"
     )
     if not values.any():

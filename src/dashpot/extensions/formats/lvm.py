@@ -229,10 +229,10 @@ def _read_headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]
     """Return what each header says: the cells after its keys."""
     headers: list[dict[str, list[str]]] = [{}]
     with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
-    for key, rest in chain.from_iterable(map(_KEYS.findall, with_keys)):
+    for key, cells in chain.from_iterable(map(_KEYS.findall, with_keys)):
         if key == "Channels" and key in headers[-1]:
             headers.append({})
-        headers[-1][key] = [text.strip() for text in rest.split(sign)]
+        headers[-1][key] = [text.strip() for text in cells.split(sign)]
     return headers
 
 

@@ -118,8 +118,8 @@ class MdfTable:
         order = [base, *(i for i in range(len(self._groups)) if i != base)]
         for i in order if len(self._segments) == 1 else [base]:
             group = self._groups[i]
-            beside = i != base and self._note_clock(i)
-            if i != base and not beside:
+            other_clock = i != base and self._note_clock(i)
+            if i != base and not other_clock:
                 continue
             segments = self._segments if i == base else (i,)
             clock = group.clock
@@ -203,7 +203,8 @@ class MdfTable:
     def _note_dropped(self, group: MdfGroup, note: str) -> None:
         """Note a group that is passed over: a caution where it may be a part of the test."""
         lost_names, kept_names = (
-            [c.name for c in of.channels if not c.clock] for of in (group, self._base)
+            [c.name for c in channel_group.channels if not c.clock]
+            for channel_group in (group, self._base)
         )
         self.notes.append(Caution(note) if names_role_as_well(lost_names, kept_names) else note)
 
@@ -246,10 +247,10 @@ class MdfTable:
         values = np.empty((self.rows, len(indexes)))
         notes: list[str] = []
         by_group: dict[tuple[int, ...], list[int]] = {}
-        for at, index in enumerate(indexes):
-            by_group.setdefault(self._places[index].groups, []).append(at)
+        for position, index in enumerate(indexes):
+            by_group.setdefault(self._places[index].groups, []).append(position)
         for groups, positions in by_group.items():
-            channels = [self._places[indexes[at]].channel for at in positions]
+            channels = [self._places[indexes[position]].channel for position in positions]
             parts, counts = [], np.zeros(len(channels), int)
             for i in groups:
                 part, invalid = read_channels(self._stream, self._groups[i], channels)
@@ -257,9 +258,10 @@ class MdfTable:
                 counts += invalid
             values[:, positions] = parts[0] if len(parts) == 1 else np.concatenate(parts)
             notes += [
-                f"{count} numbers of '{self.columns[indexes[at]].name}' are marked as invalid by "
+                f"{count} numbers of '{self.columns[indexes[position]].name}' are marked as "
+                "invalid by "
                 "the file: they are no numbers"
-                for at, count in zip(positions, counts, strict=True)
+                for position, count in zip(positions, counts, strict=True)
                 if count
             ]
         return LoadedColumns(values, self.starts, self.segments, notes=tuple(notes))

@@ -348,8 +348,8 @@ def _build_record_table(
     time = np.asarray(first["x"], dtype=float)
     resampled: dict[int, FloatArray] = {}
     if len(grids) > 1:
-        time, resampled, said = _resample_records(time_records, len(grids))
-        notes = [*notes, *said]
+        time, resampled, resampling_notes = _resample_records(time_records, len(grids))
+        notes = [*notes, *resampling_notes]
     word = _label(first["abscissa_axis_units_lab"]) or "s"
     columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
     values = [time]

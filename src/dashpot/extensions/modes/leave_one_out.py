@@ -62,12 +62,15 @@ def cross_validate_hits(
     low, high = band or (peak / _ABOUT, peak * _ABOUT)
     errors, peaks = [], []
     for name in names[:_MOST]:
-        rest = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
+        other_average = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
         other_hits = tuple(text for text in names if text != name)
         frf = average(impact, choices=replace(choices, reject=(*choices.reject, *other_hits)))
         item = _as_signed(frf.band(low, high), average_frf)
         new_fit = identify(
-            _as_signed(rest, average_frf), tests=tests, arms=fit.model.arms, **load.keywords
+            _as_signed(other_average, average_frf),
+            tests=tests,
+            arms=fit.model.arms,
+            **load.keywords,
         )
         predicted = predict_frf(
             new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **load.keywords

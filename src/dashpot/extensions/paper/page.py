@@ -100,11 +100,11 @@ def _format_fact(reported_value: ReportedValue) -> str:
 
 def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
     """Return the statements of one part of the paper with computed values and differences."""
-    chosen = [row for row in rows if row.part == part]
-    has_intervals = any(row.within_interval is not None for row in chosen)
+    part_rows = [row for row in rows if row.part == part]
+    has_intervals = any(row.within_interval is not None for row in part_rows)
     head = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
     cells = []
-    for row in chosen:
+    for row in part_rows:
         difference_text, tolerance_text = (
             "–" if value is None else f"{value:.1g}" for value in (row.difference, row.tolerance)
         )
@@ -117,5 +117,7 @@ def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
             )
         )
     return TextTable(
-        head, tuple(cells), tuple("bad" if row.within_interval is False else "" for row in chosen)
+        head,
+        tuple(cells),
+        tuple("bad" if row.within_interval is False else "" for row in part_rows),
     )

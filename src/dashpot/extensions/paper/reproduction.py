@@ -385,7 +385,7 @@ def _check_equations() -> Iterator[Statement]:
         f"{round_to_error(convert_to_unit(float(ramp[-1]), 'N*s/mm'), digits=8)} N s/mm at 41 s",
         _compute_largest_deviation(ramp, PRINTED.z(t)), 1e-12,
     )  # fmt: skip
-    history = np.array([PRINTED.hereditary(float(at), **ramp_parameters) for at in hold_time])
+    history = np.array([PRINTED.hereditary(float(time), **ramp_parameters) for time in hold_time])
     yield row(
         "eq. (3)", "the hold: A [z(t) - z(t - c)]", "the hereditary integral",
         _compute_largest_deviation(PRINTED.eq_3(hold_time, **ramp_parameters), history), 1e-13,
@@ -440,10 +440,11 @@ def _compare_test_figures(
     yield Statement(
         "figure", "Fig. 1", "the robotic indenter", "dashpot simulate relaxation is one"
     )
-    at = float(noise_free_test.time[np.argmax(noise_free_test.force)]) - BEFORE
+    peak_time = float(noise_free_test.time[np.argmax(noise_free_test.force)]) - BEFORE
     yield _build_figure_statement(
         "Fig. 2", "8 mm in 1 s, then held for 40 s",
-        f"the force is highest where the hold begins, at {at:g} s", abs(at - RAMP), 0.5 / RATE,
+        f"the force is highest where the hold begins, at {peak_time:g} s", abs(peak_time - RAMP),
+        0.5 / RATE,
     )  # fmt: skip
     yield Statement("figure", "Fig. 3", "the solid with N = 1 and N = 2", "dashpot.solids, any N")
     yield _build_figure_statement(

@@ -129,14 +129,17 @@ def _fit_both_temperatures(
 
 def _compare_loss_factors(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
-    at = float(bounds.frequency[0])
+    frequency = float(bounds.frequency[0])
     low, high = (float(limit[0]) for limit in bounds.loss_factor)
     value, *other = (
-        float(item.model.loss_factor(omega=2 * math.pi * at))
+        float(item.model.loss_factor(omega=2 * math.pi * frequency))
         for item in (fit, joint_fit)
         if item is not None
     )
-    text = f"  loss factor at {at:.4g} Hz {value:.4f}, over every rubber {low:.4f} to {high:.4f}"
+    text = (
+        f"  loss factor at {frequency:.4g} Hz {value:.4f}, over every rubber {low:.4f} to "
+        f"{high:.4f}"
+    )
     return f"{text}; with the hammer {other[0]:.4f}" if other else text
 
 

@@ -83,15 +83,17 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     sweeps_by_content: dict[tuple[object, bytes], PreloadSweep] = {}
     for sweep in sweeps:
         first = sweeps_by_content.setdefault((sweep.amplitude, sweep.value.tobytes()), sweep)
-        at = f"at {convert_to_unit(float(sweep.compression), 'mm'):g} mm"
+        compression_text = f"at {convert_to_unit(float(sweep.compression), 'mm'):g} mm"
         if first is not sweep:
             raise DataError(
-                f"the sweep of {sweep.name} {at} has the very numbers of another, of {first.name}: "
+                f"the sweep of {sweep.name} {compression_text} has the very numbers of another, of "
+                f"{first.name}: "
                 "a copy is no second measurement. Leave one out"
             )
         if len(set(sweep.frequency.tolist())) < FEWEST_FREQUENCIES:
             raise DataError(
-                f"{sweep.name} has too few frequencies {at}; expected {FEWEST_FREQUENCIES} or "
+                f"{sweep.name} has too few frequencies {compression_text}; expected "
+                f"{FEWEST_FREQUENCIES} or "
                 "more in every sweep"
             )
     unknown = [sweep.name for sweep in sweeps if sweep.amplitude is None]

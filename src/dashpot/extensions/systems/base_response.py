@@ -131,17 +131,17 @@ def random_limits(
     else:
         f, table = _read_table(frequency, psd)
     modes = model_modes(model, mass)
-    at, lines = _place_lines(f, modes), _place_lines(f[[0, -1]], modes, _LIMIT_LINES)
-    S = _interpolate_density(at, f, table)
-    carried, relative = _compute_base_ratios(model, mass, 2 * np.pi * at, coupled)
+    grid, lines = _place_lines(f, modes), _place_lines(f[[0, -1]], modes, _LIMIT_LINES)
+    S = _interpolate_density(grid, f, table)
+    carried, relative = _compute_base_ratios(model, mass, 2 * np.pi * grid, coupled)
     per_force = limits(lines, Kind.ACCELERANCE) / (2 * np.pi * lines) ** 2
 
     def reach(limits: FloatArray, nominal: ComplexArray) -> tuple[float, float]:
-        low, high = (np.interp(at, lines, row) for row in limits)
+        low, high = (np.interp(grid, lines, row) for row in limits)
         # beside a line that nothing limits, the straight line to it is no number
         high = np.nan_to_num(np.maximum(high, np.abs(nominal)), nan=np.inf, posinf=np.inf)
         powers = [np.minimum(low, np.abs(nominal)), np.where(S > 0, high, 0.0)]
-        small, larger = (float(np.sqrt(np.trapezoid(power**2 * S, at))) for power in powers)
+        small, larger = (float(np.sqrt(np.trapezoid(power**2 * S, grid))) for power in powers)
         return small, larger
 
     return RandomLimits(
@@ -288,11 +288,11 @@ def _read_table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArra
 def _integrate_table(
     model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
 ) -> RandomResponse:
-    at = _place_lines(f, model_modes(model, mass))
+    grid = _place_lines(f, model_modes(model, mass))
     return _integrate_response(
-        at,
-        _interpolate_density(at, f, table),
-        *_compute_base_ratios(model, mass, 2 * np.pi * at, coupled),
+        grid,
+        _interpolate_density(grid, f, table),
+        *_compute_base_ratios(model, mass, 2 * np.pi * grid, coupled),
     )
 
 
@@ -314,8 +314,8 @@ def _place_lines(
         width = mode.frequency * max(mode.damping_ratio, 1e-6)
         distances = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), count // 2))
         grids += [mode.frequency + distances, mode.frequency - distances]
-    at = np.unique(np.concatenate(grids))
-    return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
+    grid = np.unique(np.concatenate(grids))
+    return np.asarray(grid[(grid >= f[0]) & (grid <= f[-1])])
 
 
 def _interpolate_density(frequency: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:

@@ -207,8 +207,8 @@ def _march_states(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray)
         h = float(f"{step:.13g}")  # equal steps differ by rounding
         if h not in exact:
             exact[h] = _compute_step_matrices(form.A, B, h)
-        free, hold, ramp = exact[h]
-        z[:, i + 1] = free @ z[:, i] + hold @ start[:, i] + ramp @ derivative[:, i]
+        free_step, hold, ramp = exact[h]
+        z[:, i + 1] = free_step @ z[:, i] + hold @ start[:, i] + ramp @ derivative[:, i]
     return z
 
 
@@ -366,8 +366,8 @@ def _find_newton_starts(system: System) -> list[complex]:
         s = 1j * np.sqrt(value)
         for _ in range(20):
             K = system.spring_stiffness(s)
-            around = np.linalg.eigvals(inverse @ (E.T * K) @ E)
-            s = 1j * np.sqrt(around[np.argsort(np.abs(around))[rank]])
+            eigenvalues = np.linalg.eigvals(inverse @ (E.T * K) @ E)
+            s = 1j * np.sqrt(eigenvalues[np.argsort(np.abs(eigenvalues))[rank]])
         starts.append(complex(s))
     return starts
 

@@ -143,7 +143,7 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
     error = 2 * np.array([shift.se for shift in shifts.shifts])
     dense = np.linspace(t[0], t[-1], 200)
     law = shifts.law.log10_a_t(dense)
-    celsius, at = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
+    celsius, tested_celsius = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
     law_name = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "between the shifts")
     marks: list[Mark] = []
     if shifts.law_parameters:
@@ -153,10 +153,10 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
         )
     marks += [
         Line(celsius, law, FIT, law_name),
-        Dots(at, log10, "measured", "shift", error=error),
+        Dots(tested_celsius, log10, "measured", "shift", error=error),
     ]
     return Panel(
-        Scale("temperature, °C", compute_padded_limits(at)),
+        Scale("temperature, °C", compute_padded_limits(tested_celsius)),
         Scale("log₁₀ of the shift factor", compute_padded_limits(log10 - error, log10 + error)),
         tuple(marks), title=f"shift factors, b = {shifts.vertical}", height=220,
     )  # fmt: skip
@@ -182,8 +182,18 @@ def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
     for dot in dots:
         finite_indices = np.flatnonzero(np.isfinite(dot.y))
         if len(finite_indices):
-            at = finite_indices[np.argsort(dot.x[finite_indices])[len(finite_indices) // 2]]
-            tags.append(Tag(float(dot.x[at]), float(dot.y[at]), dot.label, dot.colour, bold=True))
+            middle_index = finite_indices[
+                np.argsort(dot.x[finite_indices])[len(finite_indices) // 2]
+            ]
+            tags.append(
+                Tag(
+                    float(dot.x[middle_index]),
+                    float(dot.y[middle_index]),
+                    dot.label,
+                    dot.colour,
+                    bold=True,
+                )
+            )
     return tags
 
 

@@ -91,9 +91,10 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
     worst = int(np.argmax(np.abs(log_deviations)))
-    at = celsius(shifts.shifts[worst].temperature)
+    temperature_text = celsius(shifts.shifts[worst].temperature)
     return Finding(
-        f"At {at} every stiffness differs by {100 * np.expm1(log_deviations[worst]):+.2g} % from "
+        f"At {temperature_text} every stiffness differs by "
+        f"{100 * np.expm1(log_deviations[worst]):+.2g} % from "
         "rubber elasticity",
         abs(log_deviations[worst]),
         remedy="Check specimen, depth, length and temperature.",

@@ -241,9 +241,10 @@ def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
 
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """Return checks of the relaxed force against the relaxation test at each compression."""
-    held_stiffnesses = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
-        (get_depth(fit), fit.model.k_inf)
-    ]
+    held_stiffnesses = [
+        (stiffness_at_depth.depth, stiffness_at_depth.k_inf)
+        for stiffness_at_depth in fit.evidence.stiffness_by_depth
+    ] or [(get_depth(fit), fit.model.k_inf)]
     times = get_length_ratio(cld, fit)
     return [
         checks.relaxed_agrees(

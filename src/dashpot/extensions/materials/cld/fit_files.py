@@ -214,9 +214,10 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         if len(self.specimens) == 1 or self.rate is not None:
             return self.specimens[0]._headline
         forces = [specimen.per * specimen.nominal.loading for specimen in self.specimens]
-        at = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
+        compression_text = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
         return (
-            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} specimens: "
+            f"{sum(forces) / len(forces):.3g} {self.unit} at {compression_text} ({len(forces)} "
+            "specimens: "
             f"{min(forces):.3g} to {max(forces):.3g})"
         )
 

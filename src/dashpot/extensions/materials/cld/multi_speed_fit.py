@@ -338,10 +338,10 @@ def _build_fit(
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
     for i, specimen in enumerate(specimens):
-        by = downsample_record(specimen, knots, offset=specimen.contact_se)
+        downsampled = downsample_record(specimen, knots, offset=specimen.contact_se)
         force_variant = records[i]._replace(force=records[i].force + specimen.zero_se)
         delay_variant = _delay_record(records[i], specimen, knots, delays[i].sd)
-        for variant in (by, force_variant, delay_variant):
+        for variant in (downsampled, force_variant, delay_variant):
             uncertainty = uncertainty.add_parameter_error(
                 estimate_parameter_shift(
                     uncertainty, _compute_row_change(records, i, variant, best)

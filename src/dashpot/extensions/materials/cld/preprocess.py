@@ -193,9 +193,11 @@ def _with_delay(
         if cycle.hysteresis is None
         else replace(
             cycle,
-            hysteresis_se=float(np.hypot(by, _compute_hysteresis_error(cycle, new_cycles.zero))),
+            hysteresis_se=float(
+                np.hypot(loss_error, _compute_hysteresis_error(cycle, new_cycles.zero))
+            ),
         )
-        for cycle, by in zip(new_cycles.cycles, loss_errors.tolist(), strict=True)
+        for cycle, loss_error in zip(new_cycles.cycles, loss_errors.tolist(), strict=True)
     )
     new_points = iter(
         [
@@ -363,18 +365,20 @@ def _run_checks(
     new_cycles: _RecordCycles, index: int, largest: float, test: CLDTest
 ) -> tuple[Check, ...]:
     cycles, zero = new_cycles.cycles, new_cycles.zero
-    chosen_cycle, before = cycles[index], cycles[:index]
+    chosen_cycle, earlier_cycles = cycles[index], cycles[:index]
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
         *check_machine(sources_of([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
-            chosen_cycle.common / before[-1].common - 1 if before else None,
+            chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
             cycle=chosen_cycle.number,
             softening=cycles[0].common / cycles[-1].common - 1,
         ),
         checks.depth_conditioned(
-            chosen_cycle.depth / max(cycle.depth for cycle in before) if before else None,
+            chosen_cycle.depth / max(cycle.depth for cycle in earlier_cycles)
+            if earlier_cycles
+            else None,
             chosen_cycle.number,
         ),
         checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.excess),

@@ -71,15 +71,19 @@ def find_zero(
     noise = max(estimate_robust_scatter(clock, force), quantum(force) / 12**0.5)
     rested = first.first + 1 >= _RESTED
     start = slice(0, first.first + 1)
-    level, rest, top = median(force[start]), median(x[: first.first + 1]), float(x[first.last])
+    level, rest_position, top = (
+        median(force[start]),
+        median(x[: first.first + 1]),
+        float(x[first.last]),
+    )
     force_rise = float(force[first.last]) - level
     first_contact = find_first_contact(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
-        rest_position=rest,
+        rest_position=rest_position,
         level=top,
-        least_gap=max(2 * resolution, 1e-3 * (top - rest)),
+        least_gap=max(2 * resolution, 1e-3 * (top - rest_position)),
         rested=rested,
     )
     if first_contact.gap > _CLEAR * first_contact.standard_error:
@@ -93,7 +97,8 @@ def find_zero(
     begins = abs(level) / max(abs(force_rise), 1e-300)
     tare = level if begins <= MOST_PRELOAD else 0.0
     return Zero(
-        rest, 0.25 * resolution, False, np.full(len(x), tare), noise / start.stop**0.5, 0.0,
+        rest_position, 0.25 * resolution, False, np.full(len(x), tare), noise / start.stop**0.5,
+        0.0,
         level - tare, begins, noise,
     )  # fmt: skip
 
@@ -115,12 +120,12 @@ def _measure_air_force(
     is_long[0] = True
     means = [(float(clock[a : b + 1].mean()), float(force[a : b + 1].mean()))
              for a, b in rest_runs[is_long].tolist()]  # fmt: skip
-    at, level = np.array(means).T
+    positions, level = np.array(means).T
     return Zero(
         contact,
         contact_se,
         True,
-        np.interp(clock, at, level),
+        np.interp(clock, positions, level),
         noise / float(counts[is_long].min()) ** 0.5,
         float(level[-1] - level[0]),
         0.0,

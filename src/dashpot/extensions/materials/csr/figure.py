@@ -242,7 +242,7 @@ def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
     reported_value = predict_aging(aging, temperature=temperature, until=format_part(part)).answers[
         0
     ]
-    at = 1000 / temperature
+    inverse_temperature = 1000 / temperature
     words = (
         f"{format_temperature(temperature)}: "
         f"{format_life(reported_value.value, reported_value.error)}"
@@ -256,5 +256,8 @@ def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
         )
         words += f" ({low} to {high})"
         interval = np.array([reported_value.low, reported_value.high]) / HOUR
-        marks.append(Line(np.array([at, at]), interval, FIT))
-    return [*marks, Tag(at, reported_value.value / HOUR, words, "ink", "hollow", bold=True)]
+        marks.append(Line(np.array([inverse_temperature, inverse_temperature]), interval, FIT))
+    return [
+        *marks,
+        Tag(inverse_temperature, reported_value.value / HOUR, words, "ink", "hollow", bold=True),
+    ]

@@ -114,8 +114,8 @@ def least_drucker(law: Hyperelastic, stretch_ranges: dict[Mode, Span]) -> tuple[
     for mode, (low, high) in stretch_ranges.items():
         x = np.linspace(low, high, 200)
         value = law.drucker(mode, x)
-        at = int(np.argmin(value))
-        pairs.append((float(value[at]), f"{mode} stretch {x[at]:.3g}"))
+        least_index = int(np.argmin(value))
+        pairs.append((float(value[least_index]), f"{mode} stretch {x[least_index]:.3g}"))
     return min(pairs)
 
 
@@ -129,11 +129,11 @@ def _find_mode_error(
     """Return the largest error of the stress in an unmeasured mode, over the largest stress."""
     measured = {curve.mode for curve in fit.curves}
     score = dict(fit.orders)
-    close = min(score.values()) + _AS_GOOD
+    good_score = min(score.values()) + _AS_GOOD
     other_laws = [
         optimum
         for optimum in candidates
-        if score[optimum.name] <= close and optimum.name != selected.name
+        if score[optimum.name] <= good_score and optimum.name != selected.name
     ]
     errors: list[tuple[float, str, str]] = []
     for mode, (low, high) in fit.reach:
@@ -177,14 +177,14 @@ def _compute_extrapolation_ratio(
 def _compare_repeat_files(curves: Sequence[ElasticCurve]) -> float | None:
     """Return the largest mean difference of two files of one mode over their common range."""
     values = []
-    for curve, other in combinations(curves, 2):
-        low = max(curve.stretch[0], other.stretch[0])
-        high = min(curve.stretch[-1], other.stretch[-1])
-        if curve.mode == other.mode and high > low:
+    for curve, other_curve in combinations(curves, 2):
+        low = max(curve.stretch[0], other_curve.stretch[0])
+        high = min(curve.stretch[-1], other_curve.stretch[-1])
+        if curve.mode == other_curve.mode and high > low:
             x = np.linspace(low, high, 60)
             first, second = (
                 np.interp(x, elastic_curve.stretch, elastic_curve.stress)
-                for elastic_curve in (curve, other)
+                for elastic_curve in (curve, other_curve)
             )
             values.append(float(np.abs(first - second).sum() / np.abs(first + second).sum() * 2))
     return max(values, default=None)
@@ -264,8 +264,10 @@ def _find_other_label(
                 if mode != elastic_curve.mode
             },
         }
-        for message, other in alternatives.items():
-            misfit = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
+        for message, alternative in alternatives.items():
+            misfit = compute_best_stable_misfit(
+                [*curves[:i], alternative, *curves[i + 1 :]], poisson
+            )
             result = min(result, (misfit, f"{_get_curve_name(elastic_curve)} read as {message}"))
     return best / max(result[0], SMALL), result[1], best
 
@@ -333,10 +335,10 @@ def stable_in_use(
 ) -> Finding:
     """The hyperelastic law is stable over the stretches of use in every mode (Drucker)."""
     limit_texts = [
-        f"{mode} {'below' if low else 'above'} {at:.4g}"
+        f"{mode} {'below' if low else 'above'} {limit:.4g}"
         for mode, stretch_limits in limits
-        for low, at in zip((True, False), stretch_limits, strict=True)
-        if at is not None
+        for low, limit in zip((True, False), stretch_limits, strict=True)
+        if limit is not None
     ]
     text = (
         f"; it is not stable in {', '.join(limit_texts)}" if limit_texts else " and from 0.1 to 10"

@@ -130,9 +130,9 @@ def _compute_loss_fraction(
     if unloading is None:
         return None
     (x1, y1), (x2, y2) = _sort_stroke_samples(x, y, loading), _sort_stroke_samples(x, y, unloading)
-    at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
+    stretches = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
     work_in, work_out = (
-        float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2))
+        float(np.trapezoid(np.interp(stretches, a, b), stretches)) for a, b in ((x1, y1), (x2, y2))
     )
     return 1 - work_out / work_in
 

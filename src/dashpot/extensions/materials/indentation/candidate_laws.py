@@ -198,16 +198,19 @@ def simulate_sensor_signal(
                 np.diff(values, axis=0)[0] / step for values in (value, force, -edge * force)
             )
         return Recorded(value * scale, rate * scale, stretched * scale)
-    before, time_after = np.minimum(time_since_touch, 0.0), np.maximum(time_since_touch - end, 0.0)
+    time_before, time_after = (
+        np.minimum(time_since_touch, 0.0),
+        np.maximum(time_since_touch - end, 0.0),
+    )
     # in flight with the speed of approach, or of release
     slowed = push / hit.mass - hit.pull
     if motion == "velocity":
         speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
-            before + time_after
+            time_before + time_after
         )
         return Recorded(-speed, slowed, -time_since_touch * slowed)
     displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
-    speed += hit.pull * (before + time_after)
-    displacement += hit.velocity[0] * before + hit.velocity[-1] * time_after
-    displacement += hit.pull * (before**2 + time_after**2) / 2
+    speed += hit.pull * (time_before + time_after)
+    displacement += hit.velocity[0] * time_before + hit.velocity[-1] * time_after
+    displacement += hit.pull * (time_before**2 + time_after**2) / 2
     return Recorded(-displacement, -speed, time_since_touch * speed - displacement)

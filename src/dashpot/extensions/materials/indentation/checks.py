@@ -40,7 +40,10 @@ def run_checks(
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
     time_since_touch, T = fit.time, fit.duration
-    before, duration_after = float(-time_since_touch[0] / T), float(time_since_touch[-1] / T - 1)
+    duration_before, duration_after = (
+        float(-time_since_touch[0] / T),
+        float(time_since_touch[-1] / T - 1),
+    )
     size = float(np.ptp(fit.modelled)) or 1.0
     scarce = fit.noise < _NOISELESS * size
     relative = fit.residual * size / fit.noise if not scarce else None
@@ -61,7 +64,7 @@ def run_checks(
     )
     return (
         contact_sampled(T / test.step),
-        flights_recorded(before, duration_after),
+        flights_recorded(duration_before, duration_after),
         sensor_in_range(clipped),
         first_contact(contact.before, contact.after),
         law_residual_small(relative, fit.residual),
@@ -102,12 +105,12 @@ def _compute_force_ratio(fit: IndentationFit, test: IndentationTest) -> float | 
     is_near_contact = (time_since_touch > -0.5 * fit.duration) & (
         time_since_touch < 1.5 * fit.duration
     )
-    rest = (
+    rest_force = (
         float(np.median(test.force[is_near_contact & ~in_contact]))
         if (is_near_contact & ~in_contact).any()
         else 0.0
     )
-    impulse = abs(float(np.sum(test.force[in_contact] - rest))) * test.step
+    impulse = abs(float(np.sum(test.force[in_contact] - rest_force))) * test.step
     speed = fit["impact_velocity"].value
     change = speed * (1 + fit["restitution"].value) + test.indenter.pull * fit.duration
     return impulse / (test.indenter.mass * change)

@@ -292,16 +292,16 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
 
 def _estimate_speed_change(window: _NearHit) -> float:
     """Return an estimate of the speed by the contact."""
-    signal, of = window.signal, window.test.of
-    if of == "velocity":
+    signal, quantity = window.signal, window.test.of
+    if quantity == "velocity":
         return float(np.ptp(signal))
-    if of == "displacement":
+    if quantity == "displacement":
         return 1.2 * float(np.ptp(signal)) / window.contact.duration
     start, end = window.contact.start, window.contact.start + window.contact.duration
     in_contact = (window.time >= start) & (window.time <= end)
-    rest = float(np.median(signal[~in_contact])) if (~in_contact).any() else 0.0
-    change = float(np.sum(signal[in_contact] - rest)) * window.test.step
-    return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
+    rest_level = float(np.median(signal[~in_contact])) if (~in_contact).any() else 0.0
+    change = float(np.sum(signal[in_contact] - rest_level)) * window.test.step
+    return max(change, 1e-12) / (window.mass if quantity == "force" else 1.0)
 
 
 def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
@@ -350,12 +350,12 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
 def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
-    around = np.pad(cost, 1, constant_values=np.inf)
+    padded = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
     beaten = np.zeros(cost.shape, dtype=bool)
     for axis in range(cost.ndim):
-        for by in (-1, 1):
-            beaten |= np.roll(around, by, axis)[inner] < cost
+        for direction in (-1, 1):
+            beaten |= np.roll(padded, direction, axis)[inner] < cost
     order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 
@@ -372,9 +372,9 @@ def _estimate_law_errors(
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
-        at = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
+        nearest = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
-        change[at] = _AT_TOUCH * window.test.step * signal.rate[at]
+        change[nearest] = _AT_TOUCH * window.test.step * signal.rate[nearest]
         uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
     return _LawOptimum(name, hit, model, uncertainty, tuple(optima))
 
@@ -464,11 +464,11 @@ def _collect_slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     """
     noise, best = optimum.estimate.noises[0], optimum.optimum
     slices = optimum.estimate.profile(_TIME)
-    for other in optimum.valleys:
-        cost_increase = (other.cost - best.cost) / noise.power
-        if other is best or cost_increase > optimum.estimate.quantile() ** 2:
+    for valley in optimum.valleys:
+        cost_increase = (valley.cost - best.cost) / noise.power
+        if valley is best or cost_increase > optimum.estimate.quantile() ** 2:
             continue
-        profile_slices = estimate(other, noises=[noise]).profile(_TIME)
+        profile_slices = estimate(valley, noises=[noise]).profile(_TIME)
         slices += [
             ProfileSlice(float(np.sqrt(root**2 + cost_increase)), uncertainty)
             for root, uncertainty in profile_slices

@@ -54,9 +54,9 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     push, width = _compute_push(test)
     # a record may be cut so close that most of it is contact, or begin in one
     tenth = max(len(push) // 10, 1)
-    rest = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
-    sign = 1.0 if push.max() - rest >= rest - push.min() else -1.0
-    push = sign * (push - rest)
+    rest_level = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
+    sign = 1.0 if push.max() - rest_level >= rest_level - push.min() else -1.0
+    push = sign * (push - rest_level)
     top = int(push.argmax())
     scatter = 1.4826 * median(np.abs(push))
     if not push[top] > 5 * scatter:

@@ -178,8 +178,12 @@ def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
         return float(np.log(factors[0] / factors[1]) / difference)
 
     step, nu = 1e-4, min(part.poisson, _HIGHEST_POISSON - _POISSON_ERROR)
-    taller, shorter = (replace(part, height=part.height * np.exp(by)) for by in (step, -step))
-    stiffer, soft = (replace(part, poisson=nu + by) for by in (_POISSON_ERROR, -_POISSON_ERROR))
+    taller, shorter = (
+        replace(part, height=part.height * np.exp(log_step)) for log_step in (step, -step)
+    )
+    stiffer, soft = (
+        replace(part, poisson=nu + log_step) for log_step in (_POISSON_ERROR, -_POISSON_ERROR)
+    )
     return compute_slope(taller, shorter, 2 * step), compute_slope(
         stiffer, soft, 2 * _POISSON_ERROR
     )
@@ -386,11 +390,13 @@ def _solve_line_roots(
         else 1 / (y[peak] + ratio + 1 / 3)
     )
     for order in (range(peak, len(y)), range(peak - 1, -1, -1)):
-        before = peak
+        previous_line = peak
         for i in order:
-            start = guess if i == peak else w[before] * (omega[i] / omega[before]) ** 2
+            start = (
+                guess if i == peak else w[previous_line] * (omega[i] / omega[previous_line]) ** 2
+            )
             w[i] = _find_root(equation, complex(start), complex(y[i]), ratio)
-            before = i if np.isfinite(w[i]) else before
+            previous_line = i if np.isfinite(w[i]) else previous_line
     failed_indices = np.flatnonzero(~np.isfinite(w))
     if np.isnan(w[peak]) or 2 * len(failed_indices) > len(w):
         line = omega[peak if np.isnan(w[peak]) else failed_indices[0]] / (2 * np.pi)
@@ -415,8 +421,8 @@ def _find_good_band(frequency: FloatArray, is_usable: np.ndarray, peak: int) -> 
     """Return the run of good lines nearest to the peak."""
     if not is_usable.any():
         return np.nan, np.nan
-    at = int(np.flatnonzero(is_usable)[np.abs(np.flatnonzero(is_usable) - peak).argmin()])
+    nearest = int(np.flatnonzero(is_usable)[np.abs(np.flatnonzero(is_usable) - peak).argmin()])
     bad_indices = np.flatnonzero(~is_usable)
-    low = int(bad_indices[bad_indices < at].max(initial=-1)) + 1
-    high = int(bad_indices[bad_indices > at].min(initial=len(is_usable))) - 1
+    low = int(bad_indices[bad_indices < nearest].max(initial=-1)) + 1
+    high = int(bad_indices[bad_indices > nearest].min(initial=len(is_usable))) - 1
     return float(frequency[low]), float(frequency[high])

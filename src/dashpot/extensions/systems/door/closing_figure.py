@@ -111,15 +111,15 @@ def make_moments_panel(closing: ClosingAnalysis) -> Panel:
         0.5 * (edge_distance[1:] + edge_distance[:-1]),
         -np.diff(closing.march.angle),
     )
-    on = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= axis_limit)
+    is_shown = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= axis_limit)
     marks: list[Mark] = [Rule(0.0, REF, across=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
     pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]
     for pen, (name, work) in zip(pens, closing.march.work.items(), strict=False):
-        moment = (work[:, 0] / turned_angle)[on]
+        moment = (work[:, 0] / turned_angle)[is_shown]
         highest.append(moment)
-        marks.append(Line(middle[on], moment, pen, name))
+        marks.append(Line(middle[is_shown], moment, pen, name))
     return Panel(
         Scale("edge to closed, mm", (float(edge_distance[-1]), axis_limit)),
         Scale("moment against closing, N m", compute_padded_limits(*highest)),

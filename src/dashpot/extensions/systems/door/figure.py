@@ -141,15 +141,18 @@ def make_line_panel(result: DoorResult, view: View) -> Panel:
     marks: list[Mark] = []
     drawn_points = [np.zeros((0, 2))]
     if line is not None and stations is not None:
-        outline, at = view.project_points(line.points), view.project_points(stations.place)
+        outline, station_points = (
+            view.project_points(line.points),
+            view.project_points(stations.place),
+        )
         drawn_points.append(outline)
         marks.append(Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)))
         compressions = stations.compression
         if compressions is None:
-            marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
+            marks.append(Dots(station_points[:, 0], station_points[:, 1], "fit", "seal", size=4.0))
         else:
             marks += mark_classes(
-                at, convert_to_unit(compressions, "mm"), compressions >= 0, unit="mm"
+                station_points, convert_to_unit(compressions, "mm"), compressions >= 0, unit="mm"
             )
     latch = () if result.door.latch is None else (result.door.latch,)
     for hinge in (*result.door.hinges, *latch, *result.door.bumpers):
@@ -316,10 +319,10 @@ def _make_motion_bands(
         marks.append(
             Dots(node_points[:, 0], node_points[:, 1], "ink", "stands still", size=6.0, hollow=True)
         )
-    for sense, at in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
-        if (scaled[at] > 0) == (sense == "out") and abs(scaled[at]) > _IN_PLANE:
+    for sense, index in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
+        if (scaled[index] > 0) == (sense == "out") and abs(scaled[index]) > _IN_PLANE:
             offset = _INSIDE[sense] * size
-            x, y = (rest_points[at] - offset * normal[at]).tolist()
+            x, y = (rest_points[index] - offset * normal[index]).tolist()
             marks.append(Tag(x - 0.4 * size, y, sense, "ink", bold=True, end=True))
     return marks
 

@@ -76,23 +76,27 @@ class LeakState:
     density: float | None = None
 
     def __post_init__(self) -> None:
-        of = f"the state '{self.name}': "
-        require_nonnegative(of, gap=self.gap, retained_sd=self.retained_sd)
-        require_positive(of, temperature=self.temperature, density=self.density, optional=True)
+        prefix = f"the state '{self.name}': "
+        require_nonnegative(prefix, gap=self.gap, retained_sd=self.retained_sd)
+        require_positive(prefix, temperature=self.temperature, density=self.density, optional=True)
         if not 0 < self.retained <= 1:
             raise DataError(
-                f"{of}a part of {self.retained:g} of the force; expected more than 0 and at most "
+                f"{prefix}a part of {self.retained:g} of the force; expected more than 0 and at "
+                "most "
                 "100 %"
             )
         if not self.time > 0:
-            raise DataError(f"{of}time = {self.time:g} s; expected a time > 0 since the gap opened")
+            raise DataError(
+                f"{prefix}time = {self.time:g} s; expected a time > 0 since the gap opened"
+            )
         if self.time < float("inf") and self.gap == 0:
             raise DataError(
-                f"{of}time is that since the gap became wider, and gap is not given: add gap, or "
+                f"{prefix}time is that since the gap became wider, and gap is not given: add gap, "
+                "or "
                 "leave time out"
             )
         if self.aging is not None and self.retained != 1:
-            raise DataError(f"{of}an aging law and a part of the force say the same; keep one")
+            raise DataError(f"{prefix}an aging law and a part of the force say the same; keep one")
 
 
 @dataclass(frozen=True)

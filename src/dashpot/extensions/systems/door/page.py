@@ -288,12 +288,12 @@ def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
 
 def _make_share_bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
     """Return what each part has, side by side, of all of it."""
-    total, at, bars = sum(shares.values()), 0.0, []
+    total, bar_start, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
         width = 100 * shares.get(name, 0.0) / total if total > 0 else 0.0
         if width > 0:
-            bars.append(Bar(f"{at:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
-        at += width
+            bars.append(Bar(f"{bar_start:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
+        bar_start += width
     return tuple(bars)
 
 

@@ -147,19 +147,21 @@ class SealLine(EqualByValue):
                 "fits on it"
             )
         middle, cell = _divide_cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
-        at = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
-        normal = self.normal_at(at)
-        runs = np.diff(self.points, axis=0)[self._piece(at)]
+        positions = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
+        normal = self.normal_at(positions)
+        runs = np.diff(self.points, axis=0)[self._piece(positions)]
         tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
         compressions = self.compression
         return Stations(
-            at,
-            np.stack([np.interp(at, self.arc_length, item) for item in self.points.T], axis=1),
+            positions,
+            np.stack(
+                [np.interp(positions, self.arc_length, item) for item in self.points.T], axis=1
+            ),
             normal,
             tangent / np.linalg.norm(tangent, axis=1)[:, None],
             np.repeat(0.5 * cell, 2),
             np.repeat(self._factor(middle), 2),
-            None if compressions is None else np.interp(at, self.arc_length, compressions),
+            None if compressions is None else np.interp(positions, self.arc_length, compressions),
         )
 
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
