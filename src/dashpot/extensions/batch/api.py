@@ -117,7 +117,7 @@ def batch(what: Any, /, **options: Any) -> Any:
 def _fit_files(
     paths: Sequence[Place],
     *,
-    output: Place | None = None,
+    to: Place | None = None,
     arms: Arms = "auto",
     method: Method = "full",
     quick: bool = False,
@@ -127,7 +127,7 @@ def _fit_files(
     compression: Quantity | Sequence[Quantity] = (),
     length: Quantity | None = None,
     radius: Quantity | None = None,
-    label_pattern: str | None = None,
+    by: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
     joint: bool = False,
@@ -137,8 +137,8 @@ def _fit_files(
     from dashpot.extensions.batch.batch_run import batch as run_batch
 
     return run_batch(
-        paths, output=output, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
-        at=frequency, compression=compression, length=length, radius=radius, by=label_pattern,
+        paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
+        at=frequency, compression=compression, length=length, radius=radius, by=by,
         manifest=manifest, pair=pair, joint=joint, jobs=jobs, scheduler=scheduler,
     )  # fmt: skip
 

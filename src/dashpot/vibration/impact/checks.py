@@ -147,7 +147,7 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
 
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
 def coherence(frf: FRF, line: int) -> Finding:
-    """The coherence is high at the resonance, the line `line`, and at the lines beside it."""
+    """The coherence is high at the resonance and at the lines beside it."""
     if frf.coherence is None:
         return Finding(
             "A single hit has no coherence; it would be 1 whatever was measured. More hits would "

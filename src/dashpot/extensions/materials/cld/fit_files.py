@@ -305,7 +305,7 @@ def evaluate_cld(
         None,
         (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
     )
-    if not relaxation and limits is None and _fit_speeds(specimens):
+    if not relaxation and limits is None and _has_several_speeds(specimens):
         return _add_speed_fit(scatter)
     if len(specimens) > 1:
         scatter = _add_specimen_scatter(scatter, limits)
@@ -396,7 +396,7 @@ def _refuse_twice(tests: Sequence[CLDTest]) -> None:
         files_by_record[source.sha256] = source.file
 
 
-def _fit_speeds(specimens: Sequence[CLD]) -> bool:
+def _has_several_speeds(specimens: Sequence[CLD]) -> bool:
     speeds = [specimen.cycle.speed for specimen in specimens if specimen.cycle.speed is not None]
     return len(speeds) == len(specimens) and max(speeds) >= SAME_SPEED * min(speeds)
 
