@@ -17,7 +17,7 @@ from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
 LONGEST = 4096
 """Bytes of a line, at most."""
-FALLS = 10
+RESTART_LINES = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
 _GAP = 1.5
 """Steps of the usual size that a missing sample makes at least."""
@@ -169,7 +169,7 @@ class Lines:
             self._held = None
             if sample[0] <= self._last:
                 self._fell, self._falls = self._fell + 1, self._falls + 1
-                self.begun_again |= self._falls >= FALLS
+                self.begun_again |= self._falls >= RESTART_LINES
             elif sample[0] - self._last > _GAP * self._get_usual_step():
                 self._held = sample
             else:

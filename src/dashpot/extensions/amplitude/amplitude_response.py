@@ -61,9 +61,9 @@ _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
 """Kinds of a record of time, displacement and force; here it is one of loops."""
 _MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
-VANISHING = 1e-9
+VANISHING_LEVEL = 1e-9
 """A level, N or m/s^2, at which nothing that slips does."""
-_COARSE, _FINE, _LINE_RANGE = 241, 61, (0.25, 2.5)
+_COARSE_LINES, _FINE_LINES, _LINE_RANGE = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
 
 
@@ -236,18 +236,20 @@ class SweptPart(Serialisable):
             If it has no resonance near `around_hz`, Hz.
         """
         compute_frf = partial(self.frf, solid, law, factor, **how)
-        f = np.geomspace(around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1], _COARSE)
+        f = np.geomspace(around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1], _COARSE_LINES)
         frf, _ = compute_frf(frequency=f)
         top = int(np.abs(frf.value).argmax())
-        if top in {0, _COARSE - 1}:
+        if top in {0, _COARSE_LINES - 1}:
             raise DataError(
                 f"at {how['level']:g} {get_level_unit(how['kind'])} no resonance is found between "
                 f"{f[0]:.4g} and {f[-1]:.4g} Hz"
             )
-        fine_frequency = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
+        fine_frequency = np.linspace(
+            f[max(top - 2, 0)], f[min(top + 2, _COARSE_LINES - 1)], _FINE_LINES
+        )
         frf, stretch = compute_frf(frequency=fine_frequency)
         size = np.abs(frf.value)
-        top = min(max(int(size.argmax()), 1), _FINE - 2)
+        top = min(max(int(size.argmax()), 1), _FINE_LINES - 2)
         left, middle, right = size[top - 1 : top + 2]
         shift = (left - right) / (2 * (left - 2 * middle + right))
         return (

@@ -63,7 +63,7 @@ if TYPE_CHECKING:
 
 _HEIGHT = 240.0
 _WIDTH = 860.0
-_THIN = Pen("fit", 1.2)
+_THIN_PEN = Pen("fit", 1.2)
 _LINES = 121
 _LOOP_HEIGHT, _MULTIPLES = 130.0, 5
 """Height of a loop, px, and how many are shown."""
@@ -355,7 +355,7 @@ def _make_magnitude_panel(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         )
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
         tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
-        fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
+        fits.append(Line(dense, y, _THIN_PEN, "" if fits else "fit"))
         drawn_values += [size, y]
     limits = compute_padded_log_limits(*drawn_values)
     f, height = _compute_backbone(fit, kind)

@@ -28,7 +28,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import MassOnSeals, add_mount_mass
 
-_LINES, _FINE, _LINE_RANGE = 121, 21, (0.25, 2.5)
+_LINES, _FINE_LINES, _LINE_RANGE = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
 search goes."""
 _REPORTED_HARMONICS, _MIN_HARMONIC_SHARE, _MAX_HALF_WIDTH = 3, 1e-3, 1.0
@@ -332,7 +332,7 @@ class _AtLevels:
 
     def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
         """Return the responses that last between two, and which of them is the largest."""
-        fine_lines = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
+        fine_lines = np.linspace(start.frequency, last.frequency, _FINE_LINES)[1:-1]
         about_top = self.preloaded_mass.sweep(level=force, frequency=fine_lines, start=start)
         run = [start, *(orbit for orbit in about_top if orbit.stable), last]
         best = int(np.argmax([self.size(orbit) for orbit in run]))
@@ -421,7 +421,7 @@ class _AtLevels:
     def _logs(self, orbit: Orbit) -> FloatArray:
         """Return the change of the logarithm of the response for each of the other masses."""
         first = complex(orbit.harmonics[1])
-        part = _PART * first
+        part = _SLOPE_SHARE * first
         value, changed_value = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
         change = self.preloaded_mass.changes(orbit, self.others)[:, 1]
         return np.asarray(((value - changed_value) / part / value * change).real)
@@ -459,7 +459,7 @@ def _fit_parabola(orbits: Sequence[Orbit]) -> FloatArray:
 
 
 _SIGNS = np.array([-1.0, 1.0])
-_PART, _LINE_STRIDE = 1e-3, 3
+_SLOPE_SHARE, _LINE_STRIDE = 1e-3, 3
 """Share of the first harmonic by which a slope is determined; every so many lines, errors."""
 
 

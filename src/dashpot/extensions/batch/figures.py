@@ -31,12 +31,12 @@ CHART = 210.0
 _GROUPS = 8
 """Groups of lots, or names, that stand above a chart at most."""
 _CURVE = Pen("measured", 0.8)
-_ODD = Pen("care", 1.6)
+_OUTLIER_PEN = Pen("care", 1.6)
 _MEAN = Pen("fit", 2.0)
-_USUAL = Pen("fit", 1.4)
+_LOT_PEN = Pen("fit", 1.4)
 _CEILING = Pen("fit", 1.4, (2, 3))
 _THREAD = Pen("ref", 0.8)
-_ASKED = Pen("bad", 1.6, (5, 3))
+_LIMIT_PEN = Pen("bad", 1.6, (5, 3))
 _SHAPE = Pen("measured", 1.6)
 
 
@@ -74,7 +74,7 @@ def control_picture(
             titles.append((float(end_positions[0]), name))
         spans.append((chart, seal_positions))
     limits = quantity.scale * np.array(requested)
-    marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
+    marks += [Rule(end, _LIMIT_PEN, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
     low, high = _make_value_axis(quantity, charts, seals, requested)
     marks += [Tag(seal_positions, high, text, "soft") for seal_positions, text in titles]
@@ -97,7 +97,9 @@ def _make_scatter_panel(
         values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
         marks += [
             Line(
-                _get_axis_limits(lot_positions), quantity.scale * chart.centre * np.ones(2), _USUAL
+                _get_axis_limits(lot_positions),
+                quantity.scale * chart.centre * np.ones(2),
+                _LOT_PEN,
             ),
             Line(lot_positions, ceiling, _CEILING, "its upper control limit"),
             Dots(lot_positions, values, "measured", size=4.0),
@@ -167,7 +169,7 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in required_limits]
+    marks += [Rule(quantity.scale * end, _LIMIT_PEN, across=True) for end in required_limits]
     marks += [Rule(mean, _MEAN, across=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
@@ -198,7 +200,7 @@ def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) 
     ]
     interval = [low, high]
     if required_cpk is not None:
-        marks.append(Rule(required_cpk, _ASKED, "asked"))
+        marks.append(Rule(required_cpk, _LIMIT_PEN, "asked"))
         interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
     vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
@@ -240,7 +242,8 @@ def lots_picture(
         )
     )
     marks += [
-        Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in required_limits
+        Rule(quantity.scale * end, _LIMIT_PEN, "limits asked", across=True)
+        for end in required_limits
     ]
     marks.append(Dots(lot_positions, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
@@ -322,7 +325,7 @@ def _make_repeats_panel(
         return
     all_values = np.concatenate(y)
     marks: list[Mark] = [Dots(np.concatenate(x), all_values, "ref", size=2.5),
-                         Rule(float(np.mean(centres)), _USUAL, across=True)]  # fmt: skip
+                         Rule(float(np.mean(centres)), _LOT_PEN, across=True)]  # fmt: skip
     marks += tags[:_GROUPS]
     title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
     top = 1.2 * float(np.nanmax(all_values, initial=0.0)) or 1.0
@@ -335,7 +338,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = 
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
     curves = [_compute_relaxation(row, time) for row in rows]
     marks = tuple(
-        Line(time, k, _ODD if row["file"] in outliers else _CURVE,
+        Line(time, k, _OUTLIER_PEN if row["file"] in outliers else _CURVE,
              "stands out" if row["file"] in outliers else "model of each test")
         for row, k in zip(rows, curves, strict=True)
     )  # fmt: skip

@@ -31,7 +31,7 @@ _MAX_MANIFEST_BYTES = 1 << 26
 _HEAD_BYTES = 1 << 12
 LOG = "batch.log"
 _LOG_LINE = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
-_PART = re.compile(r"part-[0-9a-f]{16}\.parquet")
+_PART_NAME = re.compile(r"part-[0-9a-f]{16}\.parquet")
 NO_TABLE = "it is no table of numbers"
 """Why a text or picture of a folder is not read."""
 _DOCUMENT_SUFFIXES = frozenset(
@@ -374,7 +374,7 @@ def _is_dashpot_result(path: Path) -> bool:
 
     Parts and logs of a batch bear no byline; tests may lie beside them.
     """
-    if _PART.fullmatch(path.name):
+    if _PART_NAME.fullmatch(path.name):
         return True
     try:
         with path.open("rb") as stream:

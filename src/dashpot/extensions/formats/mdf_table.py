@@ -24,13 +24,13 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import Column, FileTable, LoadedColumns
 
-WHOLE = 1 << 22
+WHOLE_TABLE_VALUES = 1 << 22
 """Numbers of a table that is handed over with all of its columns."""
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
 _LOADS, _MOTIONS = {"force", "stress"}, {"displacement", "strain", "acceleration"}
-_SURE, _LIKELY = 2.0, 1.0
+_SURE_SCORE, _LIKELY_SCORE = 2.0, 1.0
 """Scores of the name of a channel for a role of a test: sure, and likely."""
-_APART = 10.0
+_MAX_GAP_STEPS = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
 _FEW = 8
 _UNFINISHED = b"UnFinMF "
@@ -215,7 +215,7 @@ class MdfTable:
         slowest of those: between its samples nothing is known, and straight lines there would be
         taken for what was measured.
         """
-        role_scores = [_list_roles(group, _LIKELY) for group in self._groups]
+        role_scores = [_list_roles(group, _LIKELY_SCORE) for group in self._groups]
         if not any(roles & _LOADS and roles & _MOTIONS for roles in role_scores):
             clocks = [
                 (median(np.diff(self._ticks(i))), i)
@@ -273,7 +273,7 @@ class MdfTable:
             return part
         base_ticks = self._ticks(self._segments[0])
         steps = np.diff(ticks)
-        is_gap = steps > _APART * median(steps) if len(steps) else steps > 0
+        is_gap = steps > _MAX_GAP_STEPS * median(steps) if len(steps) else steps > 0
         lower_index = np.clip(
             np.searchsorted(ticks, base_ticks, side="right") - 1, 0, max(len(ticks) - 2, 0)
         )
@@ -309,7 +309,7 @@ def describe(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table of a file; a large one without its numbers."""
     with raw.open() as stream:
         table = MdfTable(stream, options.sheet)
-        if table.rows * len(table.columns) <= WHOLE:
+        if table.rows * len(table.columns) <= WHOLE_TABLE_VALUES:
             return table.table()
         return table.description()
 
@@ -348,7 +348,7 @@ def _get_clock_unit(group: MdfGroup) -> str:
     return (None if group.clock is None else group.channels[group.clock].unit) or "s"
 
 
-def _list_roles(group: MdfGroup, score: float = _SURE) -> set[str]:
+def _list_roles(group: MdfGroup, score: float = _SURE_SCORE) -> set[str]:
     """Return the roles of a test that the channels of a group have by their names."""
     return {
         role

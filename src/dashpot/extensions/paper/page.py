@@ -11,7 +11,7 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.paper.figure import figure_2, figure_4
-from dashpot.extensions.paper.reproduction import BEFORE, Coefficient, Reproduction, Statement
+from dashpot.extensions.paper.reproduction import BASELINE, Coefficient, Reproduction, Statement
 from dashpot.plot.picture import Picture
 from dashpot.report.figures import HALF, render_figure
 from dashpot.report.page_frame import encode_data_uri, environment, frame
@@ -66,8 +66,8 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     assert study.comparison is not None  # noqa: S101
     sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=STAMP)
     return {
-        "figure_2": figure_2(reproduction.ideal, BEFORE, stamp=STAMP),
-        "figure_4": figure_4(reproduction.ideal, BEFORE, fits, stamp=STAMP),
+        "figure_2": figure_2(reproduction.ideal, BASELINE, stamp=STAMP),
+        "figure_4": figure_4(reproduction.ideal, BASELINE, fits, stamp=STAMP),
         "figure_6": replace(sixth, name="figure-6"),
     }
 

@@ -14,7 +14,7 @@ from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
 
 SAME_COMPRESSION, SAME_AMPLITUDE, SAME_TONE = 0.01, 0.06, 0.01
 """Relative differences below which a machine meant the same value."""
-_PART = 0.4
+_STEP_SHARE = 0.4
 """Part of the least step of a sweep within which frequencies of two sweeps are the same."""
 _EQUAL = 1e-6
 FEWEST_FREQUENCIES = 3
@@ -123,7 +123,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     value = np.concatenate([sweep.value for sweep in sweeps])
     weight = np.concatenate([np.asarray(sweep.weight, dtype=float) for sweep in sweeps])
     closest = min(_get_least_step(sweep.frequency) for sweep in sweeps)
-    tones, tone = group_levels(frequency, min(SAME_TONE, _PART * closest))
+    tones, tone = group_levels(frequency, min(SAME_TONE, _STEP_SHARE * closest))
     return StiffnessLines(
         frequency,
         weight / float(np.sqrt(np.mean(weight**2))),

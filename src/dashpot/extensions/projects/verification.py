@@ -27,7 +27,7 @@ from dashpot.extensions.projects.history import (
 from dashpot.extensions.projects.partial_files import find_partial_files, is_partial_file
 from dashpot.extensions.projects.project import (
     NAME,
-    OWN,
+    UNLISTED_FILES,
     Project,
     get_result_name,
     list_contents,
@@ -65,7 +65,7 @@ def verify(
         If a line of the history or its head is none that dashpot writes, or names a file outside,
         or one of the project's own files is a link to a file outside.
     """
-    for name in OWN:
+    for name in UNLISTED_FILES:
         resolve_project_path(project, name)
     history = read_history(project.folder)
     new_checks = [
@@ -114,7 +114,7 @@ def _verify_file(project: Project, entry: FileEntry, number: int) -> Check:
 
 def _find_unlisted_files(project: Project, history: History) -> list[str]:
     """Return the files of the project's folder that no line lists."""
-    names = {*OWN} | {
+    names = {*UNLISTED_FILES} | {
         entry.file for line in history.lines for entry in (*line.inputs, *line.outputs)
     }
     files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
@@ -240,7 +240,8 @@ def _compare_with_former(
         revised |= {
             name.rpartition(".")[2]
             for name, (old_value, new_value) in differing.items()
-            if find_largest_difference(old_value, new_value)[0] > verification_checks.SAME
+            if find_largest_difference(old_value, new_value)[0]
+            > verification_checks.SAME_NUMBER_TOLERANCE
         }
     if worst == float("inf"):
         return [verification_checks.result_recomputed(worst, location, line.line)]
@@ -305,7 +306,10 @@ def _merge_coincident_arms(arms: Any) -> Any:
     merged: list[Any] = []
     for arm in arms:
         last = merged[-1] if merged else {"tau": None}
-        if _compute_relative_difference(last["tau"], arm["tau"]) > verification_checks.SAME:
+        if (
+            _compute_relative_difference(last["tau"], arm["tau"])
+            > verification_checks.SAME_NUMBER_TOLERANCE
+        ):
             merged.append(arm)
         else:
             merged[-1] = last | {key: last[key] + arm[key] for key in ("k", "b")}

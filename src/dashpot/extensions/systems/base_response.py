@@ -26,15 +26,15 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import model_modes
 
 _LINES = 4001
-_UNDAMPED, _STILL = 1e-10, 1e-15
+_UNDAMPED, _RIGID_RATIO = 1e-10, 1e-15
 """Rate of decay over that of turning, and any rate over the largest of a system: rounding."""
 _DECADES = 1e10
 """Longest over shortest relaxation time, beyond which the first-order form is rounding."""
-_WIDE = (1e-6, 1e4)
+_WHITE_BAND = (1e-6, 1e4)
 """Times the natural frequency: a table as wide as white noise."""
 _FOLLOWS = 1e-9
 """Stretch of a spring per motion of a ground that takes all bodies along: rounding."""
-_ABOUT = 60.0
+_FINE_WIDTHS = 60.0
 """Half-power widths to either side of a resonance that are laid out finely."""
 _LIMIT_LINES = 201
 """Lines of limits over a table, and as many about each resonance."""
@@ -91,7 +91,10 @@ def random_base(
             )
         if _has_wide_spectrum((model,)):
             peak = model_modes(model, kilograms)[0].frequency
-            frequency_range, flat_psd = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
+            frequency_range, flat_psd = (
+                np.array(_WHITE_BAND) * peak,
+                np.array([psd, psd], dtype=float),
+            )
             return _integrate_table(model, kilograms, *_read_table(frequency_range, flat_psd), 0.0)
         system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
         return random_response(system, response="mass.z", psd=psd)
@@ -251,7 +254,7 @@ def _compute_white_response(
     scaled_matrix = A * size / size[:, None]
     pushed = np.zeros(len(A))
     pushed[n : 2 * n] = -follow / size[n : 2 * n]
-    tolerance = _STILL * float(np.linalg.norm(scaled_matrix, ord=np.inf))
+    tolerance = _RIGID_RATIO * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
         size = float(np.hypot(re, im))
@@ -312,7 +315,7 @@ def _place_lines(
     grids = [np.geomspace(f[0], f[-1], count), f]
     for mode in modes:
         width = mode.frequency * max(mode.damping_ratio, 1e-6)
-        distances = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), count // 2))
+        distances = width * np.sinh(np.linspace(0, np.arcsinh(_FINE_WIDTHS), count // 2))
         grids += [mode.frequency + distances, mode.frequency - distances]
     grid = np.unique(np.concatenate(grids))
     return np.asarray(grid[(grid >= f[0]) & (grid <= f[-1])])

@@ -263,7 +263,7 @@ _RIGID = 1e-6
 of rounding."""
 
 
-_THERE, _ASIDE = 1e-9, 1e-3
+_THERE, _STEP_ASIDE = 1e-9, 1e-3
 """Part of a pole found already within which a search stands on it, and by which it steps aside."""
 
 
@@ -378,7 +378,7 @@ def _refine_pole(
     best = np.inf
     for _ in range(iterations):
         if any(min(abs(s - p), abs(s - p.conjugate())) < _THERE * abs(s) for p in results):
-            s += _ASIDE * abs(s)
+            s += _STEP_ASIDE * abs(s)
         try:
             derivative = _compute_derivative(system, s, system.spring_slope(s))
             change = np.linalg.solve(system.dynamic_stiffness(s), derivative)

@@ -39,7 +39,7 @@ from dashpot.plot.style import SEQUENTIAL, sequential
 from dashpot.solids.maxwell import Solid
 
 _DOT = 4.5
-_THIN = Pen("measured", 1.3)
+_THIN_PEN = Pen("measured", 1.3)
 """The fit beneath the samples, whose colours say more."""
 
 
@@ -98,13 +98,14 @@ def _make_sweep_panels(
         panels.append(
             Panel(horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(row, line),
             log=True),
-                  (Line(f, line, _THIN, text), *dots, *temperature_tags), height=220)
+                  (Line(f, line, _THIN_PEN, text), *dots, *temperature_tags), height=220)
         )  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
         Scale(f"size of the modulus, {word}", compute_padded_log_limits(size), log=True),
         Scale("loss angle, °", compute_padded_limits(angle)),
-        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_make_dots(data, size, angle)),
+        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN_PEN), *_make_dots(data, size,
+        angle)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
     return (*panels, palmen)
@@ -127,7 +128,7 @@ def _make_curve_panels(
     dots = _make_dots(data, curve.time, measured)
     upper = Panel(
         horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
-        (Line(t, line, _THIN, text), *dots, *_make_temperature_tags(dots)), height=220,
+        (Line(t, line, _THIN_PEN, text), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
         horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),

@@ -47,7 +47,7 @@ from dashpot.extensions.curves.superposition.pairwise_shifts import make_chained
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-ROOM = 296.15
+ROOM_TEMPERATURE = 296.15
 """The reference where nobody gives one: the temperature tested that is nearest to 23 degC, K."""
 _LN10 = float(np.log(10.0))
 # decades to which shifts are known that come without an error: as curves are overlaid by eye
@@ -177,7 +177,7 @@ def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _SeparateSpectra
 
 
 def _reference(t: FloatArray, target: float | None) -> int:
-    nearest_index = int(np.argmin(np.abs(t - (ROOM if target is None else target))))
+    nearest_index = int(np.argmin(np.abs(t - (ROOM_TEMPERATURE if target is None else target))))
     if target is not None and abs(t[nearest_index] - target) > ONE_TEMPERATURE:
         raise FitError(
             f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(target)}; tested "

@@ -24,7 +24,7 @@ MAX_SHIFT_SLOPE = 0.05
 # K over a record
 STEADY = 1.0
 # of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
-ELSEWISE = 0.15
+MAX_LN_B_DEVIATION = 0.15
 MAX_BACK = 2.5
 
 
@@ -84,7 +84,9 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
     )
 
 
-@criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
+@criterion(
+    "|ln b_T - ln T/T_r|", "<=", MAX_LN_B_DEVIATION, "our choice: three times what rubbers show"
+)
 def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     """The stiffness is about proportional to absolute temperature, as rubber's is."""
     log_deviations = [

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.cld.fit_files import CLDResult
 
 
-_FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
+_FIRST_CYCLE_STYLE = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"
 _SPECIMEN_COLOURS = ("measured", "joint-ink", "fit")
 """Colours of as many specimens; of more, all are alike."""
@@ -157,7 +157,7 @@ def _draw_other_cycles(result: CLD) -> list[Line]:
     lines = []
     for cycle in result.cycles:
         if cycle is not result.cycle:
-            pen, label = _FIRST if cycle.number == 1 else _EARLIER
+            pen, label = _FIRST_CYCLE_STYLE if cycle.number == 1 else _EARLIER
             lines += _make_branches(result, cycle, (pen, pen), (label, label))
     return lines
 

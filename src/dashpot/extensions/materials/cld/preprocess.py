@@ -37,7 +37,7 @@ from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.preprocessing.checks import check_machine
 from dashpot.signals.segments import estimate_resolution
 
-_SMOOTHED, _RARE = 5, 4.0
+_SMOOTHED, _SIGNIFICANT_SD = 5, 4.0
 """Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
 _COMMON = 0.95
 """Part of the least depth at which cycles are compared."""
@@ -357,7 +357,7 @@ def _measure_pull(cycle: Cycle, zero: Zero) -> float | None:
     if unloading is None or not zero.air or len(unloading.force) < _SMOOTHED:
         return None
     means = np.convolve(unloading.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
-    chance = _RARE * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
+    chance = _SIGNIFICANT_SD * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
     return float(max(-means.min() - chance, 0.0) / cycle.peak)
 
 

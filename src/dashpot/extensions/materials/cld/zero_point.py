@@ -14,12 +14,12 @@ from dashpot.signals.noise import estimate_robust_scatter
 
 _RESTED = 5
 """Samples that make a mean worth taking off."""
-_KNOWN = 1e-3
+_DRIFT_TOLERANCE = 1e-3
 """Error of a mean of the force in air, as a part of the peak, with which it shows a drift."""
 _PARABOLA = 1e-3
 """Part of the depth by which first contact is off where the rise is no parabola, as of a seal that
 relaxes while it is met: over 240 records with 1 mN of noise, up to this."""
-_CLEAR = 5.0
+_SIGNIFICANT_AIR = 5.0
 """Standard errors of first contact by which air shows: a seal under load bends, too."""
 MOST_PRELOAD = 0.05
 """Force at the first sample, as a part of the rise, that may be the load cell's own zero."""
@@ -86,7 +86,7 @@ def find_zero(
         least_gap=max(2 * resolution, 1e-3 * (top - rest_position)),
         rested=rested,
     )
-    if first_contact.gap > _CLEAR * first_contact.standard_error:
+    if first_contact.gap > _SIGNIFICANT_AIR * first_contact.standard_error:
         margin = max(3 * first_contact.standard_error, resolution)
         return _measure_air_force(
             clock, x, force, first_contact.displacement,
@@ -116,7 +116,7 @@ def _measure_air_force(
 ) -> Zero:
     rest_runs = find_true_runs(x < contact - margin)
     counts = np.diff(rest_runs, axis=1)[:, 0] + 1
-    is_long = counts >= max(_RESTED, (noise / (_KNOWN * max(force_rise, 1e-300))) ** 2)
+    is_long = counts >= max(_RESTED, (noise / (_DRIFT_TOLERANCE * max(force_rise, 1e-300))) ** 2)
     is_long[0] = True
     means = [(float(clock[a : b + 1].mean()), float(force[a : b + 1].mean()))
              for a, b in rest_runs[is_long].tolist()]  # fmt: skip

@@ -31,14 +31,14 @@ LARGEST_ERROR = 0.1
 SCALED = 1.1
 _MUCH_CLOSER = 0.25
 """Part of what a rubber's law leaves, below which the other material is named."""
-SMALL = 0.005
+SMALL_RESIDUAL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
 """Difference of BIC that refutes no law (R. E. Kass, A. E. Raftery, 1995)."""
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
 """Logarithms of a factor by which the stress of one mode is tried to be off."""
 _OF_NOTE = 0.03
-_BOTH = 0.1
+_BOTH_STRAIN = 0.1
 """Logarithmic strain in tension and in compression from which one test is as good as two modes."""
 _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
 """Parts of the largest strain by which a zero is tried to be off."""
@@ -208,13 +208,13 @@ def _find_slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> 
             misfit = compute_best_stable_misfit([*curves[:i], curve, *curves[i + 1 :]], poisson)
             result = min(result, (misfit, part, _get_curve_name(elastic_curve)))
     misfit, part, name = result
-    return (part, name) if misfit < 0.5 * best and best > SMALL else (0.0, "")
+    return (part, name) if misfit < 0.5 * best and best > SMALL_RESIDUAL else (0.0, "")
 
 
 def _has_both_directions(curves: Sequence[ElasticCurve]) -> bool:
     """Return whether one file covers tension and compression."""
     return any(
-        min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH
+        min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH_STRAIN
         for curve in curves
         if curve.stretch.min() > 0
     )
@@ -228,7 +228,7 @@ def _find_better_scale(
     if len(modes) < 2:
         return None, 0.0, ""
     result: tuple[float, float, str] = (best, 0.0, "")
-    for mode in modes if best > SMALL else ():
+    for mode in modes if best > SMALL_RESIDUAL else ():
         for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
             scaled = [
                 replace(curve, stress=curve.stress * math.exp(size))
@@ -238,7 +238,7 @@ def _find_better_scale(
             ]
             result = min(result, (compute_best_stable_misfit(scaled, poisson), size, mode))
     remainder, size, kind_index = result
-    return best / max(remainder, SMALL), math.expm1(size), kind_index
+    return best / max(remainder, SMALL_RESIDUAL), math.expm1(size), kind_index
 
 
 def _find_other_label(
@@ -269,7 +269,7 @@ def _find_other_label(
                 [*curves[:i], alternative, *curves[i + 1 :]], poisson
             )
             result = min(result, (misfit, f"{_get_curve_name(elastic_curve)} read as {message}"))
-    return best / max(result[0], SMALL), result[1], best
+    return best / max(result[0], SMALL_RESIDUAL), result[1], best
 
 
 @criterion(
@@ -303,7 +303,7 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
 @criterion("residual / that of the closest stable law", "<=", 2.0, "our choice: twice as close")
 def no_better_law(residual: float, flexible: float) -> Finding:
     """No other stable law fits the curves much better."""
-    ratio = residual / max(flexible, SMALL)
+    ratio = residual / max(flexible, SMALL_RESIDUAL)
     return Finding(
         f"The hyperelastic law misses the stress by {100 * residual:.2g} %, the most flexible "
         f"stable one by {100 * flexible:.2g} %",
@@ -321,7 +321,7 @@ def compressible_law_no_better(residual: float | None, swelling: float) -> Findi
     return Finding(
         f"Rubber misses the stress by {100 * residual:.2g} %, a foam of Poisson's ratio 0 by "
         f"{100 * swelling:.2g} %",
-        residual / max(swelling, SMALL),
+        residual / max(swelling, SMALL_RESIDUAL),
         "A sponge is compressible, and the law is of incompressible rubber",
         Remedy("Give the ratio of a foam, 0 if it does not swell.", "poisson", "0"),
     )

@@ -38,7 +38,7 @@ _ARSINH_UNITS = np.array([0.02, 1.0])
 """Unit of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
 changes in proportion, and where both are more their logarithms do."""
 _RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
-_REACH = 8.0
+_LOG_RANGE = 8.0
 """Range of the logarithm of a number about its start."""
 _HALF_WAVE = 1.07
 """Pi over the length of a lossless contact."""
@@ -78,7 +78,11 @@ class Law:
         """Return the range of each, but for the touch."""
         value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starts)]
         first, last = np.log((duration, change))
-        ranges = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
+        ranges = [
+            [first - _LOG_RANGE, first + _LOG_RANGE],
+            *value,
+            [last - _LOG_RANGE, last + _LOG_RANGE],
+        ]
         return [Parameter(float(low), float(high)) for low, high in ranges]
 
     def make_starting_parameters(

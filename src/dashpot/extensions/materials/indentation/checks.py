@@ -16,11 +16,11 @@ from dashpot.extensions.materials.indentation.preprocess import ContactInterval
 SAMPLED = 20
 FLIGHT = 0.1
 ALIKE = 0.05
-KNOWN = 1.25
+KNOWN_FACTOR = 1.25
 """A factor within which a parameter is known."""
 FOLLOWED = 1.5
 LOST = 0.02
-SMALL = 2e-3
+SMALL_RESIDUAL = 2e-3
 """Part of the push that may be left of a record without noise."""
 _NOISELESS = 1e-4
 """Part of the push below which what is left in flight is no noise."""
@@ -207,7 +207,7 @@ def law_residual_small(ratio: float | None, residual: float) -> Finding:
         ratio,
         "Yielding, adhesion, a double contact, a thin layer, or a filter may cause this",
         "Use the numbers for this hit only.",
-        always_passes=ratio is not None and residual <= SMALL,
+        always_passes=ratio is not None and residual <= SMALL_RESIDUAL,
         grade="stop" if residual > LOST else "limit",
     )
 
@@ -230,7 +230,7 @@ def no_adhesion_on_release(tensile_force: float | None, noise: float) -> Finding
 @criterion(
     "worst interval, a factor",
     "<=",
-    KNOWN,
+    KNOWN_FACTOR,
     "our choice: a quarter",
     other_grade="note where stiffness, depth, restitution and modulus are",
 )
@@ -251,7 +251,7 @@ def parameters_determined(
         factor,
         f"This contact does not determine {word} alone",
         "Use the numbers with narrow intervals.",
-        grade="note" if leading_factor <= KNOWN else None,
+        grade="note" if leading_factor <= KNOWN_FACTOR else None,
     )
 
 

@@ -50,7 +50,7 @@ from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
-_ABOUT = 1.0
+_WINDOW_MARGIN = 1.0
 """Time before and after the contact that is fitted, in contact times."""
 _VELOCITY_OFFSET = 3e-3
 """Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
@@ -67,17 +67,17 @@ _OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
 """Values in proportion to the root of the tip radius."""
 _TIME = 2
 """Place of the law's time among the parameters."""
-_SAME = 0.05
+_SAME_VALLEY = 0.05
 """Difference of every parameter below which two valleys are one."""
 _LEVEL = 0.95
 _ENDS = 1.02
 """Factor on a quantile beyond which a slice of a profile is outside."""
-_FAR = 0.8
+_TIME_RANGE = 0.8
 """Search range of the contact time about its start, in contact times."""
 _TRIES, _FLAT = 40, 1e-7
 _STARTS = 4
 """Number of descents, from the best entries of a table."""
-_NEAR, _ROUGHLY = 3, 1e-3
+_NEAR_STEPS, _ROUGHLY = 3, 1e-3
 """Steps that the others take beside one of a table, and what they may leave."""
 _DECIDED = 10.0
 """Difference of BIC beyond which another law is out (Kass and Raftery 1995: very strong)."""
@@ -258,7 +258,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     mass = test.indenter.mass
     if mass is None:
         raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
-    margin = _ABOUT * contact.duration
+    margin = _WINDOW_MARGIN * contact.duration
     in_window = (test.time >= contact.start - margin) & (
         test.time <= contact.start + contact.duration + margin
     )
@@ -307,7 +307,7 @@ def _estimate_speed_change(window: _NearHit) -> float:
 def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     """Return the best least-squares fit of a law from its starts; None without a motion."""
     law, change, duration = LAWS[name], _estimate_speed_change(window), window.contact.duration
-    contact_start, max_shift = window.contact.start, _FAR * duration
+    contact_start, max_shift = window.contact.start, _TIME_RANGE * duration
     touch_parameter = Parameter(contact_start - max_shift, contact_start + max_shift, duration)
 
     def problem(law: Law, acceleration: float) -> Problem:
@@ -321,7 +321,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         start = np.append(law.make_starting_parameters(duration, values, change), contact_start)
         rest = [0, len(start) - 2, len(start) - 1]
         optimum = problem(law.fix_loss(values), 0.0).solve(
-            [start[rest]], max_steps=_NEAR, cost_tolerance=_ROUGHLY
+            [start[rest]], max_steps=_NEAR_STEPS, cost_tolerance=_ROUGHLY
         )
         if optimum is None:
             return np.inf, start
@@ -333,7 +333,11 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     starts = [table[i][1] for i in _find_valleys(cost)]
     full_problem = problem(law, window.test.indenter.pull)
     optima = full_problem.valleys(
-        starts, same_distance=_SAME, max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
+        starts,
+        same_distance=_SAME_VALLEY,
+        max_steps=_TRIES,
+        step_tolerance=_FLAT,
+        cost_tolerance=_FLAT,
     )
     if not optima:
         return None

@@ -45,7 +45,7 @@ _ROUNDS = 50
 _CLOSE = 1e-13
 _NEIGHBOURS = 11
 """Lines over which the scatter is averaged where the FRF comes without."""
-_FEW = 3
+_MEDIAN_LINES = 3
 """Lines that make a median."""
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
@@ -55,7 +55,7 @@ beside those with which they were seen."""
 _MEDIAN = float(np.sqrt(np.pi / 2))
 """Standard error of a median over that of a mean."""
 _TURNS = 3
-_GOOD = 0.1
+_USABLE_ERROR = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
 _POISSON_ERROR, _HIGHEST_POISSON = 0.0007, 0.4999
 """Uncertainty of Poisson's ratio of a rubber, and its largest value."""
@@ -284,7 +284,9 @@ def _estimate_errors_and_band(
         sum(((change.imag - loss * change.real) / storage) ** 2 for change in changes)
     )
     is_usable = (
-        (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
+        (storage_sd < _USABLE_ERROR * np.abs(storage))
+        & (loss_sd < _USABLE_ERROR * np.abs(loss))
+        & (storage > 0)
     )
     plane = is_usable & (bulging <= PLANE)
     if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
@@ -310,7 +312,7 @@ def _estimate_rest_offset(
     """
     f, usable = measured.frequency, np.flatnonzero(modulus.usable)
     low = f < 0.5 * modulus.band[0]
-    if not usable.size or np.count_nonzero(low) < _FEW:
+    if not usable.size or np.count_nonzero(low) < _MEDIAN_LINES:
         return None
     first = int(usable[0])
     # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)

@@ -11,7 +11,7 @@ GAS_CONSTANT = 287.05
 """Gas constant of dry air, J/(kg K)."""
 STANDARD_TEMPERATURE = 293.15
 """Temperature of the air where a state gives none, K."""
-NEW = "new"
+NEW_STATE = "new"
 """The state of the door as its file describes it."""
 _MOST_ERROR = 0.5
 """Standard error over its quantity, at most."""
@@ -155,9 +155,9 @@ class LeakSetup:
             raise DataError(
                 f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST_ERROR:.0f} %"
             )
-        names = [NEW, *(state.name for state in self.states)]
+        names = [NEW_STATE, *(state.name for state in self.states)]
         repeated_names = [name for name in names if names.count(name) > 1]
         if repeated_names:
             raise DataError(
-                f"two states are called '{repeated_names[0]}'; the first of all is '{NEW}'"
+                f"two states are called '{repeated_names[0]}'; the first of all is '{NEW_STATE}'"
             )
