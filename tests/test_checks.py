@@ -786,7 +786,9 @@ CURVES = [
     ),
     Case(
         "instrument_stiff",
-        lambda x: curves.instrument_stiff(replace(sweep(storage=x / curves.GIVES), unit="N/m")),
+        lambda x: curves.instrument_stiff(
+            replace(sweep(storage=x / curves.USUAL_COMPLIANCE), unit="N/m")
+        ),
         0.0099,
         0.0101,
     ),

@@ -138,9 +138,14 @@ def _compare_prediction(
         typed_options = options.get_typed_options_for(
             "fit", excluded_flags=("--mass", "--seals", "--model")
         )
-        remark = "fits relaxation and hammer test together"
         next_command = format_command(
-            "fit", *tests, *measured, *model_option, *mass_option, *typed_options, remark=remark
+            "fit",
+            *tests,
+            *measured,
+            *model_option,
+            *mass_option,
+            *typed_options,
+            remark="fits relaxation and hammer test together",
         )
     return CommandResult.from_result(agreement, next_command=next_command)
 

@@ -232,9 +232,13 @@ def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
     if any(check.name == "same_specimen" and check.failed for check in fit.checks):
         return format_command("batch", *request.files, "-o", "lot", remark="fits each specimen")
     if not request.output or request.page:
-        remark = "keeps it for predict, compare, export"
         return format_command(
-            "fit", *request.files, *request.get_option_words(), "-o", "fit.json", remark=remark
+            "fit",
+            *request.files,
+            *request.get_option_words(),
+            "-o",
+            "fit.json",
+            remark="keeps it for predict, compare, export",
         )
     if not request.result_path:
         return ""

@@ -301,8 +301,8 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
     over the last twentieth of that time, with what offset, drift, depth and noise leave open
     (:func:`~dashpot.fitting.nuisance_priors.build_load_cell_priors`).
     """
-    at = min(record.hold_time for record in records)
-    return tuple(_end_stiffness(record, at) for record in records)
+    shortest_hold = min(record.hold_time for record in records)
+    return tuple(_end_stiffness(record, shortest_hold) for record in records)
 
 
 def _end_stiffness(record: RampHold, time: float) -> EndStiffness:

@@ -544,8 +544,8 @@ def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
         first = rows.stop
     names = list(solution.fixed_names)
     for group in solution.groups:
-        kind, at, test_index = group.partition("@")
-        names += [f"{kind}_{j}{at}{test_index}" for j in range(1, solution.order + 1)]
+        kind, separator, test_index = group.partition("@")
+        names += [f"{kind}_{j}{separator}{test_index}" for j in range(1, solution.order + 1)]
     names += [f"ln_tau_{j}" for j in range(1, solution.order + 1)]
     return Jacobian(tuple(names), matrix.T, target - solution.beta @ matrix[:by_tau])
 

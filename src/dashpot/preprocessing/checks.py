@@ -492,11 +492,11 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     is_at_rest = ~np.concatenate((is_moving, np.zeros(BEFORE, dtype=bool)))
     is_at_rest[BEFORE:] &= ~is_moving
     is_at_rest &= time > test.ramp_end + SETTLING * test.ramp_time
-    before, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
+    onset_index, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
     # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
     sign = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
     time_since_ramp = time - test.ramp_end if not is_moving[is_at_rest.argmax() :].any() else None
-    other_forces = force[:before], force[before:ramp]
+    other_forces = force[:onset_index], force[onset_index:ramp]
     stuck_runs = find_stuck_runs(
         sign * f,
         is_at_rest=is_at_rest,

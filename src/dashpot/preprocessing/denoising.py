@@ -118,9 +118,9 @@ def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray)
         tolerance = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
     else:
         # of three readings; nor is a mean as good as the truth where the next is over more
-        around = np.pad(residual, 1, mode="edge")
-        around = np.maximum(np.maximum(around[2:], around[:-2]), residual)
-        tolerance = BENT_BY_NOISE * np.maximum(around, NARROW * test.displacement_noise)
+        padded = np.pad(residual, 1, mode="edge")
+        padded = np.maximum(np.maximum(padded[2:], padded[:-2]), residual)
+        tolerance = BENT_BY_NOISE * np.maximum(padded, NARROW * test.displacement_noise)
     excess = np.maximum(np.abs(motion_errors) - np.maximum(tolerance, 1e-9 * test.depth), 0.0)
     return np.asarray(np.sign(motion_errors) * excess)
 

@@ -296,7 +296,7 @@ def hum_lines(
     window = _hann(n)
     # a prime number of them takes ten times as long
     bins = find_fast_length(n)
-    rest = _remove_trend(time, force)
+    detrended = _remove_trend(time, force)
     stiffest = 0.0
     if displacement is not None:
         stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
@@ -304,13 +304,13 @@ def hum_lines(
     hums: list[Hum] = []
     responds = False
     for _ in range(_MOST_LINES):
-        windowed = window * rest
-        at = _find_strongest_line(
+        windowed = window * detrended
+        strongest = _find_strongest_line(
             np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES))
         )
-        if at is None:
+        if strongest is None:
             break
-        frequency = _refine_frequency(rest, step, at / (bins * step))
+        frequency = _refine_frequency(detrended, step, strongest / (bins * step))
         c = _transform(windowed, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
         if line.amplitude < _TOO_SMALL * noise:
@@ -321,7 +321,7 @@ def hum_lines(
             hums.append(line)
         else:
             responds = True
-        rest -= line.force(time)
+        detrended -= line.force(time)
     total = np.zeros(len(everywhere))
     for line in hums:
         total += line.force(everywhere)
@@ -394,8 +394,8 @@ def _find_strongest_line(power: FloatArray, first: int) -> int | None:
     power_ratio = power / np.maximum(local_level, 1e-300)
     power_ratio[:first] = 0.0
     power_ratio[-2:] = 0.0
-    at = int(np.argmax(power_ratio))
-    return at if power_ratio[at] > _STANDS_OUT else None
+    strongest = int(np.argmax(power_ratio))
+    return strongest if power_ratio[strongest] > _STANDS_OUT else None
 
 
 def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> float:

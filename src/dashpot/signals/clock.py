@@ -60,12 +60,14 @@ def find_rate_change(time: FloatArray) -> ClockJump | None:
     change = np.abs(np.diff(np.log(steps)))[
         _LEAST_STEPS_OF_A_RATE - 1 : len(steps) - _LEAST_STEPS_OF_A_RATE
     ]
-    at = int(change.argmax()) + _LEAST_STEPS_OF_A_RATE
-    before = median(steps[at - _LEAST_STEPS_OF_A_RATE : at])
-    median_after = median(steps[at : at + _LEAST_STEPS_OF_A_RATE])
+    jump = int(change.argmax()) + _LEAST_STEPS_OF_A_RATE
+    step_before = median(steps[jump - _LEAST_STEPS_OF_A_RATE : jump])
+    median_after = median(steps[jump : jump + _LEAST_STEPS_OF_A_RATE])
     # steps that grow by and by do so everywhere
-    sudden = change[at - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(median_after / before)) > 0
-    return ClockJump(at, median_after, before) if sudden else None
+    sudden = (
+        change[jump - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(median_after / step_before)) > 0
+    )
+    return ClockJump(jump, median_after, step_before) if sudden else None
 
 
 def has_few_pauses(time: FloatArray) -> bool:

@@ -179,14 +179,14 @@ def add_frf_checks(
     band_frf = frf.to("accelerance", mass=mass)
     band_frf = band_frf if band is None else band_frf.band(*band)
     peak = find_peak(band_frf) if main is None else main
-    at = int(np.argmin(np.abs(band_frf.frequency - peak.frequency)))
+    peak_line = int(np.argmin(np.abs(band_frf.frequency - peak.frequency)))
     checks = [
-        frf_dissipates(complex(band_frf.value[at]), float(band_frf.frequency[at]))
+        frf_dissipates(complex(band_frf.value[peak_line]), float(band_frf.frequency[peak_line]))
     ] * is_driven
     if frf.quantity.over_base:
         checks.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
-        checks.append(coherence(band_frf, at))
+        checks.append(coherence(band_frf, peak_line))
     elif frf.sd is None:
         checks.append(line_errors_stated())
     checks += caution_checks(frf.source)

@@ -123,10 +123,10 @@ def recommend_solid(study: Study, *, allow_rejected: bool = False) -> Recommenda
     solid = study.fit if joint_fit is None else joint_fit
     joint = joint_fit is not None
     point, resonance = _find_resonance(study, solid)
-    at = solid.band[1] if resonance is None else resonance.frequency
-    bounds, bound = _select_bounds(study, solid, at, joint=joint)
-    stiffness = _evaluate_value(solid, bounds, "storage", at, is_limit=bound)
-    loss = _evaluate_value(solid, bounds, "loss_factor", at, is_limit=bound)
+    frequency = solid.band[1] if resonance is None else resonance.frequency
+    bounds, bound = _select_bounds(study, solid, frequency, joint=joint)
+    stiffness = _evaluate_value(solid, bounds, "storage", frequency, is_limit=bound)
+    loss = _evaluate_value(solid, bounds, "loss_factor", frequency, is_limit=bound)
     under_mass: tuple[RecommendedValue, ...] = ()
     if resonance is not None:
         under_mass = _list_values_under_mass(study, resonance, stiffness, loss, joint=joint)

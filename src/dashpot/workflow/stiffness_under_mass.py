@@ -89,9 +89,9 @@ class StaticEquilibrium:
     def summary(self) -> EquilibriumSummary:
         """Equilibrium as a document shows it."""
         point = self.point
-        at = point.compression if np.isfinite(point.compression) else None
+        compression = point.compression if np.isfinite(point.compression) else None
         law = point.is_extrapolated and not point.linear
-        return EquilibriumSummary(at, point.depth, law, self.secant, self.tangent)
+        return EquilibriumSummary(compression, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
         point, secant, tangent = self.point, self.secant, self.tangent

@@ -387,13 +387,14 @@ def characterise(
         if joint and measured is not None:
             send_progress("fitting relaxation and hammer together")
             usual_options = replace(options, arms="auto", family="maxwell")
-            before, number = _select_earlier_fit(
+            earlier_fit, number = _select_earlier_fit(
                 chosen_fit, fitted_records, options.arms, usual_options, impact_temperature
             )
             joint_fit = identify(
-                measured, tests=fitted_records, fit=before, mass=mass, seals=load.seals, band=band,
-                compression=response.compression if mass is None else load.compression, arms=number,
-                family=options.family, rig=HammerRig().with_machine(machine), bench=usual_options,
+                measured, tests=fitted_records, fit=earlier_fit, mass=mass, seals=load.seals,
+                band=band, compression=response.compression if mass is None else load.compression,
+                arms=number, family=options.family, rig=HammerRig().with_machine(machine),
+                bench=usual_options,
             )  # fmt: skip
             fitted_mass = (
                 get_fitted_mass(joint_fit) or load.mass,

@@ -317,7 +317,7 @@ def test_no_process_waits_for_the_last_chunk_of_another(count, jobs):
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] <= batch_run.CHUNK
     assert len(sizes) >= min(jobs, count)
-    assert max(sizes[-jobs:]) <= batch_run._LAST
+    assert max(sizes[-jobs:]) <= batch_run._LAST_CHUNK_FILES
 
 
 @pytest.mark.once

@@ -20,7 +20,7 @@ from dashpot.extensions.formats.ati import AXES
 from dashpot.extensions.projects import history, verification
 from dashpot.extensions.projects import project as folder
 from dashpot.extensions.projects.verification import find_largest_difference, is_same_page, verify
-from dashpot.extensions.projects.verification_checks import SAME
+from dashpot.extensions.projects.verification_checks import SAME_NUMBER_TOLERANCE
 from dashpot.reading.read_options import ReadOptions, load_profile
 from dashpot.reading.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -468,15 +468,15 @@ def test_find_largest_difference_leaves_what_rounding_decides():
     one = write_model((1.0, 0.1, 0.1), (2.0, 0.1, 0.2), (5.0, 2.0, 10.0))
     other = write_model((1.5, 0.1, 0.15), (1.5, 0.1 + 1e-9, 0.15), (5.0, 2.0, 10.0))
     merged = write_model((3.0, 0.1, 0.3), (5.0, 2.0, 10.0))
-    assert find_largest_difference(one, other)[0] < SAME
-    assert find_largest_difference(one, merged)[0] < SAME
+    assert find_largest_difference(one, other)[0] < SAME_NUMBER_TOLERANCE
+    assert find_largest_difference(one, merged)[0] < SAME_NUMBER_TOLERANCE
     apart = write_model((1.5, 0.1, 0.15), (1.5, 0.1001, 0.15), (5.0, 2.0, 10.0))
-    assert find_largest_difference(one, apart)[0] > SAME
+    assert find_largest_difference(one, apart)[0] > SAME_NUMBER_TOLERANCE
     more = write_model((1.5, 0.1, 0.15), (1.51, 0.1, 0.151), (5.0, 2.0, 10.0))
-    assert find_largest_difference(one, more)[0] > SAME
+    assert find_largest_difference(one, more)[0] > SAME_NUMBER_TOLERANCE
     gaps = [{"certificate": {"gap": gap}} for gap in (5.0e-14, 5.1e-14, 1e-3, np.nan)]
-    assert find_largest_difference(*gaps[:2])[0] < SAME
-    assert find_largest_difference(*gaps[1:3])[0] > SAME
+    assert find_largest_difference(*gaps[:2])[0] < SAME_NUMBER_TOLERANCE
+    assert find_largest_difference(*gaps[1:3])[0] > SAME_NUMBER_TOLERANCE
     assert find_largest_difference(*gaps[2:])[0] == np.inf
 
 

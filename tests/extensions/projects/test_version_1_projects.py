@@ -19,7 +19,7 @@ from dashpot.extensions.projects import project as folder
 from dashpot.extensions.projects.project import Project
 from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS, split_common
 from dashpot.extensions.projects.verification import verify
-from dashpot.extensions.projects.verification_checks import SAME
+from dashpot.extensions.projects.verification_checks import SAME_NUMBER_TOLERANCE
 from dashpot.workflow.job import Job
 
 SAVED = Path(__file__).parents[2] / "data" / "documents_1" / "project.zip"
@@ -87,7 +87,7 @@ def test_verify_accepts_a_version_1_project(saved_project: Path) -> None:
     assert "the band ends where the loss factor is not known to 30 %" in note.message
     same = next(check for check in checks if check.name == "former_result_recomputed")
     assert same.value is not None
-    assert same.value < SAME
+    assert same.value < SAME_NUMBER_TOLERANCE
 
 
 def test_verify_finds_a_changed_file_of_a_version_1_project(version_1: Project) -> None:

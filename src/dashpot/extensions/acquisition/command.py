@@ -102,14 +102,14 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
 @contextmanager
 def _stop_on_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
     """Let Ctrl-C end the record in good order, not between a read and its write."""
-    before = {}
+    previous_handlers = {}
     with suppress(ValueError):  # not the main thread of whoever calls
         for number in (signal.SIGINT, signal.SIGTERM):
-            before[number] = signal.signal(number, lambda *_: recorder.stop())
+            previous_handlers[number] = signal.signal(number, lambda *_: recorder.stop())
     try:
         yield
     finally:
-        for number, handler in before.items():
+        for number, handler in previous_handlers.items():
             signal.signal(number, handler)
 
 

@@ -17,7 +17,7 @@ from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
 LONGEST = 4096
 """Bytes of a line, at most."""
-FALLS = 10
+RESTART_LINES = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
 _GAP = 1.5
 """Steps of the usual size that a missing sample makes at least."""
@@ -38,14 +38,14 @@ def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | N
     names, channels = [name.casefold() for name, _ in words], [f"{n} [{u}]" for n, u in words]
     if "time" not in names:
         return tuple(channels), None, 1.0
-    at = names.index("time")
-    del channels[at]
+    time_column = names.index("time")
+    del channels[time_column]
     if not channels:
         raise DataError("only a time is sent; expected a displacement or a force with it")
-    unit = find_unit(words[at][1], "time")
+    unit = find_unit(words[time_column][1], "time")
     if unit is None:
-        raise DataError(f"'{words[at][1]}' is no unit of time that dashpot knows")
-    return tuple(channels), at, unit.factor
+        raise DataError(f"'{words[time_column][1]}' is no unit of time that dashpot knows")
+    return tuple(channels), time_column, unit.factor
 
 
 class Lines:
@@ -169,7 +169,7 @@ class Lines:
             self._held = None
             if sample[0] <= self._last:
                 self._fell, self._falls = self._fell + 1, self._falls + 1
-                self.begun_again |= self._falls >= FALLS
+                self.begun_again |= self._falls >= RESTART_LINES
             elif sample[0] - self._last > _GAP * self._get_usual_step():
                 self._held = sample
             else:

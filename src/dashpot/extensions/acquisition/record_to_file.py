@@ -158,10 +158,10 @@ class _Log:
         self._write(f"# {format_csv_comment(message)}\n")
 
     def _write(self, text: str) -> None:
-        rest, size = text.encode(), os.fstat(self._handle).st_size
+        unwritten, size = text.encode(), os.fstat(self._handle).st_size
         try:
-            while rest:
-                rest = rest[os.write(self._handle, rest) :]
+            while unwritten:
+                unwritten = unwritten[os.write(self._handle, unwritten) :]
         except OSError as error:
             # half a number reads as another
             os.ftruncate(self._handle, size)

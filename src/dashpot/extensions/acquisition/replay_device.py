@@ -47,9 +47,9 @@ class Paced:
         start_time, sent = time.monotonic(), 0
         while sent < len(self._time):
             record_time = self._time[0] + (time.monotonic() - start_time) * self._speed
-            due = int(np.searchsorted(self._time, record_time, side="right"))
-            yield self._time[sent:due], self._values[sent:due]
-            sent = due
+            sent_end = int(np.searchsorted(self._time, record_time, side="right"))
+            yield self._time[sent:sent_end], self._values[sent:sent_end]
+            sent = sent_end
             if sent < len(self._time):
                 time.sleep(BLOCK_PERIOD)
             if self._over:

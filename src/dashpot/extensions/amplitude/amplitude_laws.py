@@ -34,7 +34,7 @@ DEFAULT_EXPONENT = 0.5
 _MIN_SCATTER = 3e-3
 """Part of a modulus that laws of amplitude leave: scatter counts beyond it."""
 _PER_DECADE = 10
-_RISES = 3.0
+_RISE_RESIDUALS = 3.0
 """Residuals by which the storage rises again where a spring stiffens beside friction."""
 _ROUNDING_POWER = 1e-20
 """Mean square, over the size of the samples, that rounding leaves."""
@@ -210,8 +210,11 @@ class _LawOnSweep:
     def starts(self) -> list[FloatArray]:
         """Return the starting points of the descents."""
         low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
-        rest = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
-        return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
+        other_starts = [DEFAULT_EXPONENT] * (self.exponent is None) + [0.5] * self.factor
+        return [
+            np.array([(1 - fraction) * low + fraction * high, *other_starts])
+            for fraction in (0.2, 0.5, 0.8)
+        ]
 
     def insert_fixed_parameters(self, theta: FloatArray) -> FloatArray:
         """Ln X_c, exponent and share, with what is set."""
@@ -301,7 +304,7 @@ class _LawOnSweep:
             return True
         size = self.size
         storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
-        min_rise = _RISES * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
+        min_rise = _RISE_RESIDUALS * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
         for tone in self.chosen.T:
             last = storage[tone][X[tone].argmax()]
             if last - storage[tone].min() > min_rise * size[tone].min():

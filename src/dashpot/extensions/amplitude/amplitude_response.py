@@ -61,9 +61,9 @@ _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
 """Kinds of a record of time, displacement and force; here it is one of loops."""
 _MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
-VANISHING = 1e-9
+VANISHING_LEVEL = 1e-9
 """A level, N or m/s^2, at which nothing that slips does."""
-_COARSE, _FINE, _LINE_RANGE = 241, 61, (0.25, 2.5)
+_COARSE_LINES, _FINE_LINES, _LINE_RANGE = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
 
 
@@ -236,23 +236,25 @@ class SweptPart(Serialisable):
             If it has no resonance near `around_hz`, Hz.
         """
         compute_frf = partial(self.frf, solid, law, factor, **how)
-        f = np.geomspace(around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1], _COARSE)
+        f = np.geomspace(around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1], _COARSE_LINES)
         frf, _ = compute_frf(frequency=f)
         top = int(np.abs(frf.value).argmax())
-        if top in {0, _COARSE - 1}:
+        if top in {0, _COARSE_LINES - 1}:
             raise DataError(
                 f"at {how['level']:g} {get_level_unit(how['kind'])} no resonance is found between "
                 f"{f[0]:.4g} and {f[-1]:.4g} Hz"
             )
-        fine_frequency = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
+        fine_frequency = np.linspace(
+            f[max(top - 2, 0)], f[min(top + 2, _COARSE_LINES - 1)], _FINE_LINES
+        )
         frf, stretch = compute_frf(frequency=fine_frequency)
         size = np.abs(frf.value)
-        top = min(max(int(size.argmax()), 1), _FINE - 2)
-        before, middle, right = size[top - 1 : top + 2]
-        shift = (before - right) / (2 * (before - 2 * middle + right))
+        top = min(max(int(size.argmax()), 1), _FINE_LINES - 2)
+        left, middle, right = size[top - 1 : top + 2]
+        shift = (left - right) / (2 * (left - 2 * middle + right))
         return (
             float(fine_frequency[top] + shift * (fine_frequency[1] - fine_frequency[0])),
-            float(middle - shift * (before - right) / 4),
+            float(middle - shift * (left - right) / 4),
             float(stretch[top]),
         )
 
@@ -275,16 +277,16 @@ class SweptPart(Serialisable):
         """
         resonances, reference_point = [], anchor or ReferencePoint(None, self.fitted_at)
         for level in levels:
-            how: dict[str, Any] = {
+            settings: dict[str, Any] = {
                 "scale": scale, "mass": mass, "level": level, "kind": kind, "coupled": coupled,
             }  # fmt: skip
             group = [
-                self.peak(solid, law, factor, around_hz=around_hz, **how)
+                self.peak(solid, law, factor, around_hz=around_hz, **settings)
                 for law in self.laws
                 for factor in self.factors
             ]
             hz, value, change = group[0]
-            frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
+            frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **settings)
             strain = change / self.stretch(self.factors[0])
             off_hz, off_value = self.compute_relative_errors(strain, hz, reference_point)
             lowest, highest = (choose(values[0] for values in group) for choose in (min, max))
@@ -323,10 +325,12 @@ class SweptPart(Serialisable):
         if self.record is None:
             return 0.0, 0.0
         storage, loss = self._compute_law_misfit(strain)
-        before, _ = self._compute_law_misfit(anchor.strain)
+        reference_misfit, _ = self._compute_law_misfit(anchor.strain)
         differ, height = self._between_tones(strain, anchor.strain)
         log_distance = 0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / hz)
-        of_stiffness = np.sqrt(storage**2 + before**2 + differ**2 + _MASTER**2 + log_distance**2)
+        of_stiffness = np.sqrt(
+            storage**2 + reference_misfit**2 + differ**2 + _MASTER**2 + log_distance**2
+        )
         return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
     def _compute_law_misfit(self, strain: float) -> tuple[float, float]:
@@ -336,8 +340,8 @@ class SweptPart(Serialisable):
         model = np.zeros(len(record.amplitude), dtype=complex)
         for i, tone in enumerate(tones):
             selected = record.frequency == tone
-            at = int(np.abs(self.law.frequency - tone).argmin()) if len(tones) > 1 else i
-            model[selected] = self.law.stiffness(record.amplitude[selected], tone=at)
+            tone_index = int(np.abs(self.law.frequency - tone).argmin()) if len(tones) > 1 else i
+            model[selected] = self.law.stiffness(record.amplitude[selected], tone=tone_index)
         log_distance = np.abs(np.log(record.amplitude / max(strain, record.amplitude.min())))
         is_near = log_distance <= max(
             np.log(_ABOUT), float(np.sort(log_distance)[min(_NEAREST, len(log_distance)) - 1])

@@ -63,7 +63,7 @@ if TYPE_CHECKING:
 
 _HEIGHT = 240.0
 _WIDTH = 860.0
-_THIN = Pen("fit", 1.2)
+_THIN_PEN = Pen("fit", 1.2)
 _LINES = 121
 _LOOP_HEIGHT, _MULTIPLES = 130.0, 5
 """Height of a loop, px, and how many are shown."""
@@ -119,13 +119,13 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     stamp : str
         What the figure says of its origin; by default file, specimen and date.
     """
-    shown = _select_distinct_loops(find_steady_cycles(test))
+    shown_loops = _select_distinct_loops(find_steady_cycles(test))
     of_material = isinstance(test, StressStrainLoops)
-    amplitudes = np.array([loop.amplitude for loop in shown])
+    amplitudes = np.array([loop.amplitude for loop in shown_loops])
     word, mm = ("%", 100.0) if of_material else unit_of(amplitudes, "m")
     unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
     panels: list[tuple[str, list[Line]]] = []
-    for hysteresis_loop in shown:
+    for hysteresis_loop in shown_loops:
         curves = (
             [] if fit is None else [(FIT_BAND, "fitted loop", *_make_ellipse(hysteresis_loop, fit))]
         )
@@ -138,7 +138,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
             for pen, name, x, F in curves
         ]
         panels.append((f"{mm * X:.3g} {word}", lines))
-    above = [] if fit is None else _make_amplitude_panels(compute_sweep(test), fit)
+    upper_panels = [] if fit is None else _make_amplitude_panels(compute_sweep(test), fit)
     axes = (
         "amplitude A: stress σ over strain ε"
         if of_material
@@ -147,8 +147,8 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     caption = f"Hysteresis loops, each over its own {axes}" + (
         "." if fit is None else ", and stiffness and loss over amplitude."
     )
-    strips = tuple((panel,) for panel in (*above, *_draw_loop_panels(panels, *labels, unit)))
-    rows = tuple(count for count in (len(above), len(panels)) if count)
+    strips = tuple((panel,) for panel in (*upper_panels, *_draw_loop_panels(panels, *labels, unit)))
+    rows = tuple(count for count in (len(upper_panels), len(panels)) if count)
     return Picture(
         "loops",
         caption,
@@ -355,7 +355,7 @@ def _make_magnitude_panel(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         )
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
         tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
-        fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
+        fits.append(Line(dense, y, _THIN_PEN, "" if fits else "fit"))
         drawn_values += [size, y]
     limits = compute_padded_log_limits(*drawn_values)
     f, height = _compute_backbone(fit, kind)
@@ -400,7 +400,9 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     ]
     omega, X, K, weight = (np.concatenate(group) for group in zip(*rows, strict=True))
     solid = fit.solid.complex_stiffness(omega=np.append(omega, middle))
-    at, mean, error = _average_neighbours(X, K - solid[:-1] + solid[-1], weight / fit.residual)
+    amplitudes, mean, error = _average_neighbours(
+        X, K - solid[:-1] + solid[-1], weight / fit.residual
+    )
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
     word, mm = unit_of(X, "m")
@@ -418,7 +420,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
             Area(mm * dense, low, high, "fit", "95 % interval"),
             Line(mm * dense, y, FIT, "fit"),
             Dots(
-                mm * at,
+                mm * amplitudes,
                 convert_to_unit(part(mean), "N/mm"),
                 "measured",
                 "measured",

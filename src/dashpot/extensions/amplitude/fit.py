@@ -247,8 +247,8 @@ def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
             continue
         in_common_range = (X[down] >= X[0]) & (X[down] < X[top])
         if top >= 2 and np.count_nonzero(in_common_range) >= 3:
-            before = np.interp(X[down][in_common_range], X[up], size[up])
-            values.append(float(median(size[down][in_common_range] / before)) - 1)
+            size_on_way_up = np.interp(X[down][in_common_range], X[up], size[up])
+            values.append(float(median(size[down][in_common_range] / size_on_way_up)) - 1)
     return max(values, key=abs) if values else None
 
 

@@ -220,19 +220,21 @@ class _TermsOptimum:
         """The solid and what stands beside it; what is nothing is left out."""
         problem, k = self.problem, self.k
         min_stiffness = _ROUNDING * float(k.sum())
-        arms, rest = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
+        arms, yield_stiffness = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
         solid = GeneralizedMaxwell(
             float(k[0]), tuple(arms[arms > min_stiffness]), tuple(problem.tau[arms > min_stiffness])
         )
         parallel: list[Jenkins | Cubic] = []
         if "friction" in self.terms:
             parallel += [
-                Jenkins(float(value), float(value * at))
-                for value, at in zip(rest, problem.yields, strict=False)
+                Jenkins(float(value), float(value * yield_displacement))
+                for value, yield_displacement in zip(yield_stiffness, problem.yields, strict=False)
                 if value > min_stiffness
             ]
-        if "a cubic spring" in self.terms and rest[-2] != rest[-1]:
-            parallel.append(Cubic(float(rest[-2] - rest[-1]) / problem.X.max() ** 2))
+        if "a cubic spring" in self.terms and yield_stiffness[-2] != yield_stiffness[-1]:
+            parallel.append(
+                Cubic(float(yield_stiffness[-2] - yield_stiffness[-1]) / problem.X.max() ** 2)
+            )
         return solid, tuple(parallel)
 
 
@@ -284,7 +286,9 @@ class _LineData:
         at which it is taken to be, :math:`-\mathrm{Re}(e)\, dK/d\ln X`.
         """
         X, h = self.X, _STEP
-        up, down = (stiffness_at(parts, self.omega, X * at, self.inertia) for at in (1 + h, 1 - h))
+        up, down = (
+            stiffness_at(parts, self.omega, X * scale, self.inertia) for scale in (1 + h, 1 - h)
+        )
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
         size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
         harmonic_factor = with_third_harmonic(parts, self.omega, X, self.inertia)

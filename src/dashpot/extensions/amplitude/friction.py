@@ -257,8 +257,8 @@ def jenkins_like(
     k, _ = nnls(share, element.stiffness(grid).real)
     return InParallel(
         tuple(
-            Jenkins(float(value), float(value * at))
-            for value, at in zip(k, yield_displacements, strict=True)
+            Jenkins(float(value), float(value * yield_displacement))
+            for value, yield_displacement in zip(k, yield_displacements, strict=True)
             if value > 1e-9 * k.sum()
         )
     )

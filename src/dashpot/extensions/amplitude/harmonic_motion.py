@@ -14,7 +14,7 @@ _CROSSED = 5.0
 _PASSES = 3
 _FEWEST = 2
 """Cycles: a creep that its drift is taken off looks like one."""
-_LEAST, _MANY = 7, 32
+_MIN_SAMPLES, _MANY = 7, 32
 """Fewest samples of a cycle that distinguish a sine from a triangle, and noise from misfit."""
 _DISTORTED = 0.04
 """Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
@@ -48,7 +48,7 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
 def _is_sine(time: FloatArray, motion: FloatArray, begin: float, end: float) -> bool:
     in_cycle = (time >= begin) & (time < end)
     count = np.count_nonzero(in_cycle)
-    if count < _LEAST:
+    if count < _MIN_SAMPLES:
         return False
     t, x = time[in_cycle] - begin, motion[in_cycle]
     omega = 2 * np.pi / (end - begin)

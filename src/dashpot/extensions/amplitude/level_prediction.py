@@ -12,7 +12,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Key
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.amplitude_response import (
-    VANISHING,
+    VANISHING_LEVEL,
     LevelResonance,
     ReferencePoint,
     SweptPart,
@@ -108,7 +108,7 @@ class LevelEffect:
         fitted_sweep, stated_level = self.swept, self.choices.resonance_level
         if fitted_sweep is None or not (stated_level or fitted_sweep.fitted_at):
             return None
-        level = parse_level(stated_level, kind) if stated_level else VANISHING
+        level = parse_level(stated_level, kind) if stated_level else VANISHING_LEVEL
 
         def peak(solid: Solid, factor: float, mass: float) -> float:
             linear_frequency = model_modes(solid, mass)[0].frequency

@@ -57,10 +57,12 @@ class PeakAtLevel:
     @property
     def facts(self) -> tuple[ReportedValue, ReportedValue]:
         """Frequency of the largest motion, and its height per force."""
-        at = f"at {self.level:.4g} N"
+        level_text = f"at {self.level:.4g} N"
         return (
-            ReportedValue(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
-            ReportedValue(f"motion {at}", self.receptance, *self.receptance_interval, "m/N"),
+            ReportedValue(f"peak {level_text}", self.frequency, *self.frequency_interval, "Hz"),
+            ReportedValue(
+                f"motion {level_text}", self.receptance, *self.receptance_interval, "m/N"
+            ),
         )
 
 
@@ -204,8 +206,10 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         self, *positional: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
     ) -> ComplexArray:
         """Return complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
-        at = angular(*positional, frequency=frequency, omega=omega)
-        return InParallel((self.solid, *self.rate_independent)).equivalent(at, amplitude)
+        angular_frequency = angular(*positional, frequency=frequency, omega=omega)
+        return InParallel((self.solid, *self.rate_independent)).equivalent(
+            angular_frequency, amplitude
+        )
 
     def interval(
         self, function: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]

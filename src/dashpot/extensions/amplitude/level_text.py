@@ -69,7 +69,7 @@ def _format_nonlinear_resonances(levels: Sequence[PreloadedLevel], unit: str) ->
     rows: list[list[str]] = [head]
     message: list[str] = []
     for level in levels:
-        at = level.orbit
+        orbit = level.orbit
         # what is less is rounding
         min_shift = _HARMONIC * level.amplitude
         rows.append(
@@ -79,10 +79,10 @@ def _format_nonlinear_resonances(levels: Sequence[PreloadedLevel], unit: str) ->
                 f"{level.value:.4g}",
                 *(
                     f"{convert_to_unit(amplitude, 'mm') * (abs(amplitude) > min_shift):.3g}"
-                    for amplitude in (*at.amplitudes[1:4].tolist(), at.shift)
+                    for amplitude in (*orbit.amplitudes[1:4].tolist(), orbit.shift)
                 ),
-                f"{100 * at.lost_contact:.3g} %",
-                f"{at.growth:.3g}",
+                f"{100 * orbit.lost_contact:.3g} %",
+                f"{orbit.growth:.3g}",
             ]
         )
         if level.interval is not None:

@@ -228,9 +228,9 @@ def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
 
     value, (low, high) = read(fit.solid, fit.rate_independent), fit.interval(read)
     for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
-        for j, at in enumerate(X.tolist()):
-            word, mm = unit_of(np.array(at), "m")
-            text = f"{name}, {round_to_error(mm * at, digits=2)} {word}"
+        for j, amplitude in enumerate(X.tolist()):
+            word, mm = unit_of(np.array(amplitude), "m")
+            text = f"{name}, {round_to_error(mm * amplitude, digits=2)} {word}"
             yield ReportedValue(text, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
     if fit.k3:
         word, mm = unit_of(X[1], "m")

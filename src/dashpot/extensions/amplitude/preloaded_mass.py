@@ -278,22 +278,22 @@ class PreloadedMass:
             If its answers change so often along the frequencies that no sweep follows them.
         """
         orbits: list[Orbit] = []
-        before, steps = start, 0
+        previous, steps = start, 0
         for hz in np.asarray(frequency, dtype=float).tolist():
-            orbit = None if before is None else self._solve_near_orbit(before, hz, level)
+            orbit = None if previous is None else self._solve_near_orbit(previous, hz, level)
             if orbit is None or not orbit.stable:
                 line = _PressedBalance(self, hz, level, HARMONICS)
                 try:
                     states = line.solve_by_continuation()
                 except DataError:
-                    before = None
+                    previous = None
                     continue
                 finally:
                     steps += line.steps
                     if steps > _STEPS_OF_SWEEP:
                         self._refuse_bouncing(level, hz)
                 orbit = line.orbit(states)
-            before = orbit if orbit.stable else None
+            previous = orbit if orbit.stable else None
             orbits.append(orbit)
         return tuple(orbits)
 
@@ -323,22 +323,22 @@ class PreloadedMass:
                 or _compare_orbits(orbit_back, last) <= _SAME_SOLUTION
             ):
                 continue
-            before, excess = last, next_orbit.frequency
+            previous, excess = last, next_orbit.frequency
             for _ in range(_HALVES):
-                middle = 0.5 * (before.frequency + excess)
-                middle_orbit = self._solve_near_orbit(before, middle, before.level)
+                middle = 0.5 * (previous.frequency + excess)
+                middle_orbit = self._solve_near_orbit(previous, middle, previous.level)
                 if (
                     middle_orbit is None
                     or not middle_orbit.stable
-                    or _compare_orbits(middle_orbit, before) > _JUMP
+                    or _compare_orbits(middle_orbit, previous) > _JUMP
                 ):
                     excess = middle
                 else:
-                    before = middle_orbit
+                    previous = middle_orbit
             orbit_at_jump = (
                 self._solve_near_orbit(next_orbit, excess, next_orbit.level) or next_orbit
             )
-            found_jumps.append(Jump(before, orbit_at_jump))
+            found_jumps.append(Jump(previous, orbit_at_jump))
         return tuple(found_jumps)
 
     def changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> ComplexArray:

@@ -28,7 +28,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import MassOnSeals, add_mount_mass
 
-_LINES, _FINE, _LINE_RANGE = 121, 21, (0.25, 2.5)
+_LINES, _FINE_LINES, _LINE_RANGE = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
 search goes."""
 _REPORTED_HARMONICS, _MIN_HARMONIC_SHARE, _MAX_HALF_WIDTH = 3, 1e-3, 1.0
@@ -154,13 +154,13 @@ class PreloadedLevel(Serialisable):
     def facts(self) -> tuple[ReportedValue, ...]:
         """The resonance, mean and harmonics, with their intervals."""
         interval, unknown_interval = self.interval, (np.nan, np.nan)
-        at = f"at {self.level:.4g} {self.unit}"
+        level_text = f"at {self.level:.4g} {self.unit}"
 
         def fact(
             name: str, value: float, given_interval: Ends | None, unit: str, read: str = ""
         ) -> ReportedValue:
             low, high = given_interval or unknown_interval
-            words = f"{name.replace('_', ' ')} {at}"
+            words = f"{name.replace('_', ' ')} {level_text}"
             error = None if given_interval or interval is None else math.inf
             return ReportedValue(name, value, low, high, unit, error, read, words)
 
@@ -332,8 +332,8 @@ class _AtLevels:
 
     def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
         """Return the responses that last between two, and which of them is the largest."""
-        close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
-        about_top = self.preloaded_mass.sweep(level=force, frequency=close, start=start)
+        fine_lines = np.linspace(start.frequency, last.frequency, _FINE_LINES)[1:-1]
+        about_top = self.preloaded_mass.sweep(level=force, frequency=fine_lines, start=start)
         run = [start, *(orbit for orbit in about_top if orbit.stable), last]
         best = int(np.argmax([self.size(orbit) for orbit in run]))
         if 0 < best < len(run) - 1:
@@ -383,35 +383,37 @@ class _AtLevels:
         errors = [_compute_norm(self._logs(orbit)) for orbit in shown_orbits[::_LINE_STRIDE]]
         error_factor = np.exp(NORMAL * np.interp(f, f[::_LINE_STRIDE], errors))
         magnitude = np.array([response / error_factor, response * error_factor])
-        at, first, last = run[best], best == 0, best == len(run) - 1
+        peak_orbit, first, last = run[best], best == 0, best == len(run) - 1
         if first or last:
-            end = at if jump_into is None or last else jump_into.before
+            end = peak_orbit if jump_into is None or last else jump_into.before
             shift = self.preloaded_mass.end_changes(end, self.others)
         else:
             shift = self._compute_frequency_shifts(run[best - 1 : best + 2])
-        frequency = _compute_interval(at.frequency, shift)
+        frequency = _compute_interval(peak_orbit.frequency, shift)
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
         log_slope = by_frequency(lambda orbit: np.log(self.size(orbit)))
-        value = self.size(at) * np.exp(
-            NORMAL * _compute_norm(self._logs(at) + log_slope * shift) * _SIGNS
+        value = self.size(peak_orbit) * np.exp(
+            NORMAL * _compute_norm(self._logs(peak_orbit) + log_slope * shift) * _SIGNS
         )
-        count = len(at.harmonic_amplitudes)
-        rotation = np.conj(at.harmonics[:count]) / np.maximum(at.harmonic_amplitudes, 1e-300)
-        real = (rotation * self.preloaded_mass.changes(at, self.others)[:, :count]).real
+        count = len(peak_orbit.harmonic_amplitudes)
+        rotation = np.conj(peak_orbit.harmonics[:count]) / np.maximum(
+            peak_orbit.harmonic_amplitudes, 1e-300
+        )
+        real = (rotation * self.preloaded_mass.changes(peak_orbit, self.others)[:, :count]).real
         real += np.outer(shift, by_frequency(lambda orbit: orbit.harmonic_amplitudes))
-        rest_changes = np.array([other.rest for other in self.others]) - at.rest
+        rest_changes = np.array([other.rest for other in self.others]) - peak_orbit.rest
         low, high = value.tolist()
         return LevelInterval(
             frequency,
-            (low, high) if high < (1 + _MAX_HALF_WIDTH) * self.size(at) else None,
-            _compute_narrow_interval(at.shift, real[:, 0] - rest_changes),
+            (low, high) if high < (1 + _MAX_HALF_WIDTH) * self.size(peak_orbit) else None,
+            _compute_narrow_interval(peak_orbit.shift, real[:, 0] - rest_changes),
             tuple(
                 _compute_narrow_interval(float(number), real[:, h])
-                if number > _MIN_HARMONIC_SHARE * at.harmonic_amplitudes[1]
+                if number > _MIN_HARMONIC_SHARE * peak_orbit.harmonic_amplitudes[1]
                 else None
-                for h, number in enumerate(at.harmonic_amplitudes)
+                for h, number in enumerate(peak_orbit.harmonic_amplitudes)
             ),
             magnitude,
         )
@@ -419,7 +421,7 @@ class _AtLevels:
     def _logs(self, orbit: Orbit) -> FloatArray:
         """Return the change of the logarithm of the response for each of the other masses."""
         first = complex(orbit.harmonics[1])
-        part = _PART * first
+        part = _SLOPE_SHARE * first
         value, changed_value = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
         change = self.preloaded_mass.changes(orbit, self.others)[:, 1]
         return np.asarray(((value - changed_value) / part / value * change).real)
@@ -457,7 +459,7 @@ def _fit_parabola(orbits: Sequence[Orbit]) -> FloatArray:
 
 
 _SIGNS = np.array([-1.0, 1.0])
-_PART, _LINE_STRIDE = 1e-3, 3
+_SLOPE_SHARE, _LINE_STRIDE = 1e-3, 3
 """Share of the first harmonic by which a slope is determined; every so many lines, errors."""
 
 

@@ -101,9 +101,9 @@ def resonance_at_level(
             f"{f[-1]:.4g} Hz: there is no resonance among them"
         )
     # the square is a parabola about its least
-    before, centre, right = size[top - 1 : top + 2] ** 2
-    shift = (before - right) / (2 * (before - 2 * centre + right))
-    peak_square = centre - shift * (before - right) / 4
+    left, centre, right = size[top - 1 : top + 2] ** 2
+    shift = (left - right) / (2 * (left - 2 * centre + right))
+    peak_square = centre - shift * (left - right) / 4
     return float(f[top] + shift * (f[1] - f[0])), level / float(np.sqrt(peak_square))
 
 

@@ -66,20 +66,22 @@ class InSeries(AmplitudeDependent):
         self, state: tuple[Any, Any, float], dt: float, x: float
     ) -> tuple[float, tuple[Any, Any, float]]:
         """Force, N, where that of the solid equals that of the part behind it."""
-        first, second, before = state
+        first, second, previous_stretch = state
         arms = InParallel((self.solid,))
 
         def compute_excess(y: float) -> float:
             return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
 
         # the difference rises with y: widen until it changes its sign
-        step_size = max(abs(x - before), 1e-9 * abs(before), _VANISHING)
-        low, high = before - step_size, before + step_size
+        step_size = max(abs(x - previous_stretch), 1e-9 * abs(previous_stretch), _VANISHING)
+        low, high = previous_stretch - step_size, previous_stretch + step_size
         while compute_excess(low) > 0:
             low -= 2 * (high - low)
         while compute_excess(high) < 0:
             high += 2 * (high - low)
-        y = float(brentq(compute_excess, low, high, xtol=1e-15 * (abs(before) + step_size)))
+        y = float(
+            brentq(compute_excess, low, high, xtol=1e-15 * (abs(previous_stretch) + step_size))
+        )
         force, first = arms.advance(first, dt, x - y)
         return force, (first, self.behind.advance(second, dt, y)[1], y)
 

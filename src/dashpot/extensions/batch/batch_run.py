@@ -42,7 +42,7 @@ from dashpot.reading.read_options import ReadOptions
 
 CHUNK = SMALL_PART
 """Files of a chunk: what a run that is cut short loses at most, for each process."""
-_LAST = 5
+_LAST_CHUNK_FILES = 5
 """Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
 _LOCK = ".lock"
 _TIMED = 3
@@ -299,7 +299,7 @@ def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, .
     first, chunk_limit = 0, max(1, len(missing) // jobs)
     while first < len(missing):
         remaining = len(missing) - first
-        size = min(CHUNK, max(_LAST, remaining // (2 * jobs)), chunk_limit)
+        size = min(CHUNK, max(_LAST_CHUNK_FILES, remaining // (2 * jobs)), chunk_limit)
         task_groups.append(tuple(missing[first : first + size]))
         first += size
     return task_groups

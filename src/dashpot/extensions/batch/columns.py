@@ -101,8 +101,8 @@ def build_requested_columns(
 
 def list_chosen_columns(choices: BatchOptions) -> tuple[str, ...]:
     """Return the columns that depend on the choices, all of numbers."""
-    requested = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
-    names = (name for groups in requested for group in groups for name in group)
+    columns_by_unit = (build_requested_columns(choices, unit).values() for unit in ("N/m", "Pa"))
+    names = (name for groups in columns_by_unit for group in groups for name in group)
     return (*list_arm_columns(choices.columns), *dict.fromkeys(names))
 
 

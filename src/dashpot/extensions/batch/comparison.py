@@ -184,18 +184,20 @@ def compare_two_lots(
     DataError
         If a lot has fewer than two seals, or lacks a quantity.
     """
-    (one_name, single_lot), (other_name, other) = first, second
+    (one_name, single_lot), (other_name, other_lot) = first, second
     quantities = [
         _find_common_quantity(first, second, name)
-        for name in tuple(names) or _select_common_quantities(single_lot, other)
+        for name in tuple(names) or _select_common_quantities(single_lot, other_lot)
     ]
     if not quantities:
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
-    differences = [single_lot.compare(other, quantity.name) for quantity in quantities]
+    differences = [single_lot.compare(other_lot, quantity.name) for quantity in quantities]
     p_values = adjust_holm([difference.p_value for difference in differences])
-    unnamed = sum(int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (single_lot, other))
-    shared_count = _count_shared_records(single_lot, other)
-    tests = single_lot.rows_in_statistics.height + other.rows_in_statistics.height
+    unnamed = sum(
+        int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (single_lot, other_lot)
+    )
+    shared_count = _count_shared_records(single_lot, other_lot)
+    tests = single_lot.rows_in_statistics.height + other_lot.rows_in_statistics.height
     return LotComparison(
         (one_name, other_name),
         tuple(
@@ -203,7 +205,7 @@ def compare_two_lots(
             for item in zip(quantities, differences, p_values, strict=True)
         ),
         (
-            lots_tested_alike(tuple(_find_other_conditions(single_lot, other))),
+            lots_tested_alike(tuple(_find_other_conditions(single_lot, other_lot))),
             seals_named(unnamed, tests),
             records_distinct(shared_count, tests),
             *(

@@ -31,12 +31,12 @@ CHART = 210.0
 _GROUPS = 8
 """Groups of lots, or names, that stand above a chart at most."""
 _CURVE = Pen("measured", 0.8)
-_ODD = Pen("care", 1.6)
+_OUTLIER_PEN = Pen("care", 1.6)
 _MEAN = Pen("fit", 2.0)
-_USUAL = Pen("fit", 1.4)
+_LOT_PEN = Pen("fit", 1.4)
 _CEILING = Pen("fit", 1.4, (2, 3))
 _THREAD = Pen("ref", 0.8)
-_ASKED = Pen("bad", 1.6, (5, 3))
+_LIMIT_PEN = Pen("bad", 1.6, (5, 3))
 _SHAPE = Pen("measured", 1.6)
 
 
@@ -59,8 +59,8 @@ def control_picture(
     marks: list[Mark] = [Line(x, y, _THREAD)]
     titles, spans = list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
     for name, chart in charts.items():
-        at = np.array([positions[seal.lot, seal.name] for seal in chart.seals])
-        end_positions = _get_axis_limits(at)
+        seal_positions = np.array([positions[seal.lot, seal.name] for seal in chart.seals])
+        end_positions = _get_axis_limits(seal_positions)
         lower_line, centre, upper_line = (
             quantity.scale * value * np.ones(2)
             for value in (chart.means.lower[0], chart.means.centre, chart.means.upper[0])
@@ -69,15 +69,15 @@ def control_picture(
             0, Area(end_positions, lower_line, upper_line, "fit", "control limits of each lot")
         )
         marks.append(Line(end_positions, centre, _MEAN, "mean of each lot"))
-        marks += _make_signal_tags(chart.seals, chart.means, at, quantity.scale)
+        marks += _make_signal_tags(chart.seals, chart.means, seal_positions, quantity.scale)
         if name:
             titles.append((float(end_positions[0]), name))
-        spans.append((chart, at))
+        spans.append((chart, seal_positions))
     limits = quantity.scale * np.array(requested)
-    marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
+    marks += [Rule(end, _LIMIT_PEN, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
     low, high = _make_value_axis(quantity, charts, seals, requested)
-    marks += [Tag(at, high, text, "soft") for at, text in titles]
+    marks += [Tag(seal_positions, high, text, "soft") for seal_positions, text in titles]
     upper = Panel(scale, Scale(quantity.title, (low, high)), (*areas, *marks), height=CHART)
     panels = (upper, *_make_scatter_panel(scale, quantity, spans))
     return Picture("chart", f"{quantity.title}: seals of each lot", (panels,))
@@ -90,16 +90,20 @@ def _make_scatter_panel(
     repeated = any(charts.repeats is not None for charts, _ in spans)
     scatter_title = "SD of repeats" if repeated else "moving range"
     marks, heights = list[Mark](), [np.zeros(1)]
-    for item, at in spans:
+    for item, lot_positions in spans:
         chart = item.repeats if repeated else item.moving
         if chart is None:
             continue
         values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
         marks += [
-            Line(_get_axis_limits(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
-            Line(at, ceiling, _CEILING, "its upper control limit"),
-            Dots(at, values, "measured", size=4.0),
-            *_make_signal_tags(item.seals, chart, at, quantity.scale),
+            Line(
+                _get_axis_limits(lot_positions),
+                quantity.scale * chart.centre * np.ones(2),
+                _LOT_PEN,
+            ),
+            Line(lot_positions, ceiling, _CEILING, "its upper control limit"),
+            Dots(lot_positions, values, "measured", size=4.0),
+            *_make_signal_tags(item.seals, chart, lot_positions, quantity.scale),
         ]
         heights += [values, ceiling]
     if marks:
@@ -165,7 +169,7 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in required_limits]
+    marks += [Rule(quantity.scale * end, _LIMIT_PEN, across=True) for end in required_limits]
     marks += [Rule(mean, _MEAN, across=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
@@ -177,7 +181,7 @@ def histogram_picture(
 def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) -> Picture:
     """Return the Cpk of each lot with its interval, the lowest first."""
     ranked = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
-    at = np.arange(1.0, len(ranked) + 1)
+    ranks = np.arange(1.0, len(ranked) + 1)
     cpk = np.array([capability.cpk or 0.0 for capability in ranked])
     low, high = (
         np.array([(capability.cpk_interval or (0.0, 0.0))[i] for capability in ranked])
@@ -185,12 +189,18 @@ def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) 
     )
     # along a line each lot has its interval; so drawn, they make one area
     marks: list[Mark] = [
-        Ring(np.concatenate([low, high[::-1]]), np.concatenate([at, at[::-1]]), "ref", "95 %", 0.4),
-        Line(cpk, at, Pen("measured", 1.8), "Cpk"),
+        Ring(
+            np.concatenate([low, high[::-1]]),
+            np.concatenate([ranks, ranks[::-1]]),
+            "ref",
+            "95 %",
+            0.4,
+        ),
+        Line(cpk, ranks, Pen("measured", 1.8), "Cpk"),
     ]
     interval = [low, high]
     if required_cpk is not None:
-        marks.append(Rule(required_cpk, _ASKED, "asked"))
+        marks.append(Rule(required_cpk, _LIMIT_PEN, "asked"))
         interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
     vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
@@ -213,7 +223,7 @@ def lots_picture(
         name: quantity.scale * average_seals(seal)
         for name, seal in split_seals_by_lot(seals).items()
     }
-    names, at = list(entries), np.arange(1.0, len(entries) + 1)
+    names, lot_positions = list(entries), np.arange(1.0, len(entries) + 1)
     scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
     means = np.array([entry.mean() for entry in entries.values()])
     low, lower_quartile, upper_quartile, high = (
@@ -223,20 +233,31 @@ def lots_picture(
     marks: list[Mark] = []
     if lots is not None:
         edges = quantity.scale * lots.mean.lower, quantity.scale * lots.mean.upper
-        marks.append(Area(at, *edges, "fit", "control limits of lot means"))
+        marks.append(Area(lot_positions, *edges, "fit", "control limits of lot means"))
         marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
-    marks.append(_make_error_bars(at, low, high, Pen("ref", 1.0), "all of its seals"))
+    marks.append(_make_error_bars(lot_positions, low, high, Pen("ref", 1.0), "all of its seals"))
     marks.append(
-        _make_error_bars(at, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals")
+        _make_error_bars(
+            lot_positions, lower_quartile, upper_quartile, Pen("ref", 5.0), "90 % of its seals"
+        )
     )
     marks += [
-        Rule(quantity.scale * end, _ASKED, "limits asked", across=True) for end in required_limits
+        Rule(quantity.scale * end, _LIMIT_PEN, "limits asked", across=True)
+        for end in required_limits
     ]
-    marks.append(Dots(at, means, "measured", "mean of a lot", size=5.0))
+    marks.append(Dots(lot_positions, means, "measured", "mean of a lot", size=5.0))
     if lots is not None and lots.mean.signalling_points:
         signalling = [names.index(lots.names[i]) for i in lots.mean.signalling_points]
         marks.insert(
-            -1, Dots(at[signalling], means[signalling], "care", "signal", size=10.0, hollow=True)
+            -1,
+            Dots(
+                lot_positions[signalling],
+                means[signalling],
+                "care",
+                "signal",
+                size=10.0,
+                hollow=True,
+            ),
         )
     limits = _make_value_axis(quantity, charts, seals, required_limits)
     marks += _group_lots(names, means, limits[1])
@@ -293,18 +314,18 @@ def _make_repeats_panel(
         tags += [
             Tag(
                 i + 1.0,
-                float(values[at]),
-                f"{name}-{single_charts.seals[at].name}",
+                float(values[index]),
+                f"{name}-{single_charts.seals[index].name}",
                 "care-ink",
                 "hollow",
             )
-            for at in single_charts.repeats.signalling_points
+            for index in single_charts.repeats.signalling_points
         ]
     if not y:
         return
     all_values = np.concatenate(y)
     marks: list[Mark] = [Dots(np.concatenate(x), all_values, "ref", size=2.5),
-                         Rule(float(np.mean(centres)), _USUAL, across=True)]  # fmt: skip
+                         Rule(float(np.mean(centres)), _LOT_PEN, across=True)]  # fmt: skip
     marks += tags[:_GROUPS]
     title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
     top = 1.2 * float(np.nanmax(all_values, initial=0.0)) or 1.0
@@ -317,7 +338,7 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], outliers: Sequence[str] = 
     time = np.geomspace(1e-2, max(longest, 1.0), _SAMPLES)
     curves = [_compute_relaxation(row, time) for row in rows]
     marks = tuple(
-        Line(time, k, _ODD if row["file"] in outliers else _CURVE,
+        Line(time, k, _OUTLIER_PEN if row["file"] in outliers else _CURVE,
              "stands out" if row["file"] in outliers else "model of each test")
         for row, k in zip(rows, curves, strict=True)
     )  # fmt: skip

@@ -17,7 +17,7 @@ from dashpot.extensions.batch.batch_run import (
     lock_results_folder,
 )
 from dashpot.extensions.batch.executors import open_executor
-from dashpot.extensions.batch.input_files import Entry, compute_file_hash, refuse_senseless
+from dashpot.extensions.batch.input_files import Entry, compute_file_hash, refuse_invalid_patterns
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.parquet_parts import Task, make_tasks
 
@@ -64,7 +64,7 @@ def watch_batch(
         if not Path(path).is_dir():
             raise ReadError(f"{path} is no folder; give the one into which the tests are written")
     open_executor(job.jobs, job.scheduler)
-    refuse_senseless(job.by, job.pair)
+    refuse_invalid_patterns(job.by, job.pair)
     watched, lot = _Watched(job, clock), None
     with lock_results_folder(job.output):
         try:
@@ -135,8 +135,8 @@ class _Watched:
         if state is None:
             self._since.pop(file, None)
             return False
-        before, unchanged_since = self._since.setdefault(file, (state, current))
-        if before != state:
+        previous_state, unchanged_since = self._since.setdefault(file, (state, current))
+        if previous_state != state:
             self._since[file] = state, current
             return False
         return current - unchanged_since >= UNCHANGED_SECONDS

@@ -54,12 +54,12 @@ def compare_with_hammer(
     _, comparison = compare_with_measured(fit, frf, mass_on_seals)
     numbers = _compare_peaks(comparison) | origin
     if choices.joint and isinstance(record, RampHold):
-        at = find_static_equilibrium(fit, mass_on_seals).point.compression
+        compression = find_static_equilibrium(fit, mass_on_seals).point.compression
         from dashpot.fitting.identification.identify import identify
         from dashpot.fitting.identification.prior_knowledge import HammerRig
 
         fit = identify(
-            frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at,
+            frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=compression,
             rig=HammerRig().with_machine(find_test_machine(entry, choices)),
         )  # fmt: skip
         _, comparison = compare_with_measured(fit, frf, mass_on_seals)

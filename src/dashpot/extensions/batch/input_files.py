@@ -30,16 +30,16 @@ LABELS = ("lot", "seal", "repeat", "operator", "date")
 _QUANTITIES: dict[str, Dimension] = {
     "temperature": "temperature", "mass": "mass", "hammer_temperature": "temperature",
 }  # fmt: skip
-_KNOWN = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature", "machine")
-_MANIFEST = 1 << 26
+_MANIFEST_COLUMNS = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature", "machine")
+_MAX_MANIFEST_BYTES = 1 << 26
 """Bytes of the largest manifest."""
-_HEAD = 1 << 12
+_HEAD_BYTES = 1 << 12
 LOG = "batch.log"
-_LOGGED = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
-_PART = re.compile(r"part-[0-9a-f]{16}\.parquet")
+_LOG_LINE = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
+_PART_NAME = re.compile(r"part-[0-9a-f]{16}\.parquet")
 NO_TABLE = "it is no table of numbers"
 """Why a text or picture of a folder is not read."""
-_NEVER_TABLES = frozenset(
+_DOCUMENT_SUFFIXES = frozenset(
     [
         ".avif",
         ".bmp",
@@ -67,7 +67,7 @@ _NEVER_TABLES = frozenset(
     ]
 )
 """Endings of files that hold texts and pictures."""
-_PROSE = frozenset(("", ".log", ".text", ".txt"))
+_TEXT_SUFFIXES = frozenset(("", ".log", ".text", ".txt"))
 """Endings of files that hold texts, or tables."""
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?")
 
@@ -220,7 +220,7 @@ def _validate_path_encoding(path: str) -> str:
     return path
 
 
-def refuse_senseless(label_pattern: str | None, pair: str | None) -> None:
+def refuse_invalid_patterns(label_pattern: str | None, pair: str | None) -> None:
     """Refuse an expression and a pattern that are none, before there are files to try them on.
 
     Raises
@@ -345,13 +345,13 @@ def _is_prose(path: Path) -> bool:
     a reader then refuses for what it lacks. What was named itself is never a text.
     """
     suffix = path.suffix.lower()
-    if suffix in _NEVER_TABLES:
+    if suffix in _DOCUMENT_SUFFIXES:
         return True
-    if suffix not in _PROSE:
+    if suffix not in _TEXT_SUFFIXES:
         return False
     try:
         with path.open("rb") as stream:
-            head = stream.read(_HEAD)
+            head = stream.read(_HEAD_BYTES)
             is_complete = not stream.read(1)
     except OSError:
         return False
@@ -382,15 +382,15 @@ def _is_dashpot_result(path: Path) -> bool:
 
     Parts and logs of a batch bear no byline; tests may lie beside them.
     """
-    if _PART.fullmatch(path.name):
+    if _PART_NAME.fullmatch(path.name):
         return True
     try:
         with path.open("rb") as stream:
-            head = stream.read(_HEAD)
+            head = stream.read(_HEAD_BYTES)
     except OSError:
         return False
     if path.name == LOG:
-        return _LOGGED.match(head) is not None
+        return _LOG_LINE.match(head) is not None
     return is_ours(head) and not is_record(head)
 
 
@@ -451,13 +451,13 @@ def _read_manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
     path = Path(text)
     raw = open_raw(path)
     try:
-        rows = _parse_rows(raw.head(_MANIFEST), toml=path.suffix.lower() == ".toml")
+        rows = _parse_rows(raw.head(_MAX_MANIFEST_BYTES), toml=path.suffix.lower() == ".toml")
     except (ReadError, UnicodeDecodeError, csv.Error) as error:
         raise ReadError(f"{path}: not a manifest: {error}; expected CSV or TOML, UTF-8") from None
     if not isinstance(rows, list) or not rows:
         raise ReadError(
             f"{path}: the manifest lists no test; expected a CSV whose first line is "
-            f"{','.join(_KNOWN)}, or a TOML with a [[test]] for each file"
+            f"{','.join(_MANIFEST_COLUMNS)}, or a TOML with a [[test]] for each file"
         )
     entries: dict[str, dict[str, Any]] = {}
     for number, row in enumerate(rows, start=1):
@@ -477,7 +477,7 @@ def _parse_manifest_row(location: str, row: Any) -> tuple[str, dict[str, Any]]:
         raise ReadError(
             f"{location}: more cells than the first line has names: {', '.join(row[None])}"
         )
-    entries = Section(location, row, _KNOWN).entries
+    entries = Section(location, row, _MANIFEST_COLUMNS).entries
     values: dict[str, Any] = {
         name: str(value).strip() for name, value in entries.items() if value not in (None, "")
     }

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 
 _MAIN = ("k_end_", "E_end_")
-_INSTEAD = ("cld_per_100mm", "cld_force", "loop_storage", "indent_modulus", "restitution")
+_FORCE_COLUMNS = ("cld_per_100mm", "cld_force", "loop_storage", "indent_modulus", "restitution")
 """Columns of load deflection and indentation tests."""
 MAX_CONDITION_DIFFERENCE = 0.05
 """Largest relative difference of hold and depth of a test from the median of its lot."""
@@ -245,7 +245,7 @@ class Lot:
         ):
             return "k_end"
         names = {quantity.name for quantity in self.quantities}
-        return next((name for name in _INSTEAD if name in names), "k_end")
+        return next((name for name in _FORCE_COLUMNS if name in names), "k_end")
 
     def seals(self, name: str = "k_end") -> tuple[Seal, ...]:
         """Return the seals with their values of a quantity, in the order of lot and seal."""

@@ -25,7 +25,7 @@ OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
 """Options of hammer tests that no dynamic sweep has."""
 
 
-_ROWS, _EACH = "Rows and page", "Each test"
+_ROWS, _TEST_GROUP = "Rows and page", "Each test"
 
 
 def build_lot_options(*own: CommandOption) -> list[CommandOption]:
@@ -53,7 +53,7 @@ def build_lot_options(*own: CommandOption) -> list[CommandOption]:
 def build_fit_options() -> list[CommandOption]:
     """Return the options of how each test is fitted."""
     return group(
-        _EACH,
+        _TEST_GROUP,
         build_options(
             BatchOptions, "arms", "quick", "joint", "mass", "seals", "at", argument="choices"
         ),

@@ -218,8 +218,8 @@ def _make_curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
     rows = lot.rows_in_statistics.drop_nulls("k_end_N_per_m")
     files = [flag.file for flag in summary.flags if flag.file and flag.weighty]
     for chart in summary.main.charts.values():
-        for at in {at for at, rule in chart.means.signals if rule == BEYOND}:
-            files += chart.seals[at].files
+        for index in {index for index, rule in chart.means.signals if rule == BEYOND}:
+            files += chart.seals[index].files
     if rows.is_empty():
         return None
     row_indices = np.unique(np.linspace(0, rows.height - 1, min(rows.height, CURVES)).astype(int))
@@ -276,15 +276,15 @@ def _count_outcomes(lot: Lot, main: QuantitySummary) -> str:
 
 def _make_scatter_rows(main: QuantitySummary) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
-    rows, at = [], 0.0
+    rows, bar_start = [], 0.0
     for item, (reported_value, share) in zip(main.components, main.sources, strict=True):
         sd, low, high = reported_value.cell_texts
         rows.append({
             "source": item.source, "share": share, "sd": sd,
             "low": low * reported_value.has_interval, "high": high * reported_value.has_interval,
-            "at": f"{at:.3f}", "width": f"{100 * item.share:.3f}", "wide": item.share > 0.2,
+            "at": f"{bar_start:.3f}", "width": f"{100 * item.share:.3f}", "wide": item.share > 0.2,
         })  # fmt: skip
-        at += 100 * item.share
+        bar_start += 100 * item.share
     return rows
 
 
@@ -320,13 +320,13 @@ def _make_gauge_rows(main: QuantitySummary) -> dict[str, Any] | None:
 def _make_signal_rows(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
     """Lot, seal and rule, and the lots that stand out of all."""
     for name, charts in main.charts.items():
-        for at, rule in charts.means.signals:
-            yield name, charts.seals[at].name, rule
+        for index, rule in charts.means.signals:
+            yield name, charts.seals[index].name, rule
     if main.lots is not None:
         names, means, deviations = main.lots
         for chart, statistic in ((means, "its mean"), (deviations, "its scatter")):
-            for at, rule in chart.signals:
-                yield names[at], "", f"{statistic} is {rule} of all lots"
+            for index, rule in chart.signals:
+                yield names[index], "", f"{statistic} is {rule} of all lots"
 
 
 def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
@@ -423,7 +423,7 @@ def _list_causes(main: QuantitySummary) -> Iterator[dict[str, Any]]:
         ):
             if not len(side_values):
                 continue
-            names = [lots.names[at] for at in side_values]
+            names = [lots.names[index] for index in side_values]
             single = len(names) == 1
             yield {
                 "mark": "care", "name": f"Lot{'' if single else 's'} "
@@ -493,9 +493,9 @@ def _encode_test_rows(
         for test in tests
     ]
     if decided and {"lot", "seal"} <= set(labels):
-        at = [labels.index(name) for name in ("lot", "seal")]
+        label_columns = [labels.index(name) for name in ("lot", "seal")]
         for row, entry in zip(rows, tests, strict=True):
-            key = tuple(entry["labels"][i] for i in at)
+            key = tuple(entry["labels"][i] for i in label_columns)
             row[-1:-1] = [decided.get(key, "")]
         heads[-1:-1] = ["decision"]
     return json.dumps({"heads": heads, "rows": rows}, separators=(",", ":")).replace("<", "\\u003c")

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 KEY = "key"
 """The column that names what decided a row."""
-PARTS = "part-*.parquet"
+PART_PATTERN = "part-*.parquet"
 SMALL_PART = 25
 """Rows below which a part is small, and how many such parts become one."""
 _FORM = 4
@@ -135,7 +135,7 @@ def build_row_frame(rows: Sequence[Mapping[str, Any]], choices: BatchOptions) ->
 
 def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
     """Yield the parts in a folder; what cannot be read is left out, as if it were not there."""
-    for path in sorted(folder.glob(PARTS)):
+    for path in sorted(folder.glob(PART_PATTERN)):
         try:
             frame = import_polars().read_parquet(path.read_bytes())
         except (OSError, import_polars().exceptions.PolarsError):
@@ -179,7 +179,7 @@ def collect_table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
     DataError
         If a part went while it was wanted.
     """
-    part_files = set(folder.glob(PARTS))
+    part_files = set(folder.glob(PART_PATTERN))
     # where the first row of a part is sorted, all are after most runs, and sorting takes two copies
     parts = {
         path: (bool(frame["outcome"].is_in(RETRIED_OUTCOMES).any()), frame["file"][0])
@@ -241,7 +241,7 @@ def claim(folder: Path) -> None:
     """
     if validate_path(folder).exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; give a folder for the results")
-    part_files = set(folder.glob(PARTS)) if folder.is_dir() else set()
+    part_files = set(folder.glob(PART_PATTERN)) if folder.is_dir() else set()
     foreign = sorted(set(folder.glob("*.parquet")) - part_files) if folder.is_dir() else []
     if foreign:
         raise ExportError(

@@ -425,7 +425,7 @@ def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterat
         robust_distance(average_seals(charts.seals)),
         find_outlier_distances(average_seals(charts.seals)),
     )
-    outside = {at for at, rule in charts.means.signals if rule == BEYOND}
+    outside = {index for index, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
         if is_outlier[i] or i in outside:
             message = _format_distance(quantity, seal, float(distances[i])) + f", {BEYOND}" * (
@@ -435,10 +435,10 @@ def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterat
     if charts.repeats is None:
         return
     typical_text = quantity.read(charts.repeats.centre, digits=2)
-    for at, _ in charts.repeats.signals:
-        scatter = quantity.read(float(charts.repeats.values[at]), digits=2)
-        yield Flag(name, charts.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
-                   f"others by {typical_text}: was it mounted anew?")  # fmt: skip
+    for index, _ in charts.repeats.signals:
+        scatter = quantity.read(float(charts.repeats.values[index]), digits=2)
+        yield Flag(name, charts.seals[index].name, "", f"its repeats scatter by {scatter}, those "
+                   f"of others by {typical_text}: was it mounted anew?")  # fmt: skip
 
 
 def _get_single_value(seal: Seal) -> str:
@@ -500,8 +500,8 @@ def _run_checks(
         yield scatter_normal(least_normal.source, least_normal.normal)
     entries = {frequency: _count_out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if entries:
-        requested = [frequency for frequency, count in entries.items() if count]
-        yield frequencies_in_band(requested, max(entries.values()))
+        frequencies_out_of_band = [frequency for frequency, count in entries.items() if count]
+        yield frequencies_in_band(frequencies_out_of_band, max(entries.values()))
 
 
 def _check_limits(quantity_summary: QuantitySummary, limits: Limits) -> Iterator[Check]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import polars as pl
 
 
-_MADE = dt.datetime(1980, 1, 1)
+_WORKBOOK_DATE = dt.datetime(1980, 1, 1)
 """Date in a workbook: the same lot gives the same bytes."""
 _SHEET_ROWS = 1_048_575
 """Rows of a sheet below its header."""
@@ -54,7 +54,7 @@ def workbook(summary: Summary) -> bytes:
         "strings_to_urls": False,
     }
     with Workbook(buffer, workbook_options) as workbook_file:
-        workbook_file.set_properties({"comments": byline("lot"), "created": _MADE})
+        workbook_file.set_properties({"comments": byline("lot"), "created": _WORKBOOK_DATE})
         for name, frame in (("tests", _make_test_rows(summary.lot)), *_make_sheets(summary)):
             if frame.height:
                 _write(workbook_file, name, frame)

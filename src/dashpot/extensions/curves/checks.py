@@ -34,7 +34,7 @@ LEVEL = 0.8
 # a curve that ended before it relaxed falls at its end by as much as it ever did
 OF_ALL = 0.2
 # what frame and load cell of an instrument give if nobody says, m/N
-GIVES = 3e-7
+USUAL_COMPLIANCE = 3e-7
 # so much of the storage, and twice as much of the loss, may go unsaid
 UNSTATED_ERROR = 0.01
 # standard deviations by which a value scatters at most
@@ -143,11 +143,14 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     The compliance C of frame and load cell is in series: :math:`K^*/(1 + C K^*)` is measured, with
     a storage by CK too low and a loss by 2CK. A modulus does not show how stiff its specimen was.
     """
-    compliance_text = f"frame and load cell that give {format_quantity(GIVES, 'um/N', 'g')}"
+    compliance_text = (
+        f"frame and load cell that give {format_quantity(USUAL_COMPLIANCE, 'um/N', 'g')}"
+    )
     if data.unit != "N/m":
         return Finding(
             "Of a specimen of more than "
-            f"{format_quantity(UNSTATED_ERROR / GIVES, 'N/mm', '.3g')}, {compliance_text} "
+            f"{format_quantity(UNSTATED_ERROR / USUAL_COMPLIANCE, 'N/mm', '.3g')}, "
+            f"{compliance_text} "
             "take more "
             f"than {100 * UNSTATED_ERROR:g} % off the storage and {200 * UNSTATED_ERROR:g} % off "
             "the loss. How "
@@ -156,9 +159,9 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     stiffest = float(np.hypot(data.storage, data.loss).max())
     return Finding(
         f"At {format_quantity(stiffest, 'N/mm', '.3g')}, {compliance_text} take "
-        f"{100 * GIVES * stiffest:.2g} % off "
+        f"{100 * USUAL_COMPLIANCE * stiffest:.2g} % off "
         "the storage and twice as much off the loss",
-        GIVES * stiffest,
+        USUAL_COMPLIANCE * stiffest,
         "An instrument may have corrected it",
         remedy="Correct the compliance of the instrument, or test a softer specimen.",
     )

@@ -243,14 +243,14 @@ class BeforeCurve:
         start, relaxed_later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
         weight = 1 / max(start - relaxed_later, MIN_EARLY_RELAXATION * start)
         # how much of an arm is gone at the first time
-        before = -np.expm1(-self.first / np.exp(log_tau)) * weight
+        relaxed_before = -np.expm1(-self.first / np.exp(log_tau)) * weight
         total_change = float(self.solid.relaxation(0.0)) - start
         return rows._replace(
             target=np.append(rows.target, total_change * weight),
             spring=np.append(rows.spring, 0.0),
             # a dashpot is no arm that a curve can show
             dashpot=np.append(rows.dashpot, DASHPOT_WEIGHT * weight / self.first),
-            arms=np.vstack((rows.arms, before)),
+            arms=np.vstack((rows.arms, relaxed_before)),
             slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if slopes else rows.slopes,
         )
 
@@ -317,7 +317,7 @@ def limit_end_of_curve(
     def compute_limits(times: float) -> Interval:
         return _compute_curve_limits(spectra, curve_kind, times * time)
 
-    k_end, rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
+    k_end, k_rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
     if curve_kind == "creep":
         # k = 1/J falls by J'/J^2
         slope_limit = (
@@ -330,7 +330,7 @@ def limit_end_of_curve(
         k_end=k_end,
         k_3end=compute_limits(3),
         k_10end=compute_limits(10),
-        k_inf=(0.0, rest[1]),
+        k_inf=(0.0, k_rest[1]),
         slope_limit=slope_limit,
         test_kind=curve_kind,
     )

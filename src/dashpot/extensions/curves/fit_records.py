@@ -190,21 +190,21 @@ def shift_to_one(
     FitError
         If the choices exclude each other, or the tests.
     """
-    first, at = tests[0], choices.at
+    first, temperature = tests[0], choices.at
     if first.several_temperatures and specimen is not None and specimen.temperature is not None:
         raise FitError(
             "the file says the temperature of every sample, so --temperature has nothing to add: "
             "--at-temperature takes one of them alone, --reference moves their master curve"
         )
-    single = len(tests) == 1 and choices == ShiftChoices(at=at)
-    if at is not None:
+    single = len(tests) == 1 and choices == ShiftChoices(at=temperature)
+    if temperature is not None:
         if not single:
             raise FitError(
                 "--at-temperature takes one temperature out of a file of several; leave out "
                 "--reference, --shift, --vertical and --shifts, which shift them all, and other "
                 "files"
             )
-        return first.select_temperature(at)
+        return first.select_temperature(temperature)
     if single and not first.several_temperatures:
         return first
     from dashpot.extensions.curves.superposition.read_shift_factors import read_shifts

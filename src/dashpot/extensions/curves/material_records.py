@@ -31,12 +31,12 @@ from dashpot.signals.segments import (
 )
 
 MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
-_RESTS, _HELD_PART = 0.02, 0.5
+_REST_SHARE, _HOLD_SHARE = 0.02, 0.5
 """Largest motion of a held strain, of its range; shortest hold, of the record."""
 _RELAXED = 0.02
 """Part of its size by which a stress falls in a hold that shows relaxation."""
 _OTHER_MOTIONS = ("cld", "cyclic")
-_HELD = "its strain is held while its stress goes on"
+_HELD_REASON = "its strain is held while its stress goes on"
 
 
 def is_stress_record(file: OpenedFile) -> bool:
@@ -66,7 +66,7 @@ def recognise_material_record(
     if not (motion := record or rows):
         return None
     if not record and _has_relaxing_holds(motion[0], *(signal[::-1] for signal in motion[1:])):
-        return "modulus", _HELD + ", from the last row to the first"
+        return "modulus", _HELD_REASON + ", from the last row to the first"
     time, strain, stress = motion
     is_harmonic = find_handler("record rule", "cyclic")
     if is_harmonic is not None and is_harmonic(*motion):
@@ -77,9 +77,11 @@ def recognise_material_record(
         return "creep", "its stress is held while its strain goes on"
     if load_history != "relaxation":
         return None
-    is_at_rest = np.abs(strain - median(strain)) < _RESTS * np.ptp(strain)
-    is_held = record and np.mean(is_at_rest) >= _HELD_PART
-    return ("modulus", _HELD) if is_held or _has_relaxing_holds(time, strain, stress) else None
+    is_at_rest = np.abs(strain - median(strain)) < _REST_SHARE * np.ptp(strain)
+    is_held = record and np.mean(is_at_rest) >= _HOLD_SHARE
+    return (
+        ("modulus", _HELD_REASON) if is_held or _has_relaxing_holds(time, strain, stress) else None
+    )
 
 
 def _has_relaxing_holds(time: FloatArray, strain: FloatArray, stress: FloatArray) -> bool:
@@ -89,17 +91,17 @@ def _has_relaxing_holds(time: FloatArray, strain: FloatArray, stress: FloatArray
     """
     _, segments = find_rising_sign(time, strain)
     held_samples, relaxing_count, loaded_count = 0, 0, 0
-    for before, hold in pairwise(segments):
-        if hold.kind != "hold" or before.kind == "hold":
+    for previous, hold in pairwise(segments):
+        if hold.kind != "hold" or previous.kind == "hold":
             continue
         part = stress[hold.first : hold.last + 1]
         held_samples += len(part)
-        if before.kind == "load":
+        if previous.kind == "load":
             tenth = max(len(part) // 10, 1)
             first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
             relaxing_count += first - last > _RELAXED * first
             loaded_count += 1
-    return held_samples >= _HELD_PART * len(time) and 2 * relaxing_count > loaded_count
+    return held_samples >= _HOLD_SHARE * len(time) and 2 * relaxing_count > loaded_count
 
 
 def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, Any]:

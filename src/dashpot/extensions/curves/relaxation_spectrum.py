@@ -32,7 +32,7 @@ EDGE_FACTOR = float(np.sqrt(10.0))
 _SMALL_LOSS = 1e-3
 _FINEST = 24
 # a grid on which one sharp arm between two others is followed to 1 %
-_DENSE = 8
+_TAU_PER_DECADE = 8
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ def compute_passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] |
     None if a storage is not above 0, so that errors cannot be relative.
     """
     try:
-        dense_model = dynamic_master_curve(data, per_decade=_DENSE).model
+        dense_model = dynamic_master_curve(data, per_decade=_TAU_PER_DECADE).model
     except DataError:
         return None
     order = np.argsort(data.frequency, kind="stable")

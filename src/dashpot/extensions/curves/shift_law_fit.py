@@ -234,16 +234,20 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
         if not is_significant_fall(deviance, dof):
             return None
         for i in range(n):
-            rest = np.delete(np.arange(n), i)
+            other_indices = np.delete(np.arange(n), i)
             part = _Shifts(
-                shifts.temperature[rest], shifts.log10[rest],
-                _compute_whitener(covariance[np.ix_(rest, rest)]), shifts.reference,
+                shifts.temperature[other_indices], shifts.log10[other_indices],
+                _compute_whitener(covariance[np.ix_(other_indices, other_indices)]),
+                shifts.reference,
             )  # fmt: skip
-            if (without := lay(part)) is None:
+            if (fit_without := lay(part)) is None:
                 continue
-            at, remainder = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
-            deviation = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
-            pairs.append((remainder / (deviance / dof), ShiftOutlier(at, deviation)))
+            temperature, remainder = (
+                float(shifts.temperature[i]),
+                fit_without.optimum.sse / (dof - 1),
+            )
+            deviation = float(shifts.log10[i]) - float(fit_without.law.log10_a_t(temperature))
+            pairs.append((remainder / (deviance / dof), ShiftOutlier(temperature, deviation)))
     share, outlier = min(pairs, key=lambda pair: pair[0], default=(1.0, None))
     return outlier if share < _OUTLIER_SHARE else None
 

@@ -45,7 +45,7 @@ _STARTS = {
 """Attributes that say when a signal begins, without signs."""
 _OTHER_RATE = 0.01
 """Part by which a rate that is given may differ from the one that is stated."""
-_FEW = 64
+_MAX_CALIBRATION_NUMBERS = 64
 """Numbers of a calibration, at most: more are a signal."""
 _WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
 
@@ -148,7 +148,7 @@ def _stated_factors(
     ]
     cautions = []
     for array in arrays:
-        if np.size(array.values) > _FEW or np.iscomplexobj(array.values):
+        if np.size(array.values) > _MAX_CALIBRATION_NUMBERS or np.iscomplexobj(array.values):
             continue
         stem, _, last = array.name.rpartition(".")
         if any(array.name == column.name for column in columns):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import base64
 import struct
 
-_SCHEMA_HEADER, _FIELDS, _WHOLE, _NAME, _METADATA = 2, 1, 2, 0, 6
+_SCHEMA_HEADER, _FIELDS, _TABLE_METADATA, _NAME, _METADATA = 2, 1, 2, 0, 6
 """Places of a message's header, a schema's fields and metadata, a field's name and metadata."""
-_MOST = 10_000
-_CONTINUES = b"\xff\xff\xff\xff"
+_MAX_MEMBERS = 10_000
+_CONTINUATION_MARK = b"\xff\xff\xff\xff"
 
 
 def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
@@ -18,7 +18,7 @@ def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict
     ----------
     Apache Arrow columnar format, Message.fbs and Schema.fbs.
     """
-    start = 8 if message.startswith(_CONTINUES) else 4
+    start = 8 if message.startswith(_CONTINUATION_MARK) else 4
     data = message[start:]
     try:
         root = struct.unpack_from("<I", data, 0)[0]
@@ -29,7 +29,7 @@ def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict
             )
             for field in _list_vector_offsets(data, _find_member(data, schema, _FIELDS))
         }
-        return _read_metadata_pairs(data, _find_member(data, schema, _WHOLE)), fields
+        return _read_metadata_pairs(data, _find_member(data, schema, _TABLE_METADATA)), fields
     except (struct.error, IndexError):
         return {}, {}
 
@@ -57,7 +57,7 @@ def _list_vector_offsets(data: bytes, offset: int) -> list[int]:
     if not offset:
         return []
     start = _follow_offset(data, offset)
-    count = min(struct.unpack_from("<I", data, start)[0], _MOST)
+    count = min(struct.unpack_from("<I", data, start)[0], _MAX_MEMBERS)
     return [_follow_offset(data, start + 4 + 4 * i) for i in range(count)]
 
 

@@ -18,11 +18,11 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _NEAR = 0.9
-_LITTLE = 0.05
+_LOW_RANGE_SHARE = 0.05
 """Part of a range of which its maker's error, a hundredth of the range, is a fifth and more."""
 _LARGEST = 1 << 20
 _GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
-_REST = 0.02
+_UNLOADED_SHARE = 0.02
 """Share of the record, from its start, whose median is taken as the unloaded voltages."""
 
 
@@ -65,9 +65,9 @@ class Calibration(EqualByValue):
 
     def small(self, load: FloatArray, axis: str) -> list[str]:
         """Say if an axis uses little of its range."""
-        at = AXES.index(axis)
-        limit, max_load = float(self.limit[at]), float(np.abs(load[at]).max())
-        if not 0 < max_load < _LITTLE * limit:
+        axis_index = AXES.index(axis)
+        limit, max_load = float(self.limit[axis_index]), float(np.abs(load[axis_index]).max())
+        if not 0 < max_load < _LOW_RANGE_SHARE * limit:
             return []
         unit = "N" if axis[0] == "F" else "N m"
         range_text = f"{axis} reaches {100 * max_load / limit:.2g} % of its range {limit:g} {unit}"
@@ -210,12 +210,13 @@ def _compute_loads(
     calibration: Calibration, volts: FloatArray, axis: str
 ) -> tuple[FloatArray, list[str]]:
     """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
-    rest = max(1, int(_REST * volts.shape[1]))
-    loads = calibration.load(volts, np.nanmedian(volts[:, :rest], axis=1))
+    unloaded_samples = max(1, int(_UNLOADED_SHARE * volts.shape[1]))
+    loads = calibration.load(volts, np.nanmedian(volts[:, :unloaded_samples], axis=1))
     values = np.isfinite(loads).all(axis=0)
     message = (
         f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
-        f"({calibration.part}, {calibration.date}); the median of the first {rest} rows is "
+        f"({calibration.part}, {calibration.date}); the median of the first {unloaded_samples} "
+        "rows is "
         "taken as unloaded and subtracted in volts"
     )
     if not values.any():

@@ -24,7 +24,7 @@ _SIGNS = {"polarity", "invert", "inverted", "sign", "vorzeichen", "polarität"}
 """Words of a factor of -1."""
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
-_OVER = 1.5
+_MAX_FULL_SCALE_RATIO = 1.5
 """Times its full scale that a channel reaches at most."""
 _UNIT_WORDS = {"n", "v", "mv", "mm", "count", "counts", "volt", "volts", "newton", "unit", "units"}
 _LINKS = {
@@ -282,7 +282,10 @@ def describe_full_scale(values: FloatArray, name: str, value: object) -> str:
     """
     full_scale = max(map(abs, stated_numbers(value)), default=0.0)
     largest = float(np.nanmax(np.abs(values), initial=0.0))
-    is_implausible = largest > _OVER * full_scale or largest <= 1 < full_scale / _OVER
+    is_implausible = (
+        largest > _MAX_FULL_SCALE_RATIO * full_scale
+        or largest <= 1 < full_scale / _MAX_FULL_SCALE_RATIO
+    )
     return f"{name} = {_format_factor_value(value)}" if full_scale and is_implausible else ""
 
 

@@ -163,13 +163,13 @@ def _format_python_line(text: str) -> str:
     columns = [pair for pair in _COLUMN_OPTION.findall(text) if not rates or pair[0] != "time"]
     parts = [(key, int(v) if v.isdigit() else v) for key, v in _FILE_PART_OPTION.findall(text)]
     keywords = {"columns": columns, "units": units, "part": parts}
-    said = [
+    arguments = [
         f"{name}={json.dumps(dict(pairs), ensure_ascii=False)}"
         for name, pairs in keywords.items()
         if pairs
     ]
-    said += [f'rate="{rate}"' for rate in rates]
-    return f"dp.read(frame, {', '.join(said)})" if said else _HINT
+    arguments += [f'rate="{rate}"' for rate in rates]
+    return f"dp.read(frame, {', '.join(arguments)})" if arguments else _HINT
 
 
 def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:

@@ -32,28 +32,30 @@ from dashpot.reading.table import FileTable
 
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
 _NAMES = ("columns", "names", "channels", "column_names", "fields")
-_INNER = {"data", "values"}
+_VALUE_NAMES = {"data", "values"}
 _COMPLEX = ("real", "imag")
 """The fields that MATLAB writes a complex number in."""
-_CF = (
+_CF_ATTRIBUTES = (
     "scale_factor", "add_offset", "_FillValue", "missing_value", "valid_range", "valid_min",
     "valid_max",
 )  # fmt: skip
 """Attributes of the CF conventions that change numbers."""
-_PACKED = ("scale_factor", "add_offset")
-_INSTANTS = "MmSO"
+_SCALING_ATTRIBUTES = ("scale_factor", "add_offset")
+_INSTANT_KINDS = "MmSO"
 """Kinds of NumPy types that may hold instants."""
-_LEAST = 8
-_SINCE = re.compile(r"\A\s*(\w+)\s+since\b", re.IGNORECASE)
+_MIN_INSTANTS = 8
+_UNIT_SINCE = re.compile(r"\A\s*(\w+)\s+since\b", re.IGNORECASE)
 """A unit of time with its zero, as the CF conventions write it."""
-_TEXT = 1000
-_NUMERIC = "iufbcV"
+_MAX_UNIT_LENGTH = 1000
+_NUMERIC_KINDS = "iufbcV"
 """Kinds of NumPy types that may hold numbers, records among them."""
-_FOREIGN = "it is data of another file, which this file's hash does not cover; save both as one"
+_OTHER_FILE_REASON = (
+    "it is data of another file, which this file's hash does not cover; save both as one"
+)
 
 
 @dataclass
-class _Walked:
+class _FileFindings:
     """Findings of a walk, and the objects visited: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
@@ -77,7 +79,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         virtual datasets).
     """
     h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
-    visitor = _Walked()
+    visitor = _FileFindings()
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
         for key in (options.sheet or "").strip("/").split("/"):
@@ -103,11 +105,11 @@ def _get_group_member(group: Any, key: str) -> Any:
     h5py = extra("h5py", "h5py", "HDF5 files")
     link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
     if isinstance(link, h5py.ExternalLink):
-        raise ReadError(f"'{key}' is a link into '{link.filename}': {_FOREIGN}")
+        raise ReadError(f"'{key}' is a link into '{link.filename}': {_OTHER_FILE_REASON}")
     return group[key] if isinstance(link, h5py.HardLink) else None
 
 
-def _visit_node(node: Any, name: str, visitor: _Walked) -> None:
+def _visit_node(node: Any, name: str, visitor: _FileFindings) -> None:
     from h5py import Dataset, Group, h5o
 
     info = h5o.get_info(node.id)
@@ -117,7 +119,7 @@ def _visit_node(node: Any, name: str, visitor: _Walked) -> None:
     if isinstance(node, Dataset):
         _take_dataset(node, name, visitor)
     elif isinstance(node, Group):
-        visitor.stated += _stated_numbers(node, name, also_factors=True)
+        visitor.stated += _list_stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
                 inner = _get_group_member(node, key)
@@ -125,30 +127,30 @@ def _visit_node(node: Any, name: str, visitor: _Walked) -> None:
                     _visit_node(inner, f"{name}.{key}".strip("."), visitor)
 
 
-def _take_dataset(node: Any, name: str, visitor: _Walked) -> None:
+def _take_dataset(node: Any, name: str, visitor: _FileFindings) -> None:
     """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
-        raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")
-    if node.dtype.kind not in _NUMERIC + _INSTANTS or not node.size:
+        raise ReadError(f"'{name}' is a virtual or external dataset: {_OTHER_FILE_REASON}")
+    if node.dtype.kind not in _NUMERIC_KINDS + _INSTANT_KINDS or not node.size:
         return
-    size = max(node.size, node.size * node.dtype.itemsize // 8)
-    if size > limits.VALUES:
+    value_count = max(node.size, node.size * node.dtype.itemsize // 8)
+    if value_count > limits.VALUES:
         visitor.notes.append(f"'{name}' with {node.size} values was passed over")
     elif not node.id.get_storage_size():
         visitor.notes.append(f"'{name}' was never written and was passed over")
     else:
-        visitor.numbers += size
+        visitor.numbers += value_count
         visitor.datasets.append((node, name))
 
 
-def _read_dataset(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
+def _read_dataset(node: Any, name: str, visitor: _FileFindings) -> list[NamedArray]:
     """Return the numbers of one dataset, parted where its columns or fields have names."""
-    if node.dtype.kind in _INSTANTS:
+    if node.dtype.kind in _INSTANT_KINDS:
         return _convert_instants(node, name, visitor)
-    all_values = _columns_of(node, name, visitor)
+    all_values = _read_columns(node, name, visitor)
     for array in all_values:
-        visitor.stated += _stated_numbers(node, array.name, also_factors=False)
-    attributes, start = _attributes_by_column(node, len(all_values)), _start(node)
+        visitor.stated += _list_stated_numbers(node, array.name, also_factors=False)
+    attributes, start = _list_attributes_by_column(node, len(all_values)), _get_start_time(node)
     arrays = []
     for array, entries in zip(all_values, attributes, strict=True):
         if np.iscomplexobj(array.values):
@@ -160,12 +162,12 @@ def _read_dataset(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
     return arrays
 
 
-def _columns_of(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
+def _read_columns(node: Any, name: str, visitor: _FileFindings) -> list[NamedArray]:
     if node.dtype.names == _COMPLEX:
         raw_values = node[()]
         return [NamedArray(name, raw_values["real"] + 1j * raw_values["imag"], _read_unit(node))]
     if node.dtype.names:
-        packed_keys = [key for key in _CF if key in node.attrs]
+        packed_keys = [key for key in _CF_ATTRIBUTES if key in node.attrs]
         if packed_keys:
             raise ReadError(
                 f"'{name}' has named fields and states {', '.join(packed_keys)}, which the CF "
@@ -191,7 +193,7 @@ def _columns_of(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
 
 
 def _decode_cf_values(
-    node: Any, name: str, values: FloatArray | ComplexArray, visitor: _Walked
+    node: Any, name: str, values: FloatArray | ComplexArray, visitor: _FileFindings
 ) -> FloatArray | ComplexArray:
     """The numbers as the CF conventions unpack them: fill values out, scale and offset applied.
 
@@ -200,7 +202,9 @@ def _decode_cf_values(
     CF Metadata Conventions 1.11, sections 2.5.1 and 8.1.
     """
     cf_attributes = {
-        key: _parse_cf_attribute(name, key, node.attrs[key]) for key in _CF if key in node.attrs
+        key: _parse_cf_attribute(name, key, node.attrs[key])
+        for key in _CF_ATTRIBUTES
+        if key in node.attrs
     }
     if not cf_attributes or np.iscomplexobj(values):
         return values
@@ -220,7 +224,9 @@ def _decode_cf_values(
         )
     unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
     applied_texts = [
-        f"{key} = {pair[0]:g}" for key, pair in cf_attributes.items() if key in _PACKED and pair
+        f"{key} = {pair[0]:g}"
+        for key, pair in cf_attributes.items()
+        if key in _SCALING_ATTRIBUTES and pair
     ]
     if applied_texts:
         visitor.notes.append(f"{' and '.join(applied_texts)} of '{name}' applied (CF conventions)")
@@ -240,7 +246,7 @@ def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
     ReadError
         If it holds no number: what it does to the data is then not known.
     """
-    numbers = _numbers_of(value)
+    numbers = _list_numbers(value)
     if numbers:
         return numbers
     word = _convert_to_text(value)
@@ -253,16 +259,18 @@ def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
         ) from None
 
 
-def _numbers_of(value: Any) -> tuple[float, ...]:
+def _list_numbers(value: Any) -> tuple[float, ...]:
     """Return the numbers of an attribute, in its own order."""
     array = np.ravel(np.asarray(value))
     return tuple(array.astype(float).tolist()) if array.dtype.kind in "iufb" else ()
 
 
-def _attributes_by_column(node: Any, count: int) -> list[dict[str, Any]]:
+def _list_attributes_by_column(node: Any, count: int) -> list[dict[str, Any]]:
     """Return the attributes of a dataset that no convention applies, by column."""
     attributes = {
-        key: node.attrs[key] for key in node.attrs if key not in _CF and concerns_numbers(key)
+        key: node.attrs[key]
+        for key in node.attrs
+        if key not in _CF_ATTRIBUTES and concerns_numbers(key)
     }
     return [
         {
@@ -273,7 +281,7 @@ def _attributes_by_column(node: Any, count: int) -> list[dict[str, Any]]:
     ]
 
 
-def _start(node: Any) -> str:
+def _get_start_time(node: Any) -> str:
     """Return the start time of a dataset or of its group; empty if none is given."""
     for holder in (node, node.parent):
         for key in filter(names_start, holder.attrs):
@@ -282,14 +290,14 @@ def _start(node: Any) -> str:
             text = (
                 word
                 if word is not None
-                else ", ".join(f"{number:g}" for number in _numbers_of(value))
+                else ", ".join(f"{number:g}" for number in _list_numbers(value))
             )
             if text:
                 return f"{key} = {text}"
     return ""
 
 
-def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedArray]:
+def _list_stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedArray]:
     """Return the attributes of a node that state a rate, a step or a factor, as single numbers."""
     arrays = []
     for key in node.attrs:
@@ -303,15 +311,15 @@ def _stated_numbers(node: Any, name: str, *, also_factors: bool) -> list[NamedAr
     return arrays
 
 
-def _convert_instants(node: Any, name: str, visitor: _Walked) -> list[NamedArray]:
+def _convert_instants(node: Any, name: str, visitor: _FileFindings) -> list[NamedArray]:
     """Instants as seconds since the first: numbers of NumPy's kind, or text by ISO 8601."""
-    if node.ndim != 1 or node.size < _LEAST:
+    if node.ndim != 1 or node.size < _MIN_INSTANTS:
         return []
     try:
         cells = node[()]
         if node.dtype.kind not in "Mm":
             words = [_convert_to_text(cell) or "" for cell in cells]
-            if not all(word[:1].isdigit() for word in words[:_LEAST]):
+            if not all(word[:1].isdigit() for word in words[:_MIN_INSTANTS]):
                 return []
             cells = np.array([word.removesuffix("Z").strip() for word in words], "datetime64[ns]")
         seconds = cells - cells[0]
@@ -336,20 +344,22 @@ def _split_named_columns(
 def _get_struct_name(name: str) -> str:
     """Return the struct that ``struct.data`` is the numbers of."""
     stem, _, last = name.rpartition(".")
-    return stem if stem and last in _INNER else name
+    return stem if stem and last in _VALUE_NAMES else name
 
 
 def _read_unit(node: Any) -> str | None:
     for key in _UNIT:
         if key in node.attrs:
             word = _convert_to_text(node.attrs[key])
-            match = _SINCE.match(word or "")
+            match = _UNIT_SINCE.match(word or "")
             return match[1] if match else word
     for key in _UNIT:
         member: Any = (
-            _get_group_member(node.parent, key) if node.name.rsplit("/", 1)[-1] in _INNER else None
+            _get_group_member(node.parent, key)
+            if node.name.rsplit("/", 1)[-1] in _VALUE_NAMES
+            else None
         )
-        if 0 < (getattr(member, "size", None) or 0) < _TEXT and not member.is_virtual:
+        if 0 < (getattr(member, "size", None) or 0) < _MAX_UNIT_LENGTH and not member.is_virtual:
             return _convert_to_text(member[()])
     return None
 

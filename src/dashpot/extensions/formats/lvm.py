@@ -23,7 +23,7 @@ from dashpot.reading.text.dialect import Dialect, decode_blocks, find_encoding
 from dashpot.reading.text.rows import load_rows
 
 _HEAD = 1 << 20
-_SURE = 1e-4
+_RATE_TOLERANCE = 1e-4
 """Relative uncertainty of a rate that is not worth a word."""
 _END = "***End_of_Header***"
 _KEYS = re.compile(
@@ -229,10 +229,10 @@ def _read_headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]
     """Return what each header says: the cells after its keys."""
     headers: list[dict[str, list[str]]] = [{}]
     with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
-    for key, rest in chain.from_iterable(map(_KEYS.findall, with_keys)):
+    for key, cells in chain.from_iterable(map(_KEYS.findall, with_keys)):
         if key == "Channels" and key in headers[-1]:
             headers.append({})
-        headers[-1][key] = [text.strip() for text in rest.split(sign)]
+        headers[-1][key] = [text.strip() for text in cells.split(sign)]
     return headers
 
 
@@ -312,7 +312,7 @@ def _note_rounded_step(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Questi
         return (), (Question(message, "--rate RATE"),)
     rate = 1 / segment.step[0]
     step_error = segment.half_digit / segment.step[0]
-    if step_error < _SURE or abs(rate - round(rate)) < 1e-6 * rate:
+    if step_error < _RATE_TOLERANCE or abs(rate - round(rate)) < 1e-6 * rate:
         return (), ()
     message = (
         f"Delta_X = {segment.step[0]:g} s is rounded: the rate is {rate:.2f} Hz, give or take "

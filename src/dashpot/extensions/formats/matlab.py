@@ -147,9 +147,9 @@ def check_elements(stream: BinaryIO) -> None:
             while stream.tell() < size:
                 _read_element(stream.read, file, size - stream.tell(), _VARIABLES, depth=0)
         except (_Damaged, zlib.error, struct.error) as error:
-            at = stream.tell()
+            position = stream.tell()
             raise ReadError(
-                f"the MAT file is damaged near byte {at}: {error}; save it again"
+                f"the MAT file is damaged near byte {position}: {error}; save it again"
             ) from None
     stream.seek(0)
 
@@ -252,14 +252,14 @@ def _read_indices(take: Take, file: _MatFile, space: int, shape: Sequence[int]) 
     """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
     first, rows = _read_content(take, file, space, _INT32)
     second, starts = _read_content(take, file, space - first, _INT32)
-    at, begins = _read_integers(rows, file), _read_integers(starts, file)
+    row_indices, begins = _read_integers(rows, file), _read_integers(starts, file)
     if (
         len(shape) != 2
         or len(begins) != shape[1] + 1
         or begins[0] != 0
-        or begins[-1] > len(at)
+        or begins[-1] > len(row_indices)
         or any(a > b for a, b in pairwise(begins))
-        or any(not 0 <= row < shape[0] for row in at)
+        or any(not 0 <= row < shape[0] for row in row_indices)
     ):
         raise _Damaged("a sparse array whose indices lie outside it")
     return first + second

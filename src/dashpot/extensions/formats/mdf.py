@@ -13,7 +13,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import parent_process
 from dashpot.reading.table import FileTable, LoadedColumns
 
-_KEPT = 8
+_CACHED_COLUMNS = 8
 """Columns of a large file that are kept for who asks for them again."""
 
 
@@ -49,7 +49,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
                     notes=tuple(note for note in part.notes if column_name in note),
                 )
         columns = [cached_columns[index] for index in indexes]
-        for index in list(cached_columns)[:-_KEPT]:
+        for index in list(cached_columns)[:-_CACHED_COLUMNS]:
             del cached_columns[index]
         return replace(
             columns[0],

@@ -23,10 +23,10 @@ _WORDS = {
     5: "numbers of a VAX",
     6: "numbers of a VAX",
 }
-_BIG, _LITTLE = {9, 10, 11, 12}, {13, 14, 15, 16}
+_BIG_ENDIAN_TYPES, _LITTLE_ENDIAN_TYPES = {9, 10, 11, 12}, {13, 14, 15, 16}
 _FORMULA, _NONE = 10, 65535
 _STATES = {11: "names of states", 12: "names of states"}
-_SIZES = {0: 2, 1: 0, 2: 0, 6: 6, 7: 7, 8: 7, 9: 6}
+_PARAMETER_COUNTS = {0: 2, 1: 0, 2: 0, 6: 6, 7: 7, 8: 7, 9: 6}
 """Parameters of a conversion that gives numbers; 0 of a table."""
 _MAKERS: dict[int, Callable[[list[float]], Conversion]] = {
     0: conversions.linear,
@@ -189,7 +189,9 @@ def _read_channel(blocks: _Mdf3Blocks, block: bytes, name: str, size: int) -> Md
         raise NoNumbersError(f"whole numbers of {bits} bits, {bit} bits into a byte")
     if byte + (bit + bits + 7) // 8 > size:
         raise ReadError(f"damaged: '{name}' stands outside its record")
-    big = number_type in _BIG or (number_type not in _LITTLE and blocks.numbers == ">")
+    big = number_type in _BIG_ENDIAN_TYPES or (
+        number_type not in _LITTLE_ENDIAN_TYPES and blocks.numbers == ">"
+    )
     return MdfChannel(name, unit, form, byte, bit, bits, big, convert, clock=kind == 1)
 
 
@@ -202,10 +204,10 @@ def _read_conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Con
     kind, count = blocks.unpack("HH", block, 42)
     if kind == _NONE:
         return unit, conversions.keep_raw
-    if kind not in _SIZES:
+    if kind not in _PARAMETER_COUNTS:
         formula = f"raw numbers of a formula, {_decode_text(block[46:])[:60]}"
         raise NoNumbersError(formula if kind == _FORMULA else _STATES.get(kind, "dates"))
-    size = _SIZES[kind] or 2 * count
+    size = _PARAMETER_COUNTS[kind] or 2 * count
     if len(block) < 46 + 8 * size:
         raise ReadError("damaged: a conversion says more parameters than it holds")
     values = [float(value) for value in blocks.unpack(f"{size}d", block, 46)]

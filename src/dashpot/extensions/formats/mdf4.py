@@ -23,13 +23,13 @@ _MOST_LINKS = 1 << 20
 _MOST_BLOCKS = 1 << 18
 """Groups, channels and lists of data of a file, at most."""
 _LARGEST_TEXT = 1 << 20
-_LAST = 1 << 62
+_LAST_BYTE = 1 << 62
 """Byte beyond which no file can be asked for one."""
 _LARGEST_BLOCK = 1 << 26
 """Bytes to which one packed block may unpack."""
 _TEXT = re.compile(r"<TX\b[^>]*>(.*?)</TX>", re.S)
 _KINDS = {0: "u", 1: "u", 2: "i", 3: "i", 4: "f", 5: "f"}
-_BIG = {1, 3, 5}
+_BIG_ENDIAN_TYPES = {1, 3, 5}
 _WORDS = {
     6: "text", 7: "text", 8: "text", 9: "text", 10: "bytes", 11: "samples of a medium",
     12: "a stream of a medium", 13: "dates", 14: "times of day", 15: "complex numbers",
@@ -100,7 +100,7 @@ class _Mdf4Blocks:
             raise ReadError(
                 f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
             )
-        self._stream.seek(min(address, _LAST))
+        self._stream.seek(min(address, _LAST_BYTE))
         head = self._stream.read(_HEADER.size)
         if len(head) < _HEADER.size:
             raise ReadError(
@@ -270,7 +270,16 @@ def _read_channel(
         if invalid_bit >= 8 * invalid_bytes:
             raise ReadError(f"damaged: the mark of '{name}' stands outside its record")
     return MdfChannel(
-        name, unit or None, form, byte, bit, bits, data_type in _BIG, convert, invalid, clock
+        name,
+        unit or None,
+        form,
+        byte,
+        bit,
+        bits,
+        data_type in _BIG_ENDIAN_TYPES,
+        convert,
+        invalid,
+        clock,
     )
 
 

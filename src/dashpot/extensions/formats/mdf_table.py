@@ -24,13 +24,13 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox.limits import check_value_count
 from dashpot.reading.table import Column, FileTable, LoadedColumns
 
-WHOLE = 1 << 22
+WHOLE_TABLE_VALUES = 1 << 22
 """Numbers of a table that is handed over with all of its columns."""
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "velocity", "stress", "strain")
 _LOADS, _MOTIONS = {"force", "stress"}, {"displacement", "strain", "acceleration"}
-_SURE, _LIKELY = 2.0, 1.0
+_SURE_SCORE, _LIKELY_SCORE = 2.0, 1.0
 """Scores of the name of a channel for a role of a test: sure, and likely."""
-_APART = 10.0
+_MAX_GAP_STEPS = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
 _FEW = 8
 _UNFINISHED = b"UnFinMF "
@@ -118,8 +118,8 @@ class MdfTable:
         order = [base, *(i for i in range(len(self._groups)) if i != base)]
         for i in order if len(self._segments) == 1 else [base]:
             group = self._groups[i]
-            beside = i != base and self._note_clock(i)
-            if i != base and not beside:
+            other_clock = i != base and self._note_clock(i)
+            if i != base and not other_clock:
                 continue
             segments = self._segments if i == base else (i,)
             clock = group.clock
@@ -203,7 +203,8 @@ class MdfTable:
     def _note_dropped(self, group: MdfGroup, note: str) -> None:
         """Note a group that is passed over: a caution where it may be a part of the test."""
         lost_names, kept_names = (
-            [c.name for c in of.channels if not c.clock] for of in (group, self._base)
+            [c.name for c in channel_group.channels if not c.clock]
+            for channel_group in (group, self._base)
         )
         self.notes.append(Caution(note) if names_role_as_well(lost_names, kept_names) else note)
 
@@ -214,7 +215,7 @@ class MdfTable:
         slowest of those: between its samples nothing is known, and straight lines there would be
         taken for what was measured.
         """
-        role_scores = [_list_roles(group, _LIKELY) for group in self._groups]
+        role_scores = [_list_roles(group, _LIKELY_SCORE) for group in self._groups]
         if not any(roles & _LOADS and roles & _MOTIONS for roles in role_scores):
             clocks = [
                 (median(np.diff(self._ticks(i))), i)
@@ -246,10 +247,10 @@ class MdfTable:
         values = np.empty((self.rows, len(indexes)))
         notes: list[str] = []
         by_group: dict[tuple[int, ...], list[int]] = {}
-        for at, index in enumerate(indexes):
-            by_group.setdefault(self._places[index].groups, []).append(at)
+        for position, index in enumerate(indexes):
+            by_group.setdefault(self._places[index].groups, []).append(position)
         for groups, positions in by_group.items():
-            channels = [self._places[indexes[at]].channel for at in positions]
+            channels = [self._places[indexes[position]].channel for position in positions]
             parts, counts = [], np.zeros(len(channels), int)
             for i in groups:
                 part, invalid = read_channels(self._stream, self._groups[i], channels)
@@ -257,9 +258,10 @@ class MdfTable:
                 counts += invalid
             values[:, positions] = parts[0] if len(parts) == 1 else np.concatenate(parts)
             notes += [
-                f"{count} numbers of '{self.columns[indexes[at]].name}' are marked as invalid by "
+                f"{count} numbers of '{self.columns[indexes[position]].name}' are marked as "
+                "invalid by "
                 "the file: they are no numbers"
-                for at, count in zip(positions, counts, strict=True)
+                for position, count in zip(positions, counts, strict=True)
                 if count
             ]
         return LoadedColumns(values, self.starts, self.segments, notes=tuple(notes))
@@ -271,7 +273,7 @@ class MdfTable:
             return part
         base_ticks = self._ticks(self._segments[0])
         steps = np.diff(ticks)
-        is_gap = steps > _APART * median(steps) if len(steps) else steps > 0
+        is_gap = steps > _MAX_GAP_STEPS * median(steps) if len(steps) else steps > 0
         lower_index = np.clip(
             np.searchsorted(ticks, base_ticks, side="right") - 1, 0, max(len(ticks) - 2, 0)
         )
@@ -307,7 +309,7 @@ def describe(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the table of a file; a large one without its numbers."""
     with raw.open() as stream:
         table = MdfTable(stream, options.sheet)
-        if table.rows * len(table.columns) <= WHOLE:
+        if table.rows * len(table.columns) <= WHOLE_TABLE_VALUES:
             return table.table()
         return table.description()
 
@@ -346,7 +348,7 @@ def _get_clock_unit(group: MdfGroup) -> str:
     return (None if group.clock is None else group.channels[group.clock].unit) or "s"
 
 
-def _list_roles(group: MdfGroup, score: float = _SURE) -> set[str]:
+def _list_roles(group: MdfGroup, score: float = _SURE_SCORE) -> set[str]:
     """Return the roles of a test that the channels of a group have by their names."""
     return {
         role

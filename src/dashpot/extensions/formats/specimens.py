@@ -175,19 +175,23 @@ class _SpecimenLoader:
             )  # fmt: skip
         if self.options.rate or not indexes:
             return self.table.load(indexes)
-        requested, roles = tuple(indexes), self._find_roles()
+        column_indices, roles = tuple(indexes), self._find_roles()
         selected = self.options.segment is not None
-        if not roles or not (selected or set(roles) <= set(requested)):
+        if not roles or not (selected or set(roles) <= set(column_indices)):
             return self.table.load(indexes)
         other_forces = [] if selected or self.table.large else self._find_other_forces(roles)
-        added_indices = [i for i in dict.fromkeys([*roles, *other_forces]) if i not in requested]
-        loaded_columns = self.table.load([*requested, *added_indices])
+        added_indices = [
+            i for i in dict.fromkeys([*roles, *other_forces]) if i not in column_indices
+        ]
+        loaded_columns = self.table.load([*column_indices, *added_indices])
         loaded_columns = self._note_shared_rows(
-            loaded_columns, [*requested, *added_indices], roles[-1], other_forces
+            loaded_columns, [*column_indices, *added_indices], roles[-1], other_forces
         )
-        signals = loaded_columns.values[:, [[*requested, *added_indices].index(i) for i in roles]]
+        signals = loaded_columns.values[
+            :, [[*column_indices, *added_indices].index(i) for i in roles]
+        ]
         loaded_columns = (
-            replace(loaded_columns, values=loaded_columns.values[:, : len(requested)])
+            replace(loaded_columns, values=loaded_columns.values[:, : len(column_indices)])
             if added_indices
             else loaded_columns
         )

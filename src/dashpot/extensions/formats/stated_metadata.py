@@ -52,14 +52,16 @@ def assign_metadata(
         for path, value in _flatten_entries(entries):
             metadata.columns.setdefault(name, {})[".".join(path)] = value
     for path, value in _flatten_entries(table):
-        at = next(
+        column_index = next(
             (i for i, part in enumerate(path) if part.casefold() in names_by_lower_case), None
         )
-        if at is None:
+        if column_index is None:
             _assign_by_prefix(path, value, names_by_lower_case, metadata)
         else:
-            key = ".".join(path[at + 1 :]) or path[at - 1]
-            _add_value(metadata.columns[names_by_lower_case[path[at].casefold()]], key, value)
+            key = ".".join(path[column_index + 1 :]) or path[column_index - 1]
+            _add_value(
+                metadata.columns[names_by_lower_case[path[column_index].casefold()]], key, value
+            )
     return metadata
 
 

@@ -54,7 +54,7 @@ _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
 """Path of a channel: the names of its group and its own."""
 """Roles of the channels of a test."""
 _NONE = np.empty(0)
-_WHOLE = 0.01
+_SHIFT_TOLERANCE = 0.01
 """Share of a sample by which channels may be apart before one is shifted."""
 
 
@@ -394,7 +394,7 @@ def _align_channel(
     """Return a channel's samples at the common times; its own where they fall together."""
     shift = (time[0] - channel.offset) / step
     whole_samples = round(shift)
-    if abs(shift - whole_samples) <= _WHOLE:
+    if abs(shift - whole_samples) <= _SHIFT_TOLERANCE:
         if whole_samples:
             notes.append(
                 f"'{channel.name}' starts {whole_samples} samples before the others: aligned"

@@ -32,10 +32,10 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
     def _update_object_metadata(self, segment: Any) -> None:
         self._number += 1
         paths = [ordered_object.path for ordered_object in segment.ordered_objects]
-        before = {path: self._values(path) for path in paths}
+        previous_values = {path: self._values(path) for path in paths}
         super()._update_object_metadata(segment)
-        self._values_before = before
-        self._filled = {path for path in paths if self._values(path) > before[path]}
+        self._values_before = previous_values
+        self._filled = {path for path in paths if self._values(path) > previous_values[path]}
 
     def _update_object_properties(self, segment_object_properties: Any) -> None:
         for path, properties in (segment_object_properties or {}).items():
@@ -57,15 +57,15 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
         channel_paths = (
             [owner] if channel else [path for path in self.object_metadata if _owns(owner, path)]
         )
-        before = max((self._values_until_now(path) for path in channel_paths), default=0)
-        if not before:
+        previous_count = max((self._values_until_now(path) for path in channel_paths), default=0)
+        if not previous_count:
             return
         entries = self.object_metadata[owner].properties if owner in self.object_metadata else {}
         for key, new in properties:
             old = entries.get(key)
             if not _matters(key) or _same(old, new):
                 continue
-            if key in _STARTS and self._goes_on(entries, key, old, new, before):
+            if key in _STARTS and self._goes_on(entries, key, old, new, previous_count):
                 continue
             self._changed[owner] = (key, "nothing" if old is None else old, new)
 

@@ -37,7 +37,7 @@ _REAL = (2, 4)
 """Ordinate data types without an imaginary part."""
 _EXPONENTIAL = (4, 6)
 """Window types of dataset 1858: exponential alone, and beside the impact window."""
-_LEFT = (3e-4, 0.2)
+_WINDOW_REMAINDERS = (3e-4, 0.2)
 """Remainder of exponential windows of analysers at the end of a record."""
 _DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
 """Fortran's D of a double: ``1.0D+01``."""
@@ -133,9 +133,13 @@ def _window_lines(
     rates: list[float] = []
     if record is not None and factor > 0:
         readings = [factor, 1 / factor]
-        if factor < _LEFT[1]:
+        if factor < _WINDOW_REMAINDERS[1]:
             readings.append(-log(factor) / record)
-        rates = [rate for rate in readings if _LEFT[0] <= exp(-rate * record) <= _LEFT[1]]
+        rates = [
+            rate
+            for rate in readings
+            if _WINDOW_REMAINDERS[0] <= exp(-rate * record) <= _WINDOW_REMAINDERS[1]
+        ]
     if rates and max(rates) < 1.01 * min(rates):
         return (f"exponential window, decay rate [1/s]: {rates[0]!r}",), ()
     message = (
@@ -348,8 +352,8 @@ def _build_record_table(
     time = np.asarray(first["x"], dtype=float)
     resampled: dict[int, FloatArray] = {}
     if len(grids) > 1:
-        time, resampled, said = _resample_records(time_records, len(grids))
-        notes = [*notes, *said]
+        time, resampled, resampling_notes = _resample_records(time_records, len(grids))
+        notes = [*notes, *resampling_notes]
     word = _label(first["abscissa_axis_units_lab"]) or "s"
     columns = [Column("time" if first["func_type"] in {0, TIME} else "abscissa", word)]
     values = [time]

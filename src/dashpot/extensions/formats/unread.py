@@ -82,7 +82,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     del options
     head = raw.head(4096)
     known_format = next(
-        (said for signature, said in _NAMED.items() if head.startswith(signature)), None
+        (message for signature, message in _NAMED.items() if head.startswith(signature)), None
     )
     if known_format:
         format_title, advice = known_format

@@ -7,12 +7,12 @@ from dashpot.base.provenance import Caution
 from dashpot.reading.columns.vocabulary import has_word
 from dashpot.reading.table import FileTable
 
-_GOOD = (
+_VALID_WORDS = (
     "valid", "validity", "isvalid", "good", "gültig", "gueltig", "valide", "valido", "válido",
     "有効", "有效",
 )  # fmt: skip
 """Words of a column that is 0 where a row does not count."""
-_BAD = (
+_INVALID_WORDS = (
     "invalid", "bad", "overload", "overloaded", "overrange", "overflow", "saturated", "clipped",
     "error", "fault", "ungültig", "ungueltig", "überlast", "ueberlast", "übersteuert", "fehler",
     "invalide", "surcharge", "無効", "无效",
@@ -27,11 +27,11 @@ def note_invalid_rows(table: FileTable) -> FileTable:
     """
     notes = []
     for index, column in enumerate(table.columns):
-        is_bad = has_word(column.name, _BAD)
+        is_bad = has_word(column.name, _INVALID_WORDS)
         if (
             column.content != "number"
             or column.unit
-            or not (is_bad or has_word(column.name, _GOOD))
+            or not (is_bad or has_word(column.name, _VALID_WORDS))
         ):
             continue
         values = table.load([index]).values[:, 0]

@@ -89,7 +89,7 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
     message = f"hidden in sheet '{name}' and read: {unmeasured}"
     note = Caution(message) if unmeasured.startswith("row") else message
     notes = [note] if unmeasured else []
-    notes += [Caution(f"sheet '{name}': {said}") for said in formulas]
+    notes += [Caution(f"sheet '{name}': {sentence}") for sentence in formulas]
     if commas:
         notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")
     return replace(

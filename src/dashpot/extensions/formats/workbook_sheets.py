@@ -23,13 +23,13 @@ FORMULAS = "formulas/"
 """Start of a path that no name of a sheet has."""
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
-_LEAST = 4
+_MIN_CELL_BYTES = 4
 """Bytes of a workbook that no filled cell is without."""
 _FIRST_YEARS = {1899, 1900, 1904}
 """The years in which the calendars of spreadsheets begin: who counts time by them means no date."""
 _ZERO = dt.datetime(1899, 12, 31)
 _DAY = dt.timedelta(days=1)
-_TWICE = dt.timedelta(days=59)
+_REPEATED_DAY = dt.timedelta(days=59)
 """The count of the day that calamine returns twice."""
 _MOST_HOURS = 10_000
 _DURATION = re.compile(r"\APT(?:(\d{1,9})H)?(?:(\d{1,9})M)?(?:(\d{1,9}(?:[.,]\d{1,12})?)S)?\Z")
@@ -69,7 +69,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
         rows, columns = (1 + last for last in sheet.end or (-1, -1))
         cells += rows * columns
         limits.check_value_count(cells, "the sheets hold")
-        if cells - size // _LEAST > _BLANK:
+        if cells - size // _MIN_CELL_BYTES > _BLANK:
             raise ReadError(
                 f"sheet '{name}' reaches to row {rows} and column {columns}, and hardly any of its "
                 "cells is filled: delete what stands far off the test, or export the test as text"
@@ -150,7 +150,7 @@ class _DayCount:
         if at.year == 1904:
             return at - dt.datetime(1904, 1, 1)
         count = at - _ZERO
-        if at >= dt.datetime(1900, 3, 1) or (count >= _TWICE and self._is_second(count)):
+        if at >= dt.datetime(1900, 3, 1) or (count >= _REPEATED_DAY and self._is_second(count)):
             count += _DAY
         return self._follow(count, count)
 

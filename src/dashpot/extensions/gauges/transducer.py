@@ -123,7 +123,7 @@ class Daq:
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _ARM = 5e-3
 """Distance of the three beams from the middle, m."""
-_FINE = 8
+_OVERSAMPLING = 8
 """Instants between two samples at which the voltages are made before they are filtered."""
 
 
@@ -261,7 +261,7 @@ class Instrument:
         from scipy.interpolate import CubicSpline
 
         random = np.random.default_rng([seed, 6])
-        fine_time = time[0] + np.arange(_FINE * len(time)) / (_FINE * self.daq.rate)
+        fine_time = time[0] + np.arange(_OVERSAMPLING * len(time)) / (_OVERSAMPLING * self.daq.rate)
         smooth_force = np.asarray(CubicSpline(time, force)(np.minimum(fine_time, time[-1])))
         volts = self.transducer.volts(
             self.load(rig.add_disturbances(fine_time, smooth_force, random))

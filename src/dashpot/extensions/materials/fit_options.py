@@ -32,7 +32,7 @@ class LowHigh(click.ParamType[Any]):
         return low, high
 
 
-_CLD, _STRAIN, _BALL, _DROP, _AGING = "cld", "stress-strain", "indentation", "drop", "csr"
+_CLD, _STRAIN, _INDENTATION, _DROP, _AGING = "cld", "stress-strain", "indentation", "drop", "csr"
 
 
 def list_groups() -> list[list[CommandOption]]:
@@ -101,7 +101,7 @@ def list_groups() -> list[list[CommandOption]]:
         ),
         group(
             "Indenter",
-            build_options(Indenter, argument="indenter", omit=("mass",), kinds=_BALL),
+            build_options(Indenter, argument="indenter", omit=("mass",), kinds=_INDENTATION),
         ),
         group(
             "Aging",

@@ -80,8 +80,8 @@ def _find_turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
     """Return the first and last sample, and the extremes between, `min_stroke` or more apart."""
     level = np.floor(x / (min_stroke / _LEVELS))
     # few of many samples change the level: the walk below visits those alone
-    at = np.union1d(np.flatnonzero(np.diff(level)) + 1, [0, len(x) - 1])
-    values = x[at]
+    change_samples = np.union1d(np.flatnonzero(np.diff(level)) + 1, [0, len(x) - 1])
+    values = x[change_samples]
     turns, low, high, direction = [], 0, 0, 0
     for i, value in enumerate(values):
         if value > values[high]:
@@ -95,7 +95,7 @@ def _find_turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
             turns.append(low)
             direction, high = 1, i
     turns.append(high if direction > 0 else low)
-    rough = at[distinct(np.array(turns))]
+    rough = change_samples[distinct(np.array(turns))]
     return _refine_turning_points(x, rough)
 
 

@@ -29,9 +29,9 @@ BASE_MOVES = 1e-3
 """Part of the base's strongest line below which it is not moved."""
 COHERENT_BY_CHANCE = 1e-3
 """Probability that the coherence of mere noise exceeds the limit."""
-_MOST = 0.5
+_KEPT_COHERENCE = 0.5
 """A coherence that is kept however few segments there are."""
-_NEAR = 5
+_MEDIAN_LINES = 5
 """Neighbouring lines whose median coherence decides."""
 
 
@@ -111,9 +111,9 @@ def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
 
     Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
     """
-    min_coherence = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _MOST)
-    padded = np.pad(coherence, _NEAR // 2, mode="edge")
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(padded, _NEAR), axis=1)
+    min_coherence = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _KEPT_COHERENCE)
+    padded = np.pad(coherence, _MEDIAN_LINES // 2, mode="edge")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(padded, _MEDIAN_LINES), axis=1)
     return np.asarray(middle > min_coherence)
 
 

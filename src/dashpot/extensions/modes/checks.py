@@ -27,12 +27,12 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
     """Every mode is stable in the stabilisation chart, which is computed separately."""
     counts = [(chart.orders_with(mode.mode), mode.mode.frequency) for mode in modes]
     fewest_modes = min(counts)[0]
-    doubtful = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
-    of = f"of {chart.highest} orders of the stabilisation chart"
+    doubtful_text = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
+    order_text = f"of {chart.highest} orders of the stabilisation chart"
     return Finding(
-        f"Every mode is stable at {fewest_modes} or more {of}",
+        f"Every mode is stable at {fewest_modes} or more {order_text}",
         fewest_modes,
-        failure=f"Modes are stable at few {of}: {doubtful}",
+        failure=f"Modes are stable at few {order_text}: {doubtful_text}",
         reason="They may be noise, or too close to another mode",
         remedy="Compare them with other points, or record longer.",
     )
@@ -61,14 +61,14 @@ def modes_explain_lines(modes: Sequence[ModeShape], *, is_known: bool) -> Findin
 @criterion("least overlap of two close shapes", ">=", OVERLAP, "our choice; 1 is the same points")
 def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
     """Modes at close frequencies move the same points, as those of one structure do."""
-    close = [
+    similar_pairs = [
         (_overlap(first, second), first.mode.frequency, second.mode.frequency)
         for first, second in combinations(modes, 2)
         if abs(first.mode.frequency / second.mode.frequency - 1) < CLOSE
     ]
-    if not close:
+    if not similar_pairs:
         return Finding("No two modes are so close that they could be one, measured at two states")
-    smallest_distance, one_hz, other_hz = min(close)
+    smallest_distance, one_hz, other_hz = min(similar_pairs)
     pair = f"The modes at {one_hz:.4g} and {other_hz:.4g} Hz"
     return Finding(
         f"{pair} move the same points",
@@ -92,12 +92,12 @@ def one_solid_explains_masses(
 ) -> Finding:
     """One linear model has the poles that were measured under all of the masses."""
     masses_text = ", ".join(f"{convert_to_unit(mass, 'g'):.4g}" for mass in masses)
-    kilogram, by = worst
+    kilogram, deviation = worst
     return Finding(
         f"One linear model has the poles under {masses_text} g",
         distance,
         failure=f"No linear model has the poles under {masses_text} g. The closest misses "
-        f"{format_quantity(kilogram, 'g')} by {by}",
+        f"{format_quantity(kilogram, 'g')} by {deviation}",
         reason="A larger mass compresses the seals more, or a mass or the temperature is wrong",
         remedy="Weigh the masses, and compress the seals alike.",
         limit=_chi_quantile(2 * len(masses)),

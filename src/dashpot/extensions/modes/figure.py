@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from dashpot.extensions.modes.mass_series_files import MassSeriesModes
 
 
-FOUND = Pen("fit", 1.2, (7, 4))
-BEHIND = Pen("line", 1.4)
+MODE_PEN = Pen("fit", 1.2, (7, 4))
+BACKGROUND_PEN = Pen("line", 1.4)
 LOOKS = {
     SHAPE: ("stable in frequency, damping and shape", "fit", 4.5, False),
     DAMPING: ("stable in frequency and damping", "fit", 4.5, False),
@@ -32,7 +32,7 @@ LOOKS = {
     NEW: ("new pole", "ref", 2.5, False),
 }
 """Words, colour, size and whether hollow."""
-ABOUT = 2.0
+BAND_RATIO = 2.0
 """Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
 NAMED = 4
 """Number of modes that have a label."""
@@ -52,7 +52,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         What the figure says of its origin.
     """
     x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
-    mode_rules = [Rule(mode.frequency, FOUND, "fitted mode") for mode in modes]
+    mode_rules = [Rule(mode.frequency, MODE_PEN, "fitted mode") for mode in modes]
     limits = compute_padded_log_limits(chart.height, margin=2.0)
     upper: list[Mark] = [*mode_rules, Line(chart.lines, chart.height, MEASURED, "measured")]
     tallest = sorted(modes, key=lambda mode: -abs(mode.residue))[:NAMED]
@@ -65,7 +65,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         upper.append(Tag(mode.frequency, top, text, "fit"))
     axis_label = "accelerance, 1/kg" if chart.points == 1 else "rms accelerance, 1/kg"
     level = np.log(chart.height / limits[0]) / np.log(limits[1] / limits[0])
-    lower: list[Mark] = [Line(chart.lines, level * chart.highest, BEHIND), *mode_rules]
+    lower: list[Mark] = [Line(chart.lines, level * chart.highest, BACKGROUND_PEN), *mode_rules]
     has_several_points = chart.points > 1
     for state, (label, colour, size, hollow) in sorted(LOOKS.items()):
         is_state = chart.state == state
@@ -102,7 +102,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
         What the figure says of its origin.
     """
     hertz = np.array([mode.frequency for mode in masses.modes])
-    low, high = hertz.min() / ABOUT, hertz.max() * ABOUT
+    low, high = hertz.min() / BAND_RATIO, hertz.max() * BAND_RATIO
     curves: list[Mark] = []
     heights = []
     colours = sequential(len(frfs))
@@ -131,7 +131,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
         )
         error = NORMAL * convert_to_unit(masses.spread[order, i], "N/mm")
         marks = (
-            Line(hertz[order], solid, FOUND),
+            Line(hertz[order], solid, MODE_PEN),
             Dots(hertz[order], solid, "fit", "the linear model nearest to all", hollow=True,
                  size=7.0),
             Dots(hertz[order], measured, "measured", "at each pole, 95 %", error=error),

@@ -25,9 +25,9 @@ from dashpot.workflow.frf_comparison import LeaveOneOut
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
-_FEWEST, _MOST = 3, 8
+_FEWEST, _MOST_HITS = 3, 8
 """Hits that are asked, of which one is left out."""
-_ABOUT = 2.3
+_BAND_RATIO = 2.3
 """Times the resonance to either side."""
 
 
@@ -59,15 +59,18 @@ def cross_validate_hits(
     if len(names) < _FEWEST:
         return None
     peak = find_peak(average_frf).frequency
-    low, high = band or (peak / _ABOUT, peak * _ABOUT)
+    low, high = band or (peak / _BAND_RATIO, peak * _BAND_RATIO)
     errors, peaks = [], []
-    for name in names[:_MOST]:
-        rest = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
+    for name in names[:_MOST_HITS]:
+        other_average = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
         other_hits = tuple(text for text in names if text != name)
         frf = average(impact, choices=replace(choices, reject=(*choices.reject, *other_hits)))
         item = _as_signed(frf.band(low, high), average_frf)
         new_fit = identify(
-            _as_signed(rest, average_frf), tests=tests, arms=fit.model.arms, **load.keywords
+            _as_signed(other_average, average_frf),
+            tests=tests,
+            arms=fit.model.arms,
+            **load.keywords,
         )
         predicted = predict_frf(
             new_fit, frequency=item.frequency, kind=item.quantity, shift=item.shift, **load.keywords

@@ -79,11 +79,15 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """The mode under each mass, and the stiffness of the seals there."""
-        of = self.joint_modes
+        joint_modes = self.joint_modes
         return {
-            "mass": (list(of.masses), "kg"),
+            "mass": (list(joint_modes.masses), "kg"),
             **collect_columns(
-                of.modes, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
+                joint_modes.modes,
+                frequency="Hz",
+                frequency_se="Hz",
+                damping_ratio="",
+                damping_ratio_se="",
             ),
             **collect_columns(
                 self.stiffness, storage="N/m", storage_se="N/m", loss="N/m", loss_se="N/m"
@@ -108,8 +112,8 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
         """Stiffness of the seals at every mode."""
-        of = self.joint_modes
-        rows = zip(of.modes, of.stiffness, of.spread, strict=True)
+        joint_modes = self.joint_modes
+        rows = zip(joint_modes.modes, joint_modes.stiffness, joint_modes.spread, strict=True)
         return tuple(StiffnessAtMode(mode.frequency, k.real, k.imag, *se) for mode, k, se in rows)
 
     @property
@@ -178,7 +182,7 @@ def fit_modes_by_mass(
     modes = [test.modes[0].mode for test in tests]
     new_masses = several_masses(modes, masses, seals=seals)
     difference = new_masses.max_difference
-    by = (
+    modes_by_mass = (
         f"{100 * difference.real:+.2g} % of stiffness and {100 * difference.imag:+.2g} % of damping"
     )
     checks = [
@@ -187,7 +191,7 @@ def fit_modes_by_mass(
         for check in test.frf.checks
     ]
     single_model_check = one_solid_explains_masses(
-        new_masses.distance, masses, (masses[new_masses.worst], by)
+        new_masses.distance, masses, (masses[new_masses.worst], modes_by_mass)
     )
     return MassSeriesModes(tests, new_masses, (single_model_check, *checks))
 

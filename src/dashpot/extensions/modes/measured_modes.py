@@ -234,18 +234,18 @@ def _select_checked_frf(
     driven_points = [i for i, name in enumerate(measured.points) if _is_driven(name)]
     single = len(measured.points) == 1
     top = 0 if main is None else int(np.argmax(np.abs(main.residues)))
-    at = 0 if single else driven_points[0] if driven_points else top
-    frf, mode = measured.frfs[at], None if main is None else main.mode
+    checked_index = 0 if single else driven_points[0] if driven_points else top
+    frf, mode = measured.frfs[checked_index], None if main is None else main.mode
     mass = _UNIT if measured.over_base else None
     checks = (
         *add_frf_checks(
             frf, search_band, mode, mass=mass, is_driven=single or bool(driven_points)
         ).checks,
-        resonance(band_frfs.frfs[at], mode),
+        resonance(band_frfs.frfs[checked_index], mode),
         *(
             ()
             if main is None
-            else _check_modes(frf, band_frfs, at, shapes, chart, search_band=search_band)
+            else _check_modes(frf, band_frfs, checked_index, shapes, chart, search_band=search_band)
         ),
     )
     return replace(frf, checks=checks)

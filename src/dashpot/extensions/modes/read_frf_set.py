@@ -98,10 +98,12 @@ def _group_columns(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
         return []
     if find_amplitude_phase_pairs(file.table, options):
         return []  # a motion and what moves it are of one
-    of = _find_role_columns(columns, options)
+    role_columns = _find_role_columns(columns, options)
     for pair in PAIRS:
-        if len(of["frequency"]) == 1 and 2 <= len(of[pair[0]]) == len(of[pair[1]]):
-            return _group_repeated_pairs(columns, of, pair)
+        if len(role_columns["frequency"]) == 1 and 2 <= len(role_columns[pair[0]]) == len(
+            role_columns[pair[1]]
+        ):
+            return _group_repeated_pairs(columns, role_columns, pair)
     return []
 
 

@@ -98,13 +98,13 @@ def stabilisation(
     lines = lines_of(band_frfs)
     highest = min(highest, len(rms_accelerance.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []
-    before: tuple[ComplexArray, ComplexArray] | None = None
+    previous_order: tuple[ComplexArray, ComplexArray] | None = None
     for order, poles, residues in _fit_orders(lines, np.abs(rms_accelerance.value), highest):
         size = np.abs(poles)
         ratio = -poles.real / size
-        state = _classify_poles(poles, residues, before)
+        state = _classify_poles(poles, residues, previous_order)
         rows += zip([order] * len(poles), size / (2 * np.pi), ratio, state, strict=True)
-        before = poles, residues
+        previous_order = poles, residues
     table = np.array(rows, dtype=float).reshape(-1, 4)
     return Stabilisation(
         table[:, 0].astype(int), table[:, 1], table[:, 2], table[:, 3].astype(int),

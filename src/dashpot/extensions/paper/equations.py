@@ -77,9 +77,9 @@ class Coefficients:
         """
         end = min(t, c)
         nodes, weights = np.polynomial.legendre.leggauss(NODES)
-        at = t - 0.5 * end * (nodes + 1)
+        quadrature_time = t - 0.5 * end * (nodes + 1)
         arms = zip(self.k, self.tau, strict=True)
-        kernel = self.k_inf + sum(k * np.exp(-at / tau) for k, tau in arms)
+        kernel = self.k_inf + sum(k * np.exp(-quadrature_time / tau) for k, tau in arms)
         return float(speed * 0.5 * end * (weights @ kernel))
 
     # -- the mass on its seals --------------------------------------------------------------------

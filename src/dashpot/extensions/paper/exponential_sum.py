@@ -45,8 +45,10 @@ class ExponentialSum(FrozenArrays):
 
     def __call__(self, x: npt.ArrayLike) -> FloatArray:
         """The sum at x."""
-        at = np.asarray(x, dtype=float)
-        return np.asarray(self.constant + np.exp(-at[..., None] * self.rates) @ self.amplitudes)
+        abscissa = np.asarray(x, dtype=float)
+        return np.asarray(
+            self.constant + np.exp(-abscissa[..., None] * self.rates) @ self.amplitudes
+        )
 
 
 def exponential_sum(
@@ -99,31 +101,32 @@ def exponential_sum(
     """
     if terms < 1:
         raise FitError(f"terms = {terms}; expected at least one exponential")
-    at, values = samples("x", x, minimum=3), samples("y", y)
+    abscissa, values = samples("x", x, minimum=3), samples("y", y)
     root = None if weights is None else samples("weights", weights)
-    same_length(x=at, y=values, weights=root)
-    if len(at) < 2 * terms + constant:
+    same_length(x=abscissa, y=values, weights=root)
+    if len(abscissa) < 2 * terms + constant:
         raise DataError(
-            f"{len(at)} samples cannot determine {2 * terms + constant} parameters; fit fewer terms"
+            f"{len(abscissa)} samples cannot determine {2 * terms + constant} parameters; fit "
+            "fewer terms"
         )
-    order = np.argsort(at, kind="stable")
-    at, values = at[order], values[order]
+    order = np.argsort(abscissa, kind="stable")
+    abscissa, values = abscissa[order], values[order]
     root = None if root is None else root[order]
-    if (np.diff(at) == 0).any():
-        repeated_time = at[int(np.argmin(np.diff(at)))]
+    if (np.diff(abscissa) == 0).any():
+        repeated_time = abscissa[int(np.argmin(np.diff(abscissa)))]
         raise DataError(f"x = {repeated_time:g} comes twice; average its values or shift one")
-    origin = float(at[0])
+    origin = float(abscissa[0])
     name = "constant" if constant else None
-    block = hold_block(at - origin, values, k_inf=name, weights=root)
+    block = hold_block(abscissa - origin, values, k_inf=name, weights=root)
     solution = solve([block], terms, signed=signed)
     proof = None if signed else certificate([block], solution)
     rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
     rescaling = np.exp(rates * origin)
-    rows = _compute_sensitivity(at - origin, rates, local, root, constant=constant)
+    rows = _compute_sensitivity(abscissa - origin, rates, local, root, constant=constant)
     n = len(rates)
     # a = A e^{r origin}, so da = e^{r origin} (dA + A origin dr)
     rows[:n] = rescaling[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
-    dof = max(len(at) - len(rows), 1)
+    dof = max(len(abscissa) - len(rows), 1)
     standard_errors = np.linalg.norm(rows, axis=1) * np.sqrt(solution.sse / dof)
     return ExponentialSum(
         amplitudes=local * rescaling,

@@ -11,7 +11,7 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.paper.figure import figure_2, figure_4
-from dashpot.extensions.paper.reproduction import BEFORE, Coefficient, Reproduction, Statement
+from dashpot.extensions.paper.reproduction import BASELINE, Coefficient, Reproduction, Statement
 from dashpot.plot.picture import Picture
 from dashpot.report.figures import HALF, render_figure
 from dashpot.report.page_frame import encode_data_uri, environment, frame
@@ -66,8 +66,8 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     assert study.comparison is not None  # noqa: S101
     sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=STAMP)
     return {
-        "figure_2": figure_2(reproduction.ideal, BEFORE, stamp=STAMP),
-        "figure_4": figure_4(reproduction.ideal, BEFORE, fits, stamp=STAMP),
+        "figure_2": figure_2(reproduction.ideal, BASELINE, stamp=STAMP),
+        "figure_4": figure_4(reproduction.ideal, BASELINE, fits, stamp=STAMP),
         "figure_6": replace(sixth, name="figure-6"),
     }
 
@@ -100,11 +100,11 @@ def _format_fact(reported_value: ReportedValue) -> str:
 
 def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
     """Return the statements of one part of the paper with computed values and differences."""
-    chosen = [row for row in rows if row.part == part]
-    has_intervals = any(row.within_interval is not None for row in chosen)
+    part_rows = [row for row in rows if row.part == part]
+    has_intervals = any(row.within_interval is not None for row in part_rows)
     head = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
     cells = []
-    for row in chosen:
+    for row in part_rows:
         difference_text, tolerance_text = (
             "–" if value is None else f"{value:.1g}" for value in (row.difference, row.tolerance)
         )
@@ -117,5 +117,7 @@ def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
             )
         )
     return TextTable(
-        head, tuple(cells), tuple("bad" if row.within_interval is False else "" for row in chosen)
+        head,
+        tuple(cells),
+        tuple("bad" if row.within_interval is False else "" for row in part_rows),
     )

@@ -42,7 +42,7 @@ DEPTH, RAMP, HOLD = 8e-3, 1.0, 40.0
 """The paper's test: m, s, s."""
 SPEED = DEPTH / RAMP
 SEALS = 2
-BEFORE, RATE = 3.0, 1000.0
+BASELINE, RATE = 3.0, 1000.0
 """Assumed record before contact, s, and rate, Hz; the paper does not give them."""
 QUANTUM = 1 / 1280
 """Resolution of the paper's load cell, N."""
@@ -287,11 +287,11 @@ def reproduce(seed: int = 0) -> Reproduction:
 
 def make_ideal_test() -> RelaxationTest:
     """Return the paper's test without a rig: eq. (1) on Table 1, free of noise."""
-    steps = int(BEFORE * RATE), int((RAMP + HOLD) * RATE)
+    steps = int(BASELINE * RATE), int((RAMP + HOLD) * RATE)
     t = np.arange(-steps[0], steps[1] + 1) / RATE
     force = np.where(t >= 0, _compute_ramp(np.maximum(t, 0.0)), 0.0)
     return RelaxationTest(
-        time=t + BEFORE, displacement=SPEED * np.clip(t, 0.0, RAMP), force=force, units="SI"
+        time=t + BASELINE, displacement=SPEED * np.clip(t, 0.0, RAMP), force=force, units="SI"
     )
 
 
@@ -319,7 +319,7 @@ def fit_hold_phase(test: RelaxationTest, arms: int) -> HoldFit:
 
     .. math:: F = A k_\infty c + \sum_j A b_j (e^{c/\tau_j} - 1) e^{-t/\tau_j}
     """
-    t = test.time - BEFORE
+    t = test.time - BASELINE
     in_hold = t > RAMP
     new_exponential_sum = exponential_sum(
         t[in_hold], test.force[in_hold], terms=arms, constant=True
@@ -385,7 +385,7 @@ def _check_equations() -> Iterator[Statement]:
         f"{round_to_error(convert_to_unit(float(ramp[-1]), 'N*s/mm'), digits=8)} N s/mm at 41 s",
         _compute_largest_deviation(ramp, PRINTED.z(t)), 1e-12,
     )  # fmt: skip
-    history = np.array([PRINTED.hereditary(float(at), **ramp_parameters) for at in hold_time])
+    history = np.array([PRINTED.hereditary(float(time), **ramp_parameters) for time in hold_time])
     yield row(
         "eq. (3)", "the hold: A [z(t) - z(t - c)]", "the hereditary integral",
         _compute_largest_deviation(PRINTED.eq_3(hold_time, **ramp_parameters), history), 1e-13,
@@ -440,10 +440,11 @@ def _compare_test_figures(
     yield Statement(
         "figure", "Fig. 1", "the robotic indenter", "dashpot simulate relaxation is one"
     )
-    at = float(noise_free_test.time[np.argmax(noise_free_test.force)]) - BEFORE
+    peak_time = float(noise_free_test.time[np.argmax(noise_free_test.force)]) - BASELINE
     yield _build_figure_statement(
         "Fig. 2", "8 mm in 1 s, then held for 40 s",
-        f"the force is highest where the hold begins, at {at:g} s", abs(at - RAMP), 0.5 / RATE,
+        f"the force is highest where the hold begins, at {peak_time:g} s", abs(peak_time - RAMP),
+        0.5 / RATE,
     )  # fmt: skip
     yield Statement("figure", "Fig. 3", "the solid with N = 1 and N = 2", "dashpot.solids, any N")
     yield _build_figure_statement(

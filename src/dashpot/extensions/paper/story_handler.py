@@ -35,7 +35,7 @@ PUZZLE = "broad"
 """The seal that a warm test and a hammer find to be two."""
 COLD = ("_cold.csv", "_cold.truth.json")
 """Files of that seal in a refrigerator."""
-ROOM, FRIDGE = 296.15, 273.15
+ROOM_TEMPERATURE, COLD_TEMPERATURE = 296.15, 273.15
 """Temperatures of its two tests, K."""
 COLD_HOLD = 20.0
 """Hold of the cold test, s: its arms relax in a tenth of that."""
@@ -90,7 +90,9 @@ def _list_files(name: str) -> tuple[str, ...]:
 def _run_story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
     send_progress(f"the {name} seal: simulating the bench and the hammer")
-    bench = simulate_relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
+    bench = simulate_relaxation(
+        seal=name, seed=seed, temperature=ROOM_TEMPERATURE if name == PUZZLE else None
+    )
     hammer = simulate_impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
         write_output(folder / f"{name}{file}", text)
@@ -111,7 +113,9 @@ def _fit_both_temperatures(
     from dashpot.solids.demo_seals import SEALS as KNOWN_SEALS
 
     send_progress(f"the {PUZZLE} seal at 0 degC")
-    test = simulate_relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
+    test = simulate_relaxation(
+        seal=PUZZLE, seed=seed + 1, temperature=COLD_TEMPERATURE, hold=COLD_HOLD
+    )
     for file, text in zip(COLD, test, strict=True):
         write_output(folder / f"{PUZZLE}{file}", text)
     warm_test, cold = (
@@ -129,14 +133,17 @@ def _fit_both_temperatures(
 
 def _compare_loss_factors(fit: dp.Fit, bounds: StiffnessBounds, joint_fit: dp.Fit | None) -> str:
     """Return the loss factor at a frequency, its bound, and that of bench and hammer together."""
-    at = float(bounds.frequency[0])
+    frequency = float(bounds.frequency[0])
     low, high = (float(limit[0]) for limit in bounds.loss_factor)
     value, *other = (
-        float(item.model.loss_factor(omega=2 * math.pi * at))
+        float(item.model.loss_factor(omega=2 * math.pi * frequency))
         for item in (fit, joint_fit)
         if item is not None
     )
-    text = f"  loss factor at {at:.4g} Hz {value:.4f}, over every rubber {low:.4f} to {high:.4f}"
+    text = (
+        f"  loss factor at {frequency:.4g} Hz {value:.4f}, over every rubber {low:.4f} to "
+        f"{high:.4f}"
+    )
     return f"{text}; with the hammer {other[0]:.4f}" if other else text
 
 

@@ -19,7 +19,7 @@ from dashpot.registry.plugins import Plugin, require_plugin
 _EXPECTED = (
     "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
 )
-_KNOWN = frozenset({"numbers", "checks", "notes"})
+_KNOWN_KEYS = frozenset({"numbers", "checks", "notes"})
 
 
 def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
@@ -55,7 +55,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
-    unknown_keys = sorted(map(str, entries.keys() - _KNOWN))
+    unknown_keys = sorted(map(str, entries.keys() - _KNOWN_KEYS))
     if unknown_keys:
         plugin.wrong(f"the key '{unknown_keys[0]}'", _EXPECTED)
     reported_values = tuple(

@@ -52,9 +52,11 @@ def _select_lines(
     preload_map: PreloadMap, compression: float, amplitude: float | None
 ) -> BoolArray:
     """Return which measured lines are of a setting."""
-    at = np.isclose(preload_map.line_compression, compression)
+    is_selected = np.isclose(preload_map.line_compression, compression)
     return np.asarray(
-        at if amplitude is None else at & np.isclose(preload_map.line_amplitude, amplitude)
+        is_selected
+        if amplitude is None
+        else is_selected & np.isclose(preload_map.line_amplitude, amplitude)
     )
 
 
@@ -62,17 +64,18 @@ def _make_storage_panel(preload_map: PreloadMap) -> Panel:
     marks: list[Mark] = []
     drawn_values: list[FloatArray] = []
     for i, c in enumerate(preload_map.compressions.tolist()):
-        at = preload_map.evaluate(preload_map.grid, compression=c)
+        evaluated = preload_map.evaluate(preload_map.grid, compression=c)
         value, error = (convert_to_unit(entry, "N/mm") for entry in
-                        (at.value.real, at.storage_error))  # fmt: skip
+                        (evaluated.value.real, evaluated.storage_error))  # fmt: skip
         is_chosen = _select_lines(preload_map, c, preload_map.reference_amplitude)
         marks += [
-            Area(at.frequency, value - error, value + error, "fit", "" if i else "95 % limits"),
-            Line(at.frequency, value, FIT, "" if i else "map"),
+            Area(evaluated.frequency, value - error, value + error, "fit",
+            "" if i else "95 % limits"),
+            Line(evaluated.frequency, value, FIT, "" if i else "map"),
             Dots(preload_map.frequency[is_chosen],
             convert_to_unit(preload_map.value.real[is_chosen], "N/mm"),
                  "measured", "" if i else "measured", 3.0),
-            Tag(float(at.frequency[-1]), float(value[-1]),
+            Tag(float(evaluated.frequency[-1]), float(value[-1]),
                 f"{convert_to_unit(c, 'mm'):.3g} mm", "fit", end=True),
         ]  # fmt: skip
         drawn_values += [value - error, value + error]
@@ -94,22 +97,22 @@ def _make_loss_panel(preload_map: PreloadMap) -> Panel:
     levels: list[float | None] = preload_map.amplitudes.tolist() or [None]
     shown_levels = [levels[0], levels[-1]] if len(levels) > 1 else levels
     for i, X in enumerate(shown_levels):
-        at = preload_map.evaluate(preload_map.grid, compression=c, amplitude=X)
-        eta, error = at.value.imag / at.value.real, at.loss_factor_error
+        evaluated = preload_map.evaluate(preload_map.grid, compression=c, amplitude=X)
+        eta, error = evaluated.value.imag / evaluated.value.real, evaluated.loss_factor_error
         is_chosen = _select_lines(preload_map, c, X)
         measured = preload_map.value[is_chosen].imag / preload_map.value[is_chosen].real
         if not i:
-            marks.append(Area(at.frequency, eta - error, eta + error, "fit", "95 % limits"))
+            marks.append(Area(evaluated.frequency, eta - error, eta + error, "fit", "95 % limits"))
             drawn_values += [eta - error, eta + error]
         marks += [
-            Line(at.frequency, eta, FIT, "" if i else "map"),
+            Line(evaluated.frequency, eta, FIT, "" if i else "map"),
             Dots(
                 preload_map.frequency[is_chosen], measured, "measured", "" if i else "measured", 3.0
             ),
         ]
         if X is not None:
             name = f"{convert_to_unit(X, 'mm'):.3g} mm"
-            marks.append(Tag(float(at.frequency[-1]), float(eta[-1]), name, "fit", end=True))
+            marks.append(Tag(float(evaluated.frequency[-1]), float(eta[-1]), name, "fit", end=True))
         drawn_values += [eta, measured]
     limits = compute_padded_limits(*drawn_values)
     return Panel(
@@ -152,9 +155,11 @@ def _compute_storage_across(
     name = label.split(",", maxsplit=1)[0]
     low, high, log = float(abscissae[0]), float(abscissae[-1]), name == "amplitude"
     margin = (_EDGE - 1) * (high - low)
-    value = convert_to_unit(np.array([at.value.real[0] for at in curve]), "N/mm")
-    error = convert_to_unit(np.array([at.storage_error[0] for at in curve]), "N/mm")
-    storage_values = convert_to_unit(np.array([at.value.real[0] for at in levels[1]]), "N/mm")
+    value = convert_to_unit(np.array([evaluated.value.real[0] for evaluated in curve]), "N/mm")
+    error = convert_to_unit(np.array([evaluated.storage_error[0] for evaluated in curve]), "N/mm")
+    storage_values = convert_to_unit(
+        np.array([evaluated.value.real[0] for evaluated in levels[1]]), "N/mm"
+    )
     marks: tuple[Mark, ...] = (
         Area(abscissae, value - error, value + error, "fit", "95 % limits"),
         Line(abscissae, value, FIT, "map"),

@@ -443,18 +443,23 @@ def _estimate_interpolation_error(
 ) -> float:
     """Return the largest difference of parabola and line half way between levels."""
     middles = (levels[1:] + levels[:-1]) / 2
-    gaps = [abs(compute_level_weights(levels, float(at)).difference @ logarithm) for at in middles]
+    gaps = [
+        abs(compute_level_weights(levels, float(middle)).difference @ logarithm)
+        for middle in middles
+    ]
     return float(max(gaps))
 
 
 def _judge_limits(preload_map: PreloadMap) -> tuple[Check, ...]:
     """Return the checks of the limits at all measured settings."""
     f = preload_map.grid
-    at = [preload_map.evaluate(f, compression=c, amplitude=X) for c, X in preload_map.settings]
+    evaluated = [
+        preload_map.evaluate(f, compression=c, amplitude=X) for c, X in preload_map.settings
+    ]
     eta = np.concatenate(
-        [cell_stiffness.value.imag / cell_stiffness.value.real for cell_stiffness in at]
+        [cell_stiffness.value.imag / cell_stiffness.value.real for cell_stiffness in evaluated]
     )
-    error = np.concatenate([cell_stiffness.loss_factor_error for cell_stiffness in at])
+    error = np.concatenate([cell_stiffness.loss_factor_error for cell_stiffness in evaluated])
     highest = eta + error
     measured = preload_map.value.imag / preload_map.value.real
     relative_limit = NORMAL * preload_map.line_scatter[1] + NORMAL * preload_map.phase_error
@@ -467,7 +472,7 @@ def _judge_limits(preload_map: PreloadMap) -> tuple[Check, ...]:
             min(lowest, float(highest.min())), frequency=float(preload_map.frequency[i])
         ),
         checks.stiffness_determined(
-            float(max(cell_stiffness.magnitude_error.max() for cell_stiffness in at))
+            float(max(cell_stiffness.magnitude_error.max() for cell_stiffness in evaluated))
         ),
         checks.loss_factor_determined(float(ratio[j]), loss_factor=float(eta[j])),
     )

@@ -84,10 +84,10 @@ def _make_map_table(preload_map: PreloadMap) -> TextTable:
     f = preload_map.grid[np.linspace(0, len(preload_map.grid) - 1, _TABLE_FREQUENCIES, dtype=int)]
     rows = []
     for c, X in preload_map.settings:
-        at = preload_map.evaluate(f, compression=c, amplitude=X)
+        evaluated = preload_map.evaluate(f, compression=c, amplitude=X)
         columns = (
-            (at.value.real, at.storage_error, "N/m"),
-            (at.value.imag / at.value.real, at.loss_factor_error, ""),
+            (evaluated.value.real, evaluated.storage_error, "N/m"),
+            (evaluated.value.imag / evaluated.value.real, evaluated.loss_factor_error, ""),
         )
         rows += [
             (

@@ -262,13 +262,13 @@ def _compute_probabilities(
     between_columns = [columns for name, columns in layout.between.items() if name != pair]
     chances = []
     if pair in layout.within:
-        without = np.hstack((layout.main, sweeps, *other_columns))
-        gain, rank = _compute_gain(without, layout.within[pair], y, lines.weight)
+        base_columns = np.hstack((layout.main, sweeps, *other_columns))
+        gain, rank = _compute_gain(base_columns, layout.within[pair], y, lines.weight)
         if rank:
             chances.append(float(fdtrc(rank, scatter.dof, gain / rank / scatter.line**2)))
     if pair in layout.between:
-        without = np.hstack((layout.main, *layout.within.values(), *between_columns))
-        gain, rank = _compute_gain(without, layout.between[pair], y, lines.weight)
+        base_columns = np.hstack((layout.main, *layout.within.values(), *between_columns))
+        gain, rank = _compute_gain(base_columns, layout.between[pair], y, lines.weight)
         if rank:
             chances.append(float(fdtrc(rank, scatter.sweep_dof, gain / rank / scatter.mean_square)))
     return chances

@@ -14,7 +14,7 @@ from dashpot.extensions.preload_map.preload_sweep import PreloadSweep
 
 SAME_COMPRESSION, SAME_AMPLITUDE, SAME_TONE = 0.01, 0.06, 0.01
 """Relative differences below which a machine meant the same value."""
-_PART = 0.4
+_STEP_SHARE = 0.4
 """Part of the least step of a sweep within which frequencies of two sweeps are the same."""
 _EQUAL = 1e-6
 FEWEST_FREQUENCIES = 3
@@ -83,15 +83,17 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     sweeps_by_content: dict[tuple[object, bytes], PreloadSweep] = {}
     for sweep in sweeps:
         first = sweeps_by_content.setdefault((sweep.amplitude, sweep.value.tobytes()), sweep)
-        at = f"at {convert_to_unit(float(sweep.compression), 'mm'):g} mm"
+        compression_text = f"at {convert_to_unit(float(sweep.compression), 'mm'):g} mm"
         if first is not sweep:
             raise DataError(
-                f"the sweep of {sweep.name} {at} has the very numbers of another, of {first.name}: "
+                f"the sweep of {sweep.name} {compression_text} has the very numbers of another, of "
+                f"{first.name}: "
                 "a copy is no second measurement. Leave one out"
             )
         if len(set(sweep.frequency.tolist())) < FEWEST_FREQUENCIES:
             raise DataError(
-                f"{sweep.name} has too few frequencies {at}; expected {FEWEST_FREQUENCIES} or "
+                f"{sweep.name} has too few frequencies {compression_text}; expected "
+                f"{FEWEST_FREQUENCIES} or "
                 "more in every sweep"
             )
     unknown = [sweep.name for sweep in sweeps if sweep.amplitude is None]
@@ -121,7 +123,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
     value = np.concatenate([sweep.value for sweep in sweeps])
     weight = np.concatenate([np.asarray(sweep.weight, dtype=float) for sweep in sweeps])
     closest = min(_get_least_step(sweep.frequency) for sweep in sweeps)
-    tones, tone = group_levels(frequency, min(SAME_TONE, _PART * closest))
+    tones, tone = group_levels(frequency, min(SAME_TONE, _STEP_SHARE * closest))
     return StiffnessLines(
         frequency,
         weight / float(np.sqrt(np.mean(weight**2))),

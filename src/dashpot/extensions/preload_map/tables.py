@@ -64,13 +64,15 @@ def render_nastran(preload_map: PreloadMap, units: UnitSystem) -> str:
     ]
     for number, (c, X) in enumerate(preload_map.settings):
         K = preload_map.evaluate(f, compression=c, amplitude=X).value
-        at = complex(preload_map.evaluate(np.array([middle]), compression=c, amplitude=X).value[0])
+        stiffness = complex(
+            preload_map.evaluate(np.array([middle]), compression=c, amplitude=X).value[0]
+        )
         component = BushComponent(
             1,
             units.frequency(f).tolist(),
             units.stiffness(K.real).tolist(),
             (K.imag / K.real).tolist(),
-            (units.stiffness(at.real), at.imag / at.real),
+            (units.stiffness(stiffness.real), stiffness.imag / stiffness.real),
         )
         lines.append(f"$ {_describe_setting(c, X)}; nominal at {middle:g} Hz")
         lines += format_bush_property(_FIRST_PROPERTY + _STEP * number, [component], label="GE")
@@ -91,8 +93,8 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
         K = preload_map.evaluate(f, compression=c, amplitude=X).value
         levels = [c] if X is None else [c, X]
         tail = ", ".join(["", *(text(value / units.length) for value in levels)])
-        for at, value in zip(f.tolist(), K.tolist(), strict=True):
-            hertz = text(units.frequency(at))
+        for frequency, value in zip(f.tolist(), K.tolist(), strict=True):
+            hertz = text(units.frequency(frequency))
             stiffness_lines.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
             damped.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
     return "\n".join([

@@ -131,18 +131,20 @@ def read_history(folder: Path) -> History:
         If a line is not one that dashpot writes.
     """
     try:
-        *raw, rest = get_log_path(folder).read_bytes().split(b"\n")
+        *raw, unfinished_line = get_log_path(folder).read_bytes().split(b"\n")
     except FileNotFoundError:
-        raw, rest = [], b""
-    if rest and _is_whole(rest, raw):  # only its line end is lost
-        raw, rest = [*raw, rest], b""
+        raw, unfinished_line = [], b""
+    if unfinished_line and _is_whole(unfinished_line, raw):  # only its line end is lost
+        raw, unfinished_line = [*raw, unfinished_line], b""
     lines = [_parse_line(text, number) for number, text in enumerate(raw, start=1)]
-    before = [GENESIS, *(line.hash for line in lines)]
+    previous_hashes = [GENESIS, *(line.hash for line in lines)]
     intact = tuple(
         _has_valid_hash(text, line.hash) and (line.previous, line.line) == (previous, number)
-        for number, (line, text, previous) in enumerate(zip(lines, raw, before, strict=False), 1)
+        for number, (line, text, previous) in enumerate(
+            zip(lines, raw, previous_hashes, strict=False), 1
+        )
     )
-    return History(tuple(lines), intact, rest, *_read_head(folder), tuple(raw))
+    return History(tuple(lines), intact, unfinished_line, *_read_head(folder), tuple(raw))
 
 
 def append(folder: Path, content: dict[str, Any]) -> str:
@@ -208,8 +210,8 @@ def _has_valid_hash(text: bytes, line_hash: str) -> bool:
 def _has_valid_old_hash(text: bytes, line_hash: str) -> bool:
     """Return the same for a line of the second edition, hashed by its sorted content."""
     entry = json.loads(text)
-    without = {key: value for key, value in entry.items() if key != "hash"}
-    ordered = json.dumps(without, sort_keys=True, ensure_ascii=False)
+    entry_without_hash = {key: value for key, value in entry.items() if key != "hash"}
+    ordered = json.dumps(entry_without_hash, sort_keys=True, ensure_ascii=False)
     is_same = sha256(ordered.encode("utf-8", "surrogatepass")) == line_hash
     return is_same and json.dumps(entry).encode() == text
 

@@ -48,7 +48,7 @@ SCHEMA = "dashpot/project@2"
 NAME = 16
 """Digits of a hash that name a result."""
 
-OWN = ("dashpot.toml", "history.jsonl", "history.head", ".lock")
+UNLISTED_FILES = ("dashpot.toml", "history.jsonl", "history.head", ".lock")
 """Files of a project that no line of its history lists."""
 
 

@@ -27,7 +27,7 @@ from dashpot.extensions.projects.history import (
 from dashpot.extensions.projects.partial_files import find_partial_files, is_partial_file
 from dashpot.extensions.projects.project import (
     NAME,
-    OWN,
+    UNLISTED_FILES,
     Project,
     get_result_name,
     list_contents,
@@ -65,7 +65,7 @@ def verify(
         If a line of the history or its head is none that dashpot writes, or names a file outside,
         or one of the project's own files is a link to a file outside.
     """
-    for name in OWN:
+    for name in UNLISTED_FILES:
         resolve_project_path(project, name)
     history = read_history(project.folder)
     new_checks = [
@@ -114,7 +114,7 @@ def _verify_file(project: Project, entry: FileEntry, number: int) -> Check:
 
 def _find_unlisted_files(project: Project, history: History) -> list[str]:
     """Return the files of the project's folder that no line lists."""
-    names = {*OWN} | {
+    names = {*UNLISTED_FILES} | {
         entry.file for line in history.lines for entry in (*line.inputs, *line.outputs)
     }
     files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
@@ -209,40 +209,47 @@ def _compare_with_former(
 ) -> list[Check]:
     """Compare what documents of a former version and the present ones both hold."""
     faults: list[str] = []
-    written: dict[str, Any] = {}
+    written_documents: dict[str, Any] = {}
     for file_key in documents:
         try:
-            before = json.loads(recorded_files[file_key], object_pairs_hook=require_unique_keys)
+            earlier_document = json.loads(
+                recorded_files[file_key], object_pairs_hook=require_unique_keys
+            )
         except (ValueError, RecursionError):
             faults.append(f"{file_key} is no JSON")
             continue
-        if file_key != "records/.json" and has_edited_fit(before):  # which holds parts of fits
+        if file_key != "records/.json" and has_edited_fit(
+            earlier_document
+        ):  # which holds parts of fits
             faults.append(f"{file_key} holds a fit that was changed by hand")
-        written[file_key] = select_numbers(convert_document(before))
-    result = written.get("records/.json", {})
+        written_documents[file_key] = select_numbers(convert_document(earlier_document))
+    result = written_documents.get("records/.json", {})
     for name in ("fit", "joint"):
-        alone = written.get(f"records/.{name}.json")
+        own_document = written_documents.get(f"records/.{name}.json")
         embedded_fit = select_numbers(result.get(name) or {})
-        if alone is not None and embedded_fit | {DIGEST: ""} != alone | {DIGEST: ""}:
+        if own_document is not None and embedded_fit | {DIGEST: ""} != own_document | {DIGEST: ""}:
             faults.append(f"the result and its {name}.json hold different fits")
     if faults:
         return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
     worst, location, revised = 0.0, "", set()
-    for file_key, before in written.items():
-        old, new, differing = split_common(before, select_numbers(json.loads(new_files[file_key])))
+    for file_key, earlier_document in written_documents.items():
+        old, new, differing = split_common(
+            earlier_document, select_numbers(json.loads(new_files[file_key]))
+        )
         worst, location = max((worst, location), find_largest_difference(old, new, file_key))
         revised |= {
             name.rpartition(".")[2]
             for name, (old_value, new_value) in differing.items()
-            if find_largest_difference(old_value, new_value)[0] > verification_checks.SAME
+            if find_largest_difference(old_value, new_value)[0]
+            > verification_checks.SAME_NUMBER_TOLERANCE
         }
     if worst == float("inf"):
         return [verification_checks.result_recomputed(worst, location, line.line)]
-    by = line.software.get("dashpot", "another version")
+    version = line.software.get("dashpot", "another version")
     reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised}
     return [
-        verification_checks.former_result_recomputed(worst, location, line.line, by),
-        verification_checks.uncertainty_unrevised(reasons, line.line, by),
+        verification_checks.former_result_recomputed(worst, location, line.line, version),
+        verification_checks.uncertainty_unrevised(reasons, line.line, version),
     ]
 
 
@@ -250,15 +257,15 @@ def _compare_json(
     content: bytes, new_content: bytes, file_key: str, *, words: bool
 ) -> tuple[float, str]:
     try:
-        before, after = (
+        recorded, recomputed = (
             json.loads(content, object_pairs_hook=require_unique_keys),
             json.loads(new_content),
         )
     except (ValueError, RecursionError):
         return float("inf"), f"{file_key} is no JSON"
-    if not words and isinstance(before, dict):
-        before, after = select_numbers(before), select_numbers(after)
-    return find_largest_difference(before, after, file_key)
+    if not words and isinstance(recorded, dict):
+        recorded, recomputed = select_numbers(recorded), select_numbers(recomputed)
+    return find_largest_difference(recorded, recomputed, file_key)
 
 
 def find_largest_difference(
@@ -272,13 +279,15 @@ def find_largest_difference(
         return compute(recorded, recomputed), f"{location} was {recorded!r} and is {recomputed!r}"
     if location.endswith("model.arms"):
         recorded, recomputed = _merge_coincident_arms(recorded), _merge_coincident_arms(recomputed)
-    before, after = parts_of(recorded, location), parts_of(recomputed, location)
-    if before.keys() != after.keys():
+    recorded_parts, recomputed_parts = parts_of(recorded, location), parts_of(recomputed, location)
+    if recorded_parts.keys() != recomputed_parts.keys():
         difference_text = "other keys" if isinstance(recorded, dict) else "another length"
         return float("inf"), f"{location or 'the document'} has {difference_text}"
     pairs = (
-        find_largest_difference(before[key_path], after[key_path], key_path.lstrip("."))
-        for key_path in before
+        find_largest_difference(
+            recorded_parts[key_path], recomputed_parts[key_path], key_path.lstrip(".")
+        )
+        for key_path in recorded_parts
         if key_path != f"{location}.{DIGEST}"
     )
     return max(pairs, default=(0.0, ""), key=lambda item: item[0])
@@ -297,7 +306,10 @@ def _merge_coincident_arms(arms: Any) -> Any:
     merged: list[Any] = []
     for arm in arms:
         last = merged[-1] if merged else {"tau": None}
-        if _compute_relative_difference(last["tau"], arm["tau"]) > verification_checks.SAME:
+        if (
+            _compute_relative_difference(last["tau"], arm["tau"])
+            > verification_checks.SAME_NUMBER_TOLERANCE
+        ):
             merged.append(arm)
         else:
             merged[-1] = last | {key: last[key] + arm[key] for key in ("k", "b")}
@@ -343,10 +355,12 @@ def is_same_page(content: bytes, other_content: bytes) -> bool:
     if content == other_content:
         return True
     try:
-        before, after = (_decode_embedded_files(text.decode()) for text in (content, other_content))
+        first_page, second_page = (
+            _decode_embedded_files(text.decode()) for text in (content, other_content)
+        )
     except ValueError:
         return False
-    return _is_same_text(before, after)
+    return _is_same_text(first_page, second_page)
 
 
 def _decode_embedded_files(page: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
 
-SAME = 1e-6
+SAME_NUMBER_TOLERANCE = 1e-6
 """Relative difference up to which a number that was computed again is the same."""
 LISTED = 20
 """Files that a sentence names before it counts the rest."""
@@ -138,7 +138,13 @@ def file_unchanged(file: str, number: int, *, is_same: bool) -> Finding:
     )
 
 
-@criterion("relative difference", "<=", SAME, "our choice: below what is printed", grade="stop")
+@criterion(
+    "relative difference",
+    "<=",
+    SAME_NUMBER_TOLERANCE,
+    "our choice: below what is printed",
+    grade="stop",
+)
 def result_recomputed(worst: float, location: str, number: int) -> Finding:
     """Every result can be recomputed from its raw files."""
     result = f"The result of line {number}, computed again from its raw files, "
@@ -150,7 +156,9 @@ def result_recomputed(worst: float, location: str, number: int) -> Finding:
     )
 
 
-@criterion("relative difference", "<=", SAME, "as of `result_recomputed`", grade="limit")
+@criterion(
+    "relative difference", "<=", SAME_NUMBER_TOLERANCE, "as of `result_recomputed`", grade="limit"
+)
 def former_result_recomputed(worst: float, location: str, number: int, version: str) -> Finding:
     """The model of an earlier version can be recomputed from the raw files of its result."""
     result = (

@@ -15,7 +15,7 @@ from dashpot.solids.networks import creep_of, parallel
 FORMS = ("transfer-function", "bus")
 SUFFIX = "txt"
 _AXES = ("FX", "FY", "FZ", "TX", "TY", "TZ")
-_REACH = 0.02
+_CURVE_LENGTH = 0.02
 """Length to either side that the curve of a bushing spans, m."""
 _LENGTHS = {"SI": "meter", "mm-t-s": "mm"}
 """Words of the property file for lengths of the unit systems with newton and second."""
@@ -143,6 +143,6 @@ def _write_bushing(deck: Deck, nominal: float) -> DeckText:
 def _format_curve(axis: str, slope: float, length: float) -> list[str]:
     """Return the block of a straight force or torque curve through zero."""
     is_force_axis = axis.startswith("F")
-    max_abscissa = _REACH / length if is_force_axis else 180.0
+    max_abscissa = _CURVE_LENGTH / length if is_force_axis else 180.0
     rows = [f" {text(x)} {text(slope * x + 0.0)}" for x in (-max_abscissa, 0.0, max_abscissa)]
     return [f"[{axis}_CURVE]", f"{{ {'x' if is_force_axis else 'ang'} {axis.lower()} }}", *rows]

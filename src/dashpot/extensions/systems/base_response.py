@@ -26,15 +26,15 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import model_modes
 
 _LINES = 4001
-_UNDAMPED, _STILL = 1e-10, 1e-15
+_UNDAMPED, _RIGID_RATIO = 1e-10, 1e-15
 """Rate of decay over that of turning, and any rate over the largest of a system: rounding."""
 _DECADES = 1e10
 """Longest over shortest relaxation time, beyond which the first-order form is rounding."""
-_WIDE = (1e-6, 1e4)
+_WHITE_BAND = (1e-6, 1e4)
 """Times the natural frequency: a table as wide as white noise."""
 _FOLLOWS = 1e-9
 """Stretch of a spring per motion of a ground that takes all bodies along: rounding."""
-_ABOUT = 60.0
+_FINE_WIDTHS = 60.0
 """Half-power widths to either side of a resonance that are laid out finely."""
 _LIMIT_LINES = 201
 """Lines of limits over a table, and as many about each resonance."""
@@ -91,7 +91,10 @@ def random_base(
             )
         if _has_wide_spectrum((model,)):
             peak = model_modes(model, kilograms)[0].frequency
-            frequency_range, flat_psd = np.array(_WIDE) * peak, np.array([psd, psd], dtype=float)
+            frequency_range, flat_psd = (
+                np.array(_WHITE_BAND) * peak,
+                np.array([psd, psd], dtype=float),
+            )
             return _integrate_table(model, kilograms, *_read_table(frequency_range, flat_psd), 0.0)
         system = System((point_mass("mass", kilograms),), (Mount(model, ("mass", "ground")),))
         return random_response(system, response="mass.z", psd=psd)
@@ -131,17 +134,17 @@ def random_limits(
     else:
         f, table = _read_table(frequency, psd)
     modes = model_modes(model, mass)
-    at, lines = _place_lines(f, modes), _place_lines(f[[0, -1]], modes, _LIMIT_LINES)
-    S = _interpolate_density(at, f, table)
-    carried, relative = _compute_base_ratios(model, mass, 2 * np.pi * at, coupled)
+    grid, lines = _place_lines(f, modes), _place_lines(f[[0, -1]], modes, _LIMIT_LINES)
+    S = _interpolate_density(grid, f, table)
+    carried, relative = _compute_base_ratios(model, mass, 2 * np.pi * grid, coupled)
     per_force = limits(lines, Kind.ACCELERANCE) / (2 * np.pi * lines) ** 2
 
     def reach(limits: FloatArray, nominal: ComplexArray) -> tuple[float, float]:
-        low, high = (np.interp(at, lines, row) for row in limits)
+        low, high = (np.interp(grid, lines, row) for row in limits)
         # beside a line that nothing limits, the straight line to it is no number
         high = np.nan_to_num(np.maximum(high, np.abs(nominal)), nan=np.inf, posinf=np.inf)
         powers = [np.minimum(low, np.abs(nominal)), np.where(S > 0, high, 0.0)]
-        small, larger = (float(np.sqrt(np.trapezoid(power**2 * S, at))) for power in powers)
+        small, larger = (float(np.sqrt(np.trapezoid(power**2 * S, grid))) for power in powers)
         return small, larger
 
     return RandomLimits(
@@ -251,7 +254,7 @@ def _compute_white_response(
     scaled_matrix = A * size / size[:, None]
     pushed = np.zeros(len(A))
     pushed[n : 2 * n] = -follow / size[n : 2 * n]
-    tolerance = _STILL * float(np.linalg.norm(scaled_matrix, ord=np.inf))
+    tolerance = _RIGID_RATIO * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
         size = float(np.hypot(re, im))
@@ -288,11 +291,11 @@ def _read_table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArra
 def _integrate_table(
     model: Solid, mass: float, f: FloatArray, table: FloatArray, coupled: float
 ) -> RandomResponse:
-    at = _place_lines(f, model_modes(model, mass))
+    grid = _place_lines(f, model_modes(model, mass))
     return _integrate_response(
-        at,
-        _interpolate_density(at, f, table),
-        *_compute_base_ratios(model, mass, 2 * np.pi * at, coupled),
+        grid,
+        _interpolate_density(grid, f, table),
+        *_compute_base_ratios(model, mass, 2 * np.pi * grid, coupled),
     )
 
 
@@ -312,10 +315,10 @@ def _place_lines(
     grids = [np.geomspace(f[0], f[-1], count), f]
     for mode in modes:
         width = mode.frequency * max(mode.damping_ratio, 1e-6)
-        distances = width * np.sinh(np.linspace(0, np.arcsinh(_ABOUT), count // 2))
+        distances = width * np.sinh(np.linspace(0, np.arcsinh(_FINE_WIDTHS), count // 2))
         grids += [mode.frequency + distances, mode.frequency - distances]
-    at = np.unique(np.concatenate(grids))
-    return np.asarray(at[(at >= f[0]) & (at <= f[-1])])
+    grid = np.unique(np.concatenate(grids))
+    return np.asarray(grid[(grid >= f[0]) & (grid <= f[-1])])
 
 
 def _interpolate_density(frequency: FloatArray, f: FloatArray, table: FloatArray) -> FloatArray:

@@ -94,14 +94,14 @@ class LinearSubsystem:
         else:
             K = self.linear.spring_stiffness(1j * omega)
             drive, change = -(K * self.G) @ self.linear.stretch, self.ground
-        without, spread_matrix = level * (R @ drive), R @ self.E.T
-        stretch = self.E @ without + level * change
+        frictionless_stretch, spread_matrix = level * (R @ drive), R @ self.E.T
+        stretch = self.E @ frictionless_stretch + level * change
         return BalanceEquation(
             self.friction,
             omega,
             stretch,
             np.asarray(self.E @ spread_matrix),
-            without,
+            frictionless_stretch,
             spread_matrix,
         )
 

@@ -115,20 +115,25 @@ def response_at_level(
     if tuple(harmonics[:1]) != (1,) or any(h % 2 == 0 or h < 1 for h in harmonics):
         raise DataError(f"harmonics = {harmonics!r}; expected odd numbers, 1 first")
     participation = system.participation(response)
-    rest = LinearSubsystem(system, force=force, base=base)
+    subsystem = LinearSubsystem(system, force=force, base=base)
     pairs = []
-    before: ComplexArray | None = None
+    previous_stretch: ComplexArray | None = None
     for hz, size in zip(f.tolist(), levels.tolist(), strict=True):
-        line = rest.line(2 * np.pi * hz, size)
-        answer = before = line.solve_from_previous(before)
+        line = subsystem.line(2 * np.pi * hz, size)
+        answer = previous_stretch = line.solve_from_previous(previous_stretch)
         third_harmonic, third_amplitude = line.pull(answer), 0.0
         if len(harmonics) > 1 and answer.any():
             answer, third_harmonic, third_amplitude = solve_several_harmonics(
-                rest, line, answer, harmonics
+                subsystem, line, answer, harmonics
             )
         motion = line.without - line.spread @ third_harmonic
         pairs.append(
-            (participation @ motion, np.abs(answer), line.is_stable(before), third_amplitude)
+            (
+                participation @ motion,
+                np.abs(answer),
+                line.is_stable(previous_stretch),
+                third_amplitude,
+            )
         )
     motions, stretch, stable, share = zip(*pairs, strict=True)
     return LevelResponse(
@@ -233,8 +238,8 @@ def backbone(
             magnitude = np.abs(system.stretch @ new_mode.shape)
             if not magnitude[mount] > 0:
                 raise DataError(f"mode {mode} does not stretch mount {mount}")
-            before, shares = shares, magnitude[without_friction] / magnitude[mount]
-            if np.abs(shares / before - 1).max() < 1e-9:
+            previous_shares, shares = shares, magnitude[without_friction] / magnitude[mount]
+            if np.abs(shares / previous_shares - 1).max() < 1e-9:
                 break
         rows.append((X, new_mode.frequency, new_mode.damping_ratio))
     return Backbone(*np.array(rows).T)

@@ -483,8 +483,8 @@ class System:
         if place.body not in bodies:
             raise DataError(f"no body '{place.body}'; the system has {', '.join(bodies)}")
         body = bodies[place.body]
-        at = (0.0, 0.0, 0.0) if body is None else body.at
-        motion = dict(zip(MOTIONS, get_point_motion(place, at), strict=True))
+        centre = (0.0, 0.0, 0.0) if body is None else body.at
+        motion = dict(zip(MOTIONS, get_point_motion(place, centre), strict=True))
         if body is not None and body.modes:
             motion |= zip(
                 body.motions[len(body.free) :], get_modal_motion(body, place), strict=True

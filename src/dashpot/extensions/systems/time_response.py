@@ -207,8 +207,8 @@ def _march_states(form: StateSpace, t: FloatArray, F: FloatArray, u: FloatArray)
         h = float(f"{step:.13g}")  # equal steps differ by rounding
         if h not in exact:
             exact[h] = _compute_step_matrices(form.A, B, h)
-        free, hold, ramp = exact[h]
-        z[:, i + 1] = free @ z[:, i] + hold @ start[:, i] + ramp @ derivative[:, i]
+        free_step, hold, ramp = exact[h]
+        z[:, i + 1] = free_step @ z[:, i] + hold @ start[:, i] + ramp @ derivative[:, i]
     return z
 
 
@@ -263,7 +263,7 @@ _RIGID = 1e-6
 of rounding."""
 
 
-_THERE, _ASIDE = 1e-9, 1e-3
+_THERE, _STEP_ASIDE = 1e-9, 1e-3
 """Part of a pole found already within which a search stands on it, and by which it steps aside."""
 
 
@@ -366,8 +366,8 @@ def _find_newton_starts(system: System) -> list[complex]:
         s = 1j * np.sqrt(value)
         for _ in range(20):
             K = system.spring_stiffness(s)
-            around = np.linalg.eigvals(inverse @ (E.T * K) @ E)
-            s = 1j * np.sqrt(around[np.argsort(np.abs(around))[rank]])
+            eigenvalues = np.linalg.eigvals(inverse @ (E.T * K) @ E)
+            s = 1j * np.sqrt(eigenvalues[np.argsort(np.abs(eigenvalues))[rank]])
         starts.append(complex(s))
     return starts
 
@@ -378,7 +378,7 @@ def _refine_pole(
     best = np.inf
     for _ in range(iterations):
         if any(min(abs(s - p), abs(s - p.conjugate())) < _THERE * abs(s) for p in results):
-            s += _ASIDE * abs(s)
+            s += _STEP_ASIDE * abs(s)
         try:
             derivative = _compute_derivative(system, s, system.spring_slope(s))
             change = np.linalg.solve(system.dynamic_stiffness(s), derivative)

@@ -263,11 +263,12 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
 @criterion("compression under the mass, m", source="our choice: within 25 % of the tested depth")
 def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Finding:
     """The prediction is for the compression of the seals under the mass."""
-    at, depth = point.compression, point.depth
+    compression, depth = point.compression, point.depth
     message = (
-        f"The seals are compressed by {format_quantity(at, 'mm', '.2f')}, as given"
+        f"The seals are compressed by {format_quantity(compression, 'mm', '.2f')}, as given"
         if point.given
-        else f"The mass sinks {format_quantity(at, 'mm', '.2f')} into the seals by its weight"
+        else f"The mass sinks {format_quantity(compression, 'mm', '.2f')} into the seals by its "
+        "weight"
     )
     if depth is None:
         return Finding(f"{message}. The depth of their test is not known")
@@ -276,20 +277,20 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             f"{message}. Its tangent stiffness there is "
             f"{number_format.with_error(point.factor, point.factor_se or np.nan)} times the secant "
             f"at {format_quantity(depth, 'mm', '.3g')}",
-            at,
+            compression,
             f"The relaxation test went to {format_quantity(depth, 'mm', '.3g')} only. Beyond, its "
             "last tangent is used",
             "Test the seal deeper.",
             limit=depth,
             always_fails=point.is_extrapolated,
         )
-    is_near = abs(at - depth) <= DEPTH_LIMIT * depth
+    is_near = abs(compression - depth) <= DEPTH_LIMIT * depth
     tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
         f"{message}, close to {tested}"
         if is_near
         else f"{message}, not to {tested}. Yet the frequency agrees",
-        at,
+        compression,
         failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),

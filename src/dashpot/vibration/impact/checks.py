@@ -95,8 +95,8 @@ def checks_of(
 ) -> tuple[Check, ...]:
     """Every named question to a measured FRF, about its resonance `main` in `band`, Hz."""
     band_frf = frf if band is None else frf.band(*band)
-    at = resonant_line(band_frf, main)
-    checks = [hits_enough(frf), coherence(band_frf, at), resonance(band_frf, main)]
+    main_line = resonant_line(band_frf, main)
+    checks = [hits_enough(frf), coherence(band_frf, main_line), resonance(band_frf, main)]
     if main is not None:
         checks += [
             record_long_enough(frf, main),
@@ -147,7 +147,7 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
 
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
 def coherence(frf: FRF, line: int) -> Finding:
-    """The coherence is high at the resonance, the line `line`, and at the lines beside it."""
+    """The coherence is high at the resonance and at the lines beside it."""
     if frf.coherence is None:
         return Finding(
             "A single hit has no coherence; it would be 1 whatever was measured. More hits would "
@@ -190,14 +190,16 @@ def mass_over_base(frf: FRF) -> Finding:
     """The transmissibility is of mass over base: 1 at rest, falling above the resonance."""
     lines = frf.only(frf.usable)
     T, f = lines.to(Kind.TRANSMISSIBILITY).value, lines.frequency
-    at = _find_peak_line(np.abs(lines.value))
-    low = np.zeros(len(f), dtype=bool) if at is None else (f >= f[at] / 4) & (f <= 0.6 * f[at])
-    if at is None or np.count_nonzero(low) < MIN_HITS:
+    peak = _find_peak_line(np.abs(lines.value))
+    low = (
+        np.zeros(len(f), dtype=bool) if peak is None else (f >= f[peak] / 4) & (f <= 0.6 * f[peak])
+    )
+    if peak is None or np.count_nonzero(low) < MIN_HITS:
         return Finding(
             f"Fewer than {MIN_HITS} lines lie from 0.25 to 0.6 of a resonance, so the "
             "transmissibility at rest is not checked"
         )
-    r2 = (f[low] / f[at]) ** 2
+    r2 = (f[low] / f[peak]) ** 2
     if frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY:
         # (1 - 1/T) / r^2 of a mass on a spring, linear in the gain of the one sensor
         part = float(np.median((T[low] - 1).real * (1 - r2) / r2))
@@ -208,11 +210,11 @@ def mass_over_base(frf: FRF) -> Finding:
         part = float(np.median((1 - 1 / T[low]).real / r2))
         cause, remedy = _explain_absolute(complex(np.median(T[low].real), np.median(T[low].imag)))
     return Finding(
-        f"The transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
+        f"The transmissibility rises from 1 towards the resonance at {f[peak]:.4g} Hz",
         part,
         # one sentence: a verdict must not lose the cause where it is short of words
-        failure=f"Below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base; "
-        + cause,
+        failure=f"Below {f[peak]:.4g} Hz the transmissibility is not that of a mass over its "
+        "base; " + cause,
         remedy=remedy,
     )
 
@@ -371,8 +373,8 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
 def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
     """The force spectrum of the hammer has not fallen at the resonance."""
     power = (np.abs(spectra.force) ** 2).mean(axis=0)
-    at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
-    level = 10 * float(np.log10(power[at] / power[:3].mean()))
+    main_line = int(np.argmin(np.abs(frf.frequency - main.frequency)))
+    level = 10 * float(np.log10(power[main_line] / power[:3].mean()))
     return Finding(
         f"At the resonance the force of the hammer is {max(-level, 0.0):.2g} dB below its plateau. "
         f"Lines up to {frf.frequency[-1]:.3g} Hz are used",
@@ -387,9 +389,9 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
     """No single hit determines the FRF near the resonance."""
     half_band = max(main.bandwidth, 2 * float(np.median(np.diff(frf.frequency))))
     near_resonance = np.abs(frf.frequency - main.frequency) <= half_band
-    without = leave_one_out(spectra, estimator)[:, near_resonance]
+    leave_one_out_frfs = leave_one_out(spectra, estimator)[:, near_resonance]
     average = estimate(spectra, estimator)[near_resonance]
-    change = np.linalg.norm(without - average, axis=1) / np.linalg.norm(average)
+    change = np.linalg.norm(leave_one_out_frfs - average, axis=1) / np.linalg.norm(average)
     worst = int(np.argmax(change))
     name = [hit.name for hit in frf.hits if hit.accepted][worst]
     value = float(change[worst])

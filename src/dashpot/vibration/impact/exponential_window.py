@@ -255,9 +255,9 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
         return None
     filters = _high_pass(taps)
     squares = np.array([np.convolve(row[:size], filters, "valid") ** 2 for row in rows])
-    before = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
+    early_power = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
     rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
-    if not before > _STEPS * rounding:
+    if not early_power > _STEPS * rounding:
         return None
     start = max(hit.pulse(0.01).stop for hit in hits)
     parts = np.array_split(np.arange(start, squares.shape[1]), _STRETCHES)
@@ -268,7 +268,7 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     variance = [float(squares[:, part].mean()) for part in parts]
     expected_spread = 2 * (0.5 - _PASSED) * len(rows)
     time = np.array([(quiet_samples / 2 - onset) / rate, *middle])
-    values = np.array([before, *variance])
+    values = np.array([early_power, *variance])
     freedom = expected_spread * np.array([quiet_samples, *map(len, parts)], dtype=float)
     width = np.array([quiet_samples, *map(len, parts)]) / rate
     decay = ScatterDecay(time, np.maximum(values, 1e-300), freedom, width, rounding)
@@ -289,10 +289,10 @@ def _estimate_noise_power(squares: FloatArray) -> float:
 
 def _high_pass(taps: int) -> FloatArray:
     """Return a linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
-    at = np.arange(taps) - (taps - 1) / 2
-    low = 2 * _PASSED * np.sinc(2 * _PASSED * at) * np.kaiser(taps, _BETA)
+    taps_from_centre = np.arange(taps) - (taps - 1) / 2
+    low = 2 * _PASSED * np.sinc(2 * _PASSED * taps_from_centre) * np.kaiser(taps, _BETA)
     low /= low.sum()
-    return np.asarray((at == 0) - low)
+    return np.asarray((taps_from_centre == 0) - low)
 
 
 def _number_step(rows: Sequence[FloatArray]) -> float:
@@ -391,5 +391,5 @@ def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
     decay = scatter_decay([hit.force for hit in hits], hits)
     if decay is None:
         return True
-    at = int(np.argmin(np.abs(decay.time - 1 / rate)))
-    return bool(np.sqrt(decay.variance[at] / decay.variance[0]) < (1 + np.exp(-1)) / 2)
+    decay_index = int(np.argmin(np.abs(decay.time - 1 / rate)))
+    return bool(np.sqrt(decay.variance[decay_index] / decay.variance[0]) < (1 + np.exp(-1)) / 2)

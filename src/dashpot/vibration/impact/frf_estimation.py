@@ -113,8 +113,10 @@ def _make_force_window(hit: HitBlock) -> FloatArray:
     pulse = hit.pulse(0.01)
     flat_stop = pulse.stop + max(pulse.stop - pulse.start, 4)
     taper_length = 2 * max(pulse.stop - pulse.start, 4)
-    at = np.arange(len(hit.force))
-    return np.asarray(0.5 * (1 + np.cos(np.pi * np.clip((at - flat_stop) / taper_length, 0, 1))))
+    samples = np.arange(len(hit.force))
+    return np.asarray(
+        0.5 * (1 + np.cos(np.pi * np.clip((samples - flat_stop) / taper_length, 0, 1)))
+    )
 
 
 @dataclass(frozen=True)
@@ -516,15 +518,16 @@ def _build_acceptance_parameters(choices: AveragingOptions) -> tuple[tuple[str, 
 
 
 def _make_cut_step(hits: Sequence[HitBlock]) -> Step:
-    length, before = hits[0].length, hits[0].onset / hits[0].rate
+    length, time_before = hits[0].length, hits[0].onset / hits[0].rate
     return Step(
         "cut",
         (
             ("hits", str(len(hits))),
             ("record", f"{length:.9g} s"),
-            ("pretrigger", f"{before:.9g} s"),
+            ("pretrigger", f"{time_before:.9g} s"),
         ),
-        f"{len(hits)} hits in records of {length:.4g} s, {format_quantity(before, 'ms', '.3g')} of "
+        f"{len(hits)} hits in records of {length:.4g} s, "
+        f"{format_quantity(time_before, 'ms', '.3g')} of "
         "each before the hit, from where the offsets were taken",
     )
 

@@ -106,9 +106,9 @@ class HitBlock:
         """Return the mean time of the pulse from the start of the block, and its rms width, s."""
         pulse_samples = self.pulse(0.05)
         weights = self.force[pulse_samples] / self.force[pulse_samples].sum()
-        at = np.arange(pulse_samples.start, pulse_samples.stop) / self.rate
-        middle = float(at @ weights)
-        return middle, float(np.sqrt((at - middle) ** 2 @ weights))
+        time = np.arange(pulse_samples.start, pulse_samples.stop) / self.rate
+        middle = float(time @ weights)
+        return middle, float(np.sqrt((time - middle) ** 2 @ weights))
 
 
 def width_at(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
@@ -166,9 +166,11 @@ def cut_hits(
             )
     rate = tests[0].rate
     onsets = [hit for test in tests for hit in _find(test)]
-    before = _choose_pretrigger(onsets, rate, pretrigger)
-    length = _choose_length(onsets, rate, before, record)
-    return tuple(_cut_hit(hit, str(i), before, length) for i, hit in enumerate(onsets, start=1))
+    pretrigger_samples = _choose_pretrigger(onsets, rate, pretrigger)
+    length = _choose_length(onsets, rate, pretrigger_samples, record)
+    return tuple(
+        _cut_hit(hit, str(i), pretrigger_samples, length) for i, hit in enumerate(onsets, start=1)
+    )
 
 
 def _belong_together(tests: Sequence[ImpactTest]) -> None:
@@ -309,8 +311,8 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     ringing = hit.past
     if ringing.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
         return hit
-    before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD) / hit.rate
-    basis = _make_decays(before, np.array(poles))
+    time_before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD) / hit.rate
+    basis = _make_decays(time_before, np.array(poles))
     c, *_ = np.linalg.lstsq(basis, ringing.T, rcond=1e-10)
     residual = ringing.T - basis @ c
     if residual.var() > (1 - EXPLAINED) * ringing.var():

@@ -316,8 +316,8 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     weights = 1 / np.repeat(lines.sd, 2, axis=1) ** 2
     value = max(1, MAX_BLOCK_SIZE // weights.shape[1])
     scans = []
-    for at in range(0, len(starts), value):
-        poles = np.array([complex(-sigma, omega) for sigma, omega in starts[at : at + value]])
+    for first in range(0, len(starts), value):
+        poles = np.array([complex(-sigma, omega) for sigma, omega in starts[first : first + value]])
         rows = _make_residue_columns(lines, poles).view(float)
         values, other = rows[0::2], rows[1::2]
         pairs = ((values, values), (values, other), (other, other))

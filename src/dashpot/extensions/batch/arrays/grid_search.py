@@ -70,6 +70,6 @@ class GridSearch:
         shape = (size,) * self.sets.shape[1]
         row = np.full(size ** len(shape), -1)
         row[np.ravel_multi_index((self.sets + 1).T, shape)] = np.arange(len(self.sets))
-        around = np.indices((3,) * len(shape)).reshape(len(shape), -1)
-        value = row[np.ravel_multi_index(self.sets.T[:, :, None] + around[:, None], shape)]
+        offsets = np.indices((3,) * len(shape)).reshape(len(shape), -1)
+        value = row[np.ravel_multi_index(self.sets.T[:, :, None] + offsets[:, None], shape)]
         return np.where(value < 0, np.arange(len(self.sets))[:, None], value)

@@ -185,12 +185,12 @@ def build_column_space(
 
 def _select_independent_rows(basis: FloatArray) -> IndexArray:
     """Return as many row indices as columns, each farthest from the span of those before it."""
-    rest, indices = basis.copy(), []
+    remainder, indices = basis.copy(), []
     for _ in range(basis.shape[1]):
-        square = np.vecdot(rest, rest)
+        square = np.vecdot(remainder, remainder)
         indices.append(int(np.argmax(square)))
-        unit = rest[indices[-1]] / np.sqrt(square[indices[-1]])
-        rest -= np.outer(rest @ unit, unit)
+        unit = remainder[indices[-1]] / np.sqrt(square[indices[-1]])
+        remainder -= np.outer(remainder @ unit, unit)
     return np.sort(np.array(indices))
 
 
@@ -202,7 +202,9 @@ def _make_compressed_family(
     second_from: float = 0.0,
 ) -> CompressedFamily:
     origins = (0.0, second_from)
-    nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
+    nodes = np.concatenate(
+        [plan.nodes + origin for plan, origin in zip(plans, origins, strict=False)]
+    )
     root = np.concatenate([plan.root_weight for plan in plans])
 
     def make_node_block(indices: IndexArray) -> DataBlock:
@@ -227,11 +229,13 @@ class CompressedFamily(SharedSampling):
 
     def _reduce_records(self, values: FloatArray) -> ReducedRecords:
         z, remainder_sse = project_values(self.plans, values)
-        at = z @ self.space.basis
-        rest = z - at @ self.space.basis.T
-        fixed_part, extra = at[:, : self.fixed_count], at[:, self.fixed_count :]
+        projected = z @ self.space.basis
+        remainder = z - projected @ self.space.basis.T
+        fixed_part, extra = projected[:, : self.fixed_count], projected[:, self.fixed_count :]
         return ReducedRecords(
-            (fixed_part, extra), remainder_sse + np.vecdot(rest, rest), np.vecdot(extra, extra)
+            (fixed_part, extra),
+            remainder_sse + np.vecdot(remainder, remainder),
+            np.vecdot(extra, extra),
         )
 
     def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
@@ -263,8 +267,8 @@ class CompressedFamily(SharedSampling):
         fixed = np.zeros((len(columns), q))
         fixed[:q] = self.space.triangle
         all_columns = np.concatenate((fixed, columns), axis=1)
-        at = np.concatenate(reduced.data, axis=1) @ all_columns
-        return all_columns.T @ all_columns, at[:, :q], at[:, q:]
+        projected = np.concatenate(reduced.data, axis=1) @ all_columns
+        return all_columns.T @ all_columns, projected[:, :q], projected[:, q:]
 
 
 @dataclass(frozen=True, eq=False)

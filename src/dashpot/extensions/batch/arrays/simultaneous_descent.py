@@ -66,19 +66,19 @@ def descend_together(
             change, last[active], expected_fall, sse
         )
         is_finished |= change <= FINISHED
-        before = current.sse
+        previous_sse = current.sse
         if is_finished.any():
             points.put(active[is_finished], current.take(is_finished).ahead(step[is_finished]))
             converged[active[is_finished]] = True
-            active, trial, change, before = (
-                x[~is_finished] for x in (active, trial, change, before)
+            active, trial, change, previous_sse = (
+                x[~is_finished] for x in (active, trial, change, previous_sse)
             )
         if not len(active):
             break
         new = evaluate_trials(family, trial, reduced.take(active))
         is_tail, is_better = (
             change < TAIL,
-            is_step_acceptable(new.sse, before, change, rounding[active]),
+            is_step_acceptable(new.sse, previous_sse, change, rounding[active]),
         )
         improved = active[is_better]
         last[improved] = change[is_better]

@@ -68,11 +68,11 @@ class Chart(Serialisable):
     def causes(self) -> tuple[tuple[int, int], ...]:
         """First and last point of each run of points that break a rule: a cause each."""
         results: list[tuple[int, int]] = []
-        for at in self.signalling_points:
-            if results and at - results[-1][1] == 1:
-                results[-1] = (results[-1][0], at)
+        for index in self.signalling_points:
+            if results and index - results[-1][1] == 1:
+                results[-1] = (results[-1][0], index)
             else:
-                results.append((at, at))
+                results.append((index, index))
         return tuple(results)
 
 

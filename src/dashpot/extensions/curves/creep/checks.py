@@ -44,30 +44,32 @@ MAX_NONLINEARITY, SIGNIFICANT_SE = 0.03, 3.0
 @criterion("samples", ">=", MIN_BASELINE, "our choice: the fewest that give a scatter")
 def load_begins_at_rest(test: LoadHold) -> Finding:
     """The record shows the part at rest before the load: the zero of the displacement."""
-    before = int(np.searchsorted(test.time, test.onset))
-    count = f"{before} sample{'s' * (before != 1)}"
-    zero = f"{before} samples before the load give the zero of the displacement"
-    third_length = before // 3
+    samples_before = int(np.searchsorted(test.time, test.onset))
+    count = f"{samples_before} sample{'s' * (samples_before != 1)}"
+    zero = f"{samples_before} samples before the load give the zero of the displacement"
+    third_length = samples_before // 3
     # under a load that is on record the part may move
-    unloaded = before and float(np.ptp(test.load[:before])) < MAX_PRELOAD * test.level
-    if before >= MIN_BASELINE and unloaded:
+    unloaded = (
+        samples_before and float(np.ptp(test.load[:samples_before])) < MAX_PRELOAD * test.level
+    )
+    if samples_before >= MIN_BASELINE and unloaded:
         first, last = (
             test.displacement[:third_length],
-            test.displacement[before - third_length : before],
+            test.displacement[samples_before - third_length : samples_before],
         )
         travel = float(np.ptp(test.displacement))
         ratio = abs(median(last) - median(first)) / travel
         chance = 4 * test.displacement_noise * np.sqrt(2 / third_length)
         return Finding(
             f"{zero}, and move by {100 * ratio:.2g} % of the travel",
-            float(before),
+            float(samples_before),
             "The part still moves under an earlier load",
             "Let it rest, or record that load too.",
             always_fails=ratio > max(MAX_STIR, chance / travel),
         )
     return Finding(
         zero,
-        float(before),
+        float(samples_before),
         failure=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
         "The file's own zero is taken for that of the unloaded part",
         remedy="Start the record a second before the load.",

@@ -18,7 +18,7 @@ from dashpot.plot.plotted_data import (
     unit_of,
 )
 
-SINCE = "time since the load began, s"
+TIME_LABEL = "time since the load began, s"
 
 
 def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Picture:
@@ -51,7 +51,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         label = f"displacement, {word}"
     else:
         scale, label = 100.0, "strain, %"
-    horizontal = Scale(SINCE, (first, float(t[-1])), log=True)
+    horizontal = Scale(TIME_LABEL, (first, float(t[-1])), log=True)
 
     def line(values: FloatArray) -> tuple[FloatArray, FloatArray]:
         return downsample_to_extremes(t, scale * values, bins=350, log=True)

@@ -134,14 +134,14 @@ def _find_cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | N
     if not cycle_holds:
         return None
     cycle, hold = max(cycle_holds, key=lambda pair: pair[1].duration)
-    before = force[: cycle.ramp.first + 1]
+    force_before = force[: cycle.ramp.first + 1]
     # a record that begins on its load ramp begins at its first reading
-    preload = median(before) if len(before) >= _FEWEST else float(force[0])
+    preload = median(force_before) if len(force_before) >= _FEWEST else float(force[0])
     level = hold.level - preload
     if not level > 0 or hold.last - hold.first < _FEWEST:
         return None
-    at = cycle.segments.index(hold)
-    ramp = cycle.segments[at - 1]
+    hold_index = cycle.segments.index(hold)
+    ramp = cycle.segments[hold_index - 1]
     return _HeldLoad(
         float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, sign
     )
@@ -291,26 +291,28 @@ def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray
 
 def _locate_readings(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
     """Return the corner before each reading, and how far it is to the next, as a part."""
-    at = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 2)
-    return at, (time - corners[at]) / (corners[at + 1] - corners[at])
+    corner_index = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 2)
+    return corner_index, (time - corners[corner_index]) / (
+        corners[corner_index + 1] - corners[corner_index]
+    )
 
 
 def _project_columns(time: FloatArray, corners: FloatArray, columns: FloatArray) -> FloatArray:
     """Products of columns with the shape that the height of each corner gives."""
-    at, part = _locate_readings(time, corners)
+    corner_index, part = _locate_readings(time, corners)
     products = np.zeros((len(corners), columns.shape[1]))
-    np.add.at(products, at, (1 - part)[:, None] * columns)
-    np.add.at(products, at + 1, part[:, None] * columns)
+    np.add.at(products, corner_index, (1 - part)[:, None] * columns)
+    np.add.at(products, corner_index + 1, part[:, None] * columns)
     return products
 
 
 def _compute_gram(time: FloatArray, corners: FloatArray) -> FloatArray:
     """Products of those shapes with one another."""
-    at, part = _locate_readings(time, corners)
+    corner_index, part = _locate_readings(time, corners)
     gram = np.zeros((len(corners), len(corners)))
     for i, values in ((0, 1 - part), (1, part)):
         for j, other in ((0, 1 - part), (1, part)):
-            np.add.at(gram, (at + i, at + j), values * other)
+            np.add.at(gram, (corner_index + i, corner_index + j), values * other)
     return gram
 
 

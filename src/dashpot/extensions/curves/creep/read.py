@@ -27,10 +27,10 @@ from dashpot.reading.readers.relaxation import load_signals
 
 _CURVE: tuple[Role, ...] = ("time", "creep_compliance")
 _MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
-_PART: tuple[Role, ...] = ("time", "displacement", "force")
+_PART_ROLES: tuple[Role, ...] = ("time", "displacement", "force")
 # a name that says it and a unit that fits; a gap under an axial force is no such pair
 _CERTAIN_SCORE = 3.0
-_LIKELY = 2.5
+_LIKELY_SCORE = 2.5
 _NAMED_SCORE = 1.5
 
 
@@ -56,17 +56,17 @@ def read_creep(
 
 def roles(file: OpenedFile) -> tuple[Role, ...]:
     """The columns that a creep test is read from: a compliance, stress and strain, or a part's."""
-    for roles_wanted in (_CURVE, _MATERIAL, _PART):
+    for roles_wanted in (_CURVE, _MATERIAL, _PART_ROLES):
         if any(getattr(file.options, role) for role in roles_wanted[1:]):
             return roles_wanted
     for roles_wanted, min_score in (
-        (_CURVE, _LIKELY),
-        (_PART, _CERTAIN_SCORE),
-        (_MATERIAL, _LIKELY),
+        (_CURVE, _LIKELY_SCORE),
+        (_PART_ROLES, _CERTAIN_SCORE),
+        (_MATERIAL, _LIKELY_SCORE),
     ):
         if all(_is_likely_column(file, role, min_score) for role in roles_wanted[1:]):
             return roles_wanted
-    return _PART
+    return _PART_ROLES
 
 
 def read_creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepCompliance:
@@ -92,7 +92,7 @@ def read_creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComp
 
     values, notes = load_signals(file, channels_chosen)
     time, displacement, pushed = (values[role] for role in role_names)
-    if role_names is _PART:
+    if role_names is _PART_ROLES:
         notes += _refuse_sizes(file, channels_chosen, values)
     else:
         refuse_creep_sizes(file, channels_chosen, displacement, pushed)

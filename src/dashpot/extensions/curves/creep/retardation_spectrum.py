@@ -33,11 +33,11 @@ def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock
     equilibrium_name : str
         Name of the fixed column that is F.
     """
-    at = block.fixed_names.index(equilibrium_name)
+    equilibrium_index = block.fixed_names.index(equilibrium_name)
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
         evaluation = block.rows(log_tau, derivative)
-        arms = evaluation.fixed[:, [at]] - evaluation.arms
+        arms = evaluation.fixed[:, [equilibrium_index]] - evaluation.arms
         return evaluation._replace(arms=arms, d_arms=-evaluation.d_arms if derivative else arms)
 
     return replace(

@@ -292,13 +292,13 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
         times = (max(value - by, first) for value in (self.onset, self.ramp_end, self.hold_end))
         onset, ramp_end, hold_end = times
         # what a straight line has between readings stands at its corners
-        at, heights = np.array(self.corners), np.array(self.heights)
+        corner_times, heights = np.array(self.corners), np.array(self.heights)
         if not len(heights):
-            at, heights = self.time, self.load
+            corner_times, heights = self.time, self.load
         corners = np.clip(np.array(self.corners) - by, first, self.time[-1])
         return replace(
             self,
-            load=np.interp(self.time + by, at, heights),
+            load=np.interp(self.time + by, corner_times, heights),
             onset=onset,
             ramp_end=ramp_end,
             hold_end=hold_end,

@@ -58,8 +58,8 @@ class Superposition(EqualByValue, Plottable):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "temperature", samples("temperature", self.temperature))
-        at = self.curve.frequency if isinstance(self.curve, DynamicTest) else self.curve.time
-        same_length(curve=at, temperature=self.temperature)
+        abscissa = self.curve.frequency if isinstance(self.curve, DynamicTest) else self.curve.time
+        same_length(curve=abscissa, temperature=self.temperature)
 
     @property
     def model(self) -> GeneralizedMaxwell:

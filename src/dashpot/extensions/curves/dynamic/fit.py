@@ -134,7 +134,7 @@ _FASTER = 30.0
 # and so much slower one still adds a loss to its lowest lines
 _SLOWER = 1000.0
 # weights of one temperature, and of several
-_USUAL: tuple[Weights, Weights] = ("relative", "modulus")
+_USUAL_WEIGHTS: tuple[Weights, Weights] = ("relative", "modulus")
 
 
 def fit_dynamic(
@@ -208,7 +208,7 @@ def fit_dynamic(
     shifted = isinstance(origin, Superposition)
     if shifted:
         _validate_temperature_options(family, records)
-    weights = weights or _USUAL[shifted]
+    weights = weights or _USUAL_WEIGHTS[shifted]
     max_arm_count = validate_arm_count(arms, max_arms)
     sets = (
         _build_sweep(data, weights, dashpot=dashpot, max_arms=max_arm_count),

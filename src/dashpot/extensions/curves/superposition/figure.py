@@ -39,7 +39,7 @@ from dashpot.plot.style import SEQUENTIAL, sequential
 from dashpot.solids.maxwell import Solid
 
 _DOT = 4.5
-_THIN = Pen("measured", 1.3)
+_THIN_PEN = Pen("measured", 1.3)
 """The fit beneath the samples, whose colours say more."""
 
 
@@ -98,13 +98,14 @@ def _make_sweep_panels(
         panels.append(
             Panel(horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(row, line),
             log=True),
-                  (Line(f, line, _THIN, text), *dots, *temperature_tags), height=220)
+                  (Line(f, line, _THIN_PEN, text), *dots, *temperature_tags), height=220)
         )  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
         Scale(f"size of the modulus, {word}", compute_padded_log_limits(size), log=True),
         Scale("loss angle, °", compute_padded_limits(angle)),
-        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_make_dots(data, size, angle)),
+        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN_PEN), *_make_dots(data, size,
+        angle)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
     return (*panels, palmen)
@@ -127,7 +128,7 @@ def _make_curve_panels(
     dots = _make_dots(data, curve.time, measured)
     upper = Panel(
         horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
-        (Line(t, line, _THIN, text), *dots, *_make_temperature_tags(dots)), height=220,
+        (Line(t, line, _THIN_PEN, text), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
         horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
@@ -143,7 +144,7 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
     error = 2 * np.array([shift.se for shift in shifts.shifts])
     dense = np.linspace(t[0], t[-1], 200)
     law = shifts.law.log10_a_t(dense)
-    celsius, at = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
+    celsius, tested_celsius = convert_to_unit(dense, "degC"), convert_to_unit(t, "degC")
     law_name = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "between the shifts")
     marks: list[Mark] = []
     if shifts.law_parameters:
@@ -153,10 +154,10 @@ def shift_panel(shifts: TemperatureShifts) -> Panel:
         )
     marks += [
         Line(celsius, law, FIT, law_name),
-        Dots(at, log10, "measured", "shift", error=error),
+        Dots(tested_celsius, log10, "measured", "shift", error=error),
     ]
     return Panel(
-        Scale("temperature, °C", compute_padded_limits(at)),
+        Scale("temperature, °C", compute_padded_limits(tested_celsius)),
         Scale("log₁₀ of the shift factor", compute_padded_limits(log10 - error, log10 + error)),
         tuple(marks), title=f"shift factors, b = {shifts.vertical}", height=220,
     )  # fmt: skip
@@ -182,8 +183,18 @@ def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
     for dot in dots:
         finite_indices = np.flatnonzero(np.isfinite(dot.y))
         if len(finite_indices):
-            at = finite_indices[np.argsort(dot.x[finite_indices])[len(finite_indices) // 2]]
-            tags.append(Tag(float(dot.x[at]), float(dot.y[at]), dot.label, dot.colour, bold=True))
+            middle_index = finite_indices[
+                np.argsort(dot.x[finite_indices])[len(finite_indices) // 2]
+            ]
+            tags.append(
+                Tag(
+                    float(dot.x[middle_index]),
+                    float(dot.y[middle_index]),
+                    dot.label,
+                    dot.colour,
+                    bold=True,
+                )
+            )
     return tags
 
 

@@ -153,8 +153,8 @@ def _with_temperature(test: Measured, number: int) -> Measured:
             "--reference out. Of several name the column, --column temperature=NAME, or give "
             "--temperature for each file"
         )
-    at = test.frequency if isinstance(test, DynamicTest) else test.time
-    return replace(test, temperature=np.full(len(at), kelvin))
+    abscissa = test.frequency if isinstance(test, DynamicTest) else test.time
+    return replace(test, temperature=np.full(len(abscissa), kelvin))
 
 
 def split_isotherms(data: Measured) -> tuple[Isotherm, ...]:

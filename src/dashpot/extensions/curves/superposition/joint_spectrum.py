@@ -30,7 +30,7 @@ GRID_MARGIN = _LN10
 # a retardation so far beyond the data is a flow
 FLOWS = 4 * _LN10
 # sizes of ln a and ln b: a step is at most half as long again
-_SIZES = 0.3, 0.2
+_STEP_SIZES = 0.3, 0.2
 _STEPS, _GRIDS, _STILL, _LEAST_GAIN = 60, 4, 1e-5, 1e-8
 # of ln a, from which the grid no longer fits
 _REGRID = 0.2 * _LN10
@@ -138,7 +138,7 @@ class ShiftSearch:
     def problem(self) -> Problem:
         """The shifts that are free, and the spectrum."""
         n = len(self.isotherms)
-        sizes = [Parameter(scale=_SIZES[i // n]) for i in self.free.tolist()]
+        sizes = [Parameter(scale=_STEP_SIZES[i // n]) for i in self.free.tolist()]
         return Problem(self.rows, sizes, positive=True, priors=n - 1)
 
     def split_shifts(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:

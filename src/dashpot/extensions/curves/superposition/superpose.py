@@ -47,7 +47,7 @@ from dashpot.extensions.curves.superposition.pairwise_shifts import make_chained
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-ROOM = 296.15
+ROOM_TEMPERATURE = 296.15
 """The reference where nobody gives one: the temperature tested that is nearest to 23 degC, K."""
 _LN10 = float(np.log(10.0))
 # decades to which shifts are known that come without an error: as curves are overlaid by eye
@@ -107,27 +107,28 @@ def superpose(
             f"every sample was measured at about {celsius(float(t[0]))}: a master curve needs "
             "several temperatures"
         )
-    at = _reference(t, convert_to_si(reference, "temperature"))
+    reference_index = _reference(t, convert_to_si(reference, "temperature"))
     parts = _fit_isotherms_separately(isotherms)
     if shifts:
-        best, vertical_rule, checks = _apply_stated_shifts(isotherms, shifts, at)
+        best, vertical_rule, checks = _apply_stated_shifts(isotherms, shifts, reference_index)
     else:
         best, vertical_rule, checks = _search_shifts(
-            isotherms, at, vertical, np.sqrt(parts.variance)
+            isotherms, reference_index, vertical, np.sqrt(parts.variance)
         )
-    covariance = _compute_decadic_covariance(best, at)
+    covariance = _compute_decadic_covariance(best, reference_index)
     table = make_shifts(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     shift_covariance = (
         covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
     )
     law_fit = fit_shift_law(
-        t, [shift.log10_a_t for shift in table], shift_covariance, reference=float(t[at]), law=law
+        t, [shift.log10_a_t for shift in table], shift_covariance,
+        reference=float(t[reference_index]), law=law
     )  # fmt: skip
     temperatures = TemperatureShifts(
         law_fit.law, table, covariance, law_fit.parameters, law_fit.covariance, vertical_rule
     )
     solid, rms = _solid(isotherms, best)
-    curve, measured_at = _master(test, isotherms, best, float(t[at]))
+    curve, measured_at = _master(test, isotherms, best, float(t[reference_index]))
     return Superposition(
         curve,
         measured_at,
@@ -135,7 +136,7 @@ def superpose(
         solid,
         rms,
         (
-            *_collect_checks(isotherms, best, at, law_fit, law),
+            *_collect_checks(isotherms, best, reference_index, law_fit, law),
             thermorheologically_simple(*parts.compare_with_joint(best), rms),
             *checks,
         ),
@@ -164,9 +165,10 @@ class _SeparateSpectra(NamedTuple):
 
 
 def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _SeparateSpectra:
-    at = np.zeros(1)
+    log_shift = np.zeros(1)
     spectra = [
-        fit_spectrum([isotherm], at, at, make_grid([isotherm], at)) for isotherm in isotherms
+        fit_spectrum([isotherm], log_shift, log_shift, make_grid([isotherm], log_shift))
+        for isotherm in isotherms
     ]
     return _SeparateSpectra(
         sum(spectrum.sse for spectrum in spectra),
@@ -175,7 +177,7 @@ def _fit_isotherms_separately(isotherms: Sequence[Isotherm]) -> _SeparateSpectra
 
 
 def _reference(t: FloatArray, target: float | None) -> int:
-    nearest_index = int(np.argmin(np.abs(t - (ROOM if target is None else target))))
+    nearest_index = int(np.argmin(np.abs(t - (ROOM_TEMPERATURE if target is None else target))))
     if target is not None and abs(t[nearest_index] - target) > ONE_TEMPERATURE:
         raise FitError(
             f"no test within {ONE_TEMPERATURE:g} K of the reference of {celsius(target)}; tested "
@@ -190,9 +192,9 @@ def _search_shifts(
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
     log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[reference_index])}
-    requested = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
+    vertical_rules = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
     spectra: dict[str, ShiftedSpectrum] = {}
-    for name in requested:
+    for name in vertical_rules:
         start = make_chained_starts(isotherms, log_b_by_rule[name], reference_index)
         spectra[name] = solve_shifts(
             isotherms, start, log_b_by_rule[name], reference=reference_index, noise=noise
@@ -321,10 +323,10 @@ def _master(
     counts = [len(isotherm.at) for isotherm in isotherms]
     temperature = np.repeat([isotherm.temperature for isotherm in isotherms], counts)
     a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)
-    at = np.concatenate([isotherm.at for isotherm in isotherms])
+    abscissa = np.concatenate([isotherm.at for isotherm in isotherms])
     specimen = replace(test.specimen, temperature=reference)
     if isinstance(test, DynamicTest):
-        frequency = at * a / (2 * np.pi)
+        frequency = abscissa * a / (2 * np.pi)
         order = np.argsort(frequency, kind="stable")
         value = np.concatenate([isotherm.complex for isotherm in isotherms]) / b
         curve: Measured = DynamicTest(
@@ -332,7 +334,7 @@ def _master(
             test.source, units="SI",
         )  # fmt: skip
         return curve, temperature[order]
-    time, value = at / a, np.concatenate([isotherm.size for isotherm in isotherms])
+    time, value = abscissa / a, np.concatenate([isotherm.size for isotherm in isotherms])
     value = value * b if isinstance(test, CreepCompliance) else value / b
     order = np.argsort(time, kind="stable")
     time, value, temperature = time[order], value[order], temperature[order]

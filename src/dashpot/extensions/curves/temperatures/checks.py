@@ -24,7 +24,7 @@ MAX_SHIFT_SLOPE = 0.05
 # K over a record
 STEADY = 1.0
 # of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
-ELSEWISE = 0.15
+MAX_LN_B_DEVIATION = 0.15
 MAX_BACK = 2.5
 
 
@@ -84,16 +84,19 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
     )
 
 
-@criterion("|ln b_T - ln T/T_r|", "<=", ELSEWISE, "our choice: three times what rubbers show")
+@criterion(
+    "|ln b_T - ln T/T_r|", "<=", MAX_LN_B_DEVIATION, "our choice: three times what rubbers show"
+)
 def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     """The stiffness is about proportional to absolute temperature, as rubber's is."""
     log_deviations = [
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
     worst = int(np.argmax(np.abs(log_deviations)))
-    at = celsius(shifts.shifts[worst].temperature)
+    temperature_text = celsius(shifts.shifts[worst].temperature)
     return Finding(
-        f"At {at} every stiffness differs by {100 * np.expm1(log_deviations[worst]):+.2g} % from "
+        f"At {temperature_text} every stiffness differs by "
+        f"{100 * np.expm1(log_deviations[worst]):+.2g} % from "
         "rubber elasticity",
         abs(log_deviations[worst]),
         remedy="Check specimen, depth, length and temperature.",

@@ -54,9 +54,9 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
         )
         text = celsius(test.specimen.temperature or 0.0).replace("deg", "°")
         marks.append(Line(x, y, Pen(colour, 3.2), text))
-        at, force = fitted_force(fit, test)
-        is_shown = at >= shortest
-        x, y = downsample_to_extremes(at[is_shown], force[is_shown], bins=400, log=True)
+        fitted_time, force = fitted_force(fit, test)
+        is_shown = fitted_time >= shortest
+        x, y = downsample_to_extremes(fitted_time[is_shown], force[is_shown], bins=400, log=True)
         marks.append(Line(x, y, Pen("fit", 1.2), "" if shown_forces else "one model"))
         shown_forces.append(y)
     axes = (

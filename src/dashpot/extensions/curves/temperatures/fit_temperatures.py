@@ -225,8 +225,8 @@ def _end_of_hold(fit: MultiTemperatureFit, result: Fit) -> EndOfHold | None:
     """Return the limits at the end of the hold at the reference temperature, for linear ramps."""
     records = [
         test.record
-        for test, at in zip(fit.best.tests, fit.best.joint.at, strict=True)
-        if at == fit.best.joint.reference and test.law is None
+        for test, temperature_index in zip(fit.best.tests, fit.best.joint.at, strict=True)
+        if temperature_index == fit.best.joint.reference and test.law is None
     ]
     if not records:
         return None
@@ -397,8 +397,8 @@ def _find_band_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
     """Return the valid band of the tests at one temperature, Hz at the reference."""
     group = [
         find_single_test_band(block, stiffness=max(fit.best.point.solid.k_0, 1e-300), noise=1.0)
-        for block, at in zip(_reduce_tests(fit), fit.best.joint.at, strict=True)
-        if at == i
+        for block, temperature_index in zip(_reduce_tests(fit), fit.best.joint.at, strict=True)
+        if temperature_index == i
     ]
     return min(low for low, _ in group), max(high for _, high in group)
 

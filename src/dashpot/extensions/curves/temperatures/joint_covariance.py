@@ -149,7 +149,7 @@ def compute_joint_covariance(
     shared = joint.names(point.order)
     names = (*shared, *list_column_names(tests))
     residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(tests)]
-    jacobians, before, noises, residual_parts, unmeasured = [], [], [], [], []
+    jacobians, earlier_rows, noises, residual_parts, unmeasured = [], [], [], [], []
     for i, (test, residual) in enumerate(zip(tests, residuals, strict=True)):
         weight, rows = 1 / test.spread, test.prior_rows[0]
         column_indices = [names.index(f"{kind}@{i}") for kind in test.kinds]
@@ -161,14 +161,14 @@ def compute_joint_covariance(
         jacobian[:, column_indices], values[:, column_indices] = weight * residual.columns, rows
         rounding_level = weight * rounding_rms(float(np.abs(test.record.force).max()))
         jacobians.append(jacobian)
-        before.append(values)
+        earlier_rows.append(values)
         noises.append(noise_of(weight * residual.residual, jacobian, rounding=rounding_level))
         solid = point.solid_at(int(joint.at[i]))
         residual_parts.append(partial(_encoder_rows, test, solid))
         unmeasured.append(weight * test.unmeasured_effects(solid))
     if "slope" in names:
-        before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
-    prior_sds = np.concatenate(before)
+        earlier_rows.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
+    prior_sds = np.concatenate(earlier_rows)
     information = make_directions([*jacobians, prior_sds])
     covariance = sandwich(
         information,

@@ -61,12 +61,16 @@ def optimum(
     :func:`~dashpot.extensions.curves.temperatures.fit_temperatures.fit_thermal`.
     """
     temperatures = temperatures_of([test.record for test in tests])
-    at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
+    temperature_index = np.array(
+        [int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests]
+    )
     slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
 
     def joint_of(tests_in_fit: Sequence[SingleTemperatureTest]) -> JointTests:
         blocks = [test.marginal for test in tests_in_fit]
-        return JointTests(blocks, at, temperatures, reference, options.vertical, slope)
+        return JointTests(
+            blocks, temperature_index, temperatures, reference, options.vertical, slope
+        )
 
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
@@ -83,7 +87,7 @@ def optimum(
         point = _select_candidate(order_candidates, choice, arms).point
         tests = tuple(
             _add_warming(test, point, int(i), temperatures)
-            for test, i in zip(tests, at, strict=True)
+            for test, i in zip(tests, temperature_index, strict=True)
         )
         joint = joint_of(tests)
         order_candidates = refine_candidates(joint, order_candidates, effective)

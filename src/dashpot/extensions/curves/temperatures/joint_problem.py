@@ -32,7 +32,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 _Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArray]]
 
 # sizes of ln tau, ln a, ln b and g: a step is at most half as long again
-_SIZES = {"ln_tau": 0.7, "ln_a": 0.35, "ln_b": 0.2, "slope": 0.07}
+_STEP_SIZES = {"ln_tau": 0.7, "ln_a": 0.35, "ln_b": 0.2, "slope": 0.07}
 # an arm smaller than this part of the stiffness is none
 _NOTHING = 1e-8
 # steps of a descent, and the relative fall of chi-square that is none
@@ -206,7 +206,7 @@ class JointTests:
         kinds = [name.rpartition("_")[0] or name for name in self.names(n)[1 + n :]]
         return Problem(
             lambda theta: Rows(*self._stack_all_tests(self._replace_parameters(start, theta))),
-            [Parameter(scale=_SIZES[kind]) for kind in kinds],
+            [Parameter(scale=_STEP_SIZES[kind]) for kind in kinds],
             positive=True,
             priors=len(self._build_prior_rows(start)),
             gauge=clip_log_tau,

@@ -171,11 +171,11 @@ class SingleTemperatureTest:
         temperature of the test.
         """
         (time, x), cell_priors = self.path, build_load_cell_priors(self.record)
-        at = select_motion_samples(self.record, time)
-        effects = compute_unmeasured_effects(self.record, time[at], x[at], solid)
+        samples = select_motion_samples(self.record, time)
+        effects = compute_unmeasured_effects(self.record, time[samples], x[samples], solid)
         # it is sought
         del effects["warming"]
-        columns = [sd * np.interp(time, time[at], column) for column, sd in effects.values()]
+        columns = [sd * np.interp(time, time[samples], column) for column, sd in effects.values()]
         columns.append(
             cell_priors.limit_drift.compute_remainder(cell_priors.drift).sd
             * (time - cell_priors.offset_time)

@@ -53,12 +53,15 @@ def make_page_part(fit: Fit) -> TemperaturePart:
 def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
     """The constants of the law, and the shifts of the ends."""
     # an error of the noise alone is no interval, and says so
-    single = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
+    error_label = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
     if shifts.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
         yield Group(
-            f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{single}",
-            tuple(_make_error_row(constant, single=bool(single)) for constant in shifts.constants),
+            f"{law} about {format_quantity(shifts.reference, '°C', '.4g')}{error_label}",
+            tuple(
+                _make_error_row(constant, is_noise_error=bool(error_label))
+                for constant in shifts.constants
+            ),
         )
     all_shifts = shifts.tested_shifts
     selected_shifts = (
@@ -67,19 +70,19 @@ def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
         else (all_shifts[0], all_shifts[len(all_shifts) // 2], all_shifts[-1])
     )
     yield Group(
-        f"Shift, log₁₀ a_T{single}",
+        f"Shift, log₁₀ a_T{error_label}",
         tuple(
             _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
-                      single=bool(single))
+                      is_noise_error=bool(error_label))
             for end in selected_shifts
         ),
     )  # fmt: skip
 
 
-def _make_error_row(reported_value: ReportedValue, name: str = "", *, single: bool) -> Row:
+def _make_error_row(reported_value: ReportedValue, name: str = "", *, is_noise_error: bool) -> Row:
     """A number with its standard error: as its 95 % interval, or beside it where that is more."""
     error = reported_value.error or 0.0
-    if single or not 0 < error < math.inf:
+    if is_noise_error or not 0 < error < math.inf:
         return row(reported_value, name)._replace(value=reported_value.cells.with_error)
     half_width = NORMAL * error
     return row(

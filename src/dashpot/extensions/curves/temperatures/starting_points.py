@@ -144,6 +144,6 @@ def _keep(
         point = joint.descend(point)
     parameters = len(joint.names(point.order))
     score = bic_of_deviance(point.chi_square, effective=effective, parameters=parameters)
-    before = best.get(point.order)
-    if before is None or score < before.bic:
+    best_so_far = best.get(point.order)
+    if best_so_far is None or score < best_so_far.bic:
         best[point.order] = OrderCandidate(point, score)

@@ -34,7 +34,7 @@ from dashpot.solids.elastic import ElasticLaw
 KNOTS = (2, 3, 5, 9, 13, 17)
 _AS_WELL = 1.05
 """A law on fewer knots is taken if it leaves no more than this times what the finest leaves."""
-_FELT = 5.0
+_CONTACT_SD = 5.0
 """Standard deviations of the force above which the plate is on the seal."""
 
 
@@ -157,7 +157,7 @@ def find_loaded_samples(cld: CLD) -> IndexArray:
     rows = np.concatenate(
         [np.arange(branch.samples.start, branch.samples.stop) for branch in branches]
     )
-    is_loaded = cld.force[rows] > _FELT * cld.noise
+    is_loaded = cld.force[rows] > _CONTACT_SD * cld.noise
     return np.asarray(rows[is_loaded & (cld.compression[rows] > 0)])
 
 
@@ -241,9 +241,10 @@ def _compute_common_force(cld: CLD, e: FloatArray, number: int) -> float:
 
 def _check_relaxed_force(cld: CLD, law: ElasticLaw, fit: Fit) -> list[Check]:
     """Return checks of the relaxed force against the relaxation test at each compression."""
-    held_stiffnesses = [(at.depth, at.k_inf) for at in fit.evidence.stiffness_by_depth] or [
-        (get_depth(fit), fit.model.k_inf)
-    ]
+    held_stiffnesses = [
+        (stiffness_at_depth.depth, stiffness_at_depth.k_inf)
+        for stiffness_at_depth in fit.evidence.stiffness_by_depth
+    ] or [(get_depth(fit), fit.model.k_inf)]
     times = get_length_ratio(cld, fit)
     return [
         checks.relaxed_agrees(

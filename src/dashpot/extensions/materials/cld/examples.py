@@ -21,12 +21,12 @@ def _simulate_force(path: FloatArray, is_in_contact: BoolArray, step: float) -> 
     mean = k * (1 - decay) * tau / step
     arms, position, force = np.zeros(len(k)), 0.0, np.zeros(len(path))
     for i, next_position in enumerate(path.tolist()):
-        before, position, passed = position, next_position, decay * arms
-        force[i] = BROAD.k_inf * position + (passed + mean * (position - before)).sum()
+        previous_position, position, passed = position, next_position, decay * arms
+        force[i] = BROAD.k_inf * position + (passed + mean * (position - previous_position)).sum()
         if force[i] <= 0 or not is_in_contact[i]:
             force[i] = 0.0
-            position = (mean.sum() * before - passed.sum()) / (BROAD.k_inf + mean.sum())
-        arms = passed + mean * (position - before)
+            position = (mean.sum() * previous_position - passed.sum()) / (BROAD.k_inf + mean.sum())
+        arms = passed + mean * (position - previous_position)
     return force
 
 

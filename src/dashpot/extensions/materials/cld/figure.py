@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.materials.cld.fit_files import CLDResult
 
 
-_FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
+_FIRST_CYCLE_STYLE = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"
 _SPECIMEN_COLOURS = ("measured", "joint-ink", "fit")
 """Colours of as many specimens; of more, all are alike."""
@@ -57,10 +57,10 @@ def cld(
         *_make_nominal_marks(first, valued=single),
     ]
     x, y = (np.concatenate([getattr(line, way) for line in lines]) for way in ("x", "y"))
-    requested = [limit for limit in limits or () if limit is not None and np.isfinite(limit)]
-    if requested:
-        marks += _draw_force_limits(first, requested)
-        y = np.append(y, requested)
+    finite_limits = [limit for limit in limits or () if limit is not None and np.isfinite(limit)]
+    if finite_limits:
+        marks += _draw_force_limits(first, finite_limits)
+        y = np.append(y, finite_limits)
     start, stop = compute_padded_limits(x)
     longest = max((len(name.text) for name in names), default=0)
     axis = Scale(
@@ -105,8 +105,8 @@ def _make_curves(specimens: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
 
 def _make_nominal_marks(result: CLD, *, valued: bool) -> Iterator[Mark]:
     """Return marks of nominal compression and limits, of one specimen with the force."""
-    for at in result.limit_marks:
-        compression, force = convert_to_unit(at.compression, "mm"), result.per * at.loading
+    for mark in result.limit_marks:
+        compression, force = convert_to_unit(mark.compression, "mm"), result.per * mark.loading
         yield Rule(compression, REF)
         if valued:
             yield Tag(compression, force, f"{force:.3g}", "fit", "filled", bold=True)
@@ -135,17 +135,20 @@ def _make_tolerance_mark(result: CLD) -> list[Mark]:
     """Return the tolerance of the compression, if it has one."""
     if result.least is None or result.most is None:
         return []
-    low, high = (convert_to_unit(at.compression, "mm") for at in (result.least, result.most))
+    low, high = (
+        convert_to_unit(tolerance_mark.compression, "mm")
+        for tolerance_mark in (result.least, result.most)
+    )
     return [Span(low, high, "fit", f"tolerance {low:.4g} to {high:.4g} mm", tint=0.07)]
 
 
 def _draw_force_limits(result: CLD, limits: Sequence[float]) -> list[Mark]:
     """Return what is asked of the force at the nominal compression, as a bar there."""
-    at = convert_to_unit(result.nominal.compression, "mm")
+    nominal = convert_to_unit(result.nominal.compression, "mm")
     limits_text = " to ".join(f"{end:.3g}" for end in limits)
     return [
-        Line(np.full(len(limits), at), np.array(limits), Pen("bad", 2.5)),
-        Tag(at, max(limits), f"asked {limits_text} {result.unit}", "bad-ink", "filled"),
+        Line(np.full(len(limits), nominal), np.array(limits), Pen("bad", 2.5)),
+        Tag(nominal, max(limits), f"asked {limits_text} {result.unit}", "bad-ink", "filled"),
     ]
 
 
@@ -154,7 +157,7 @@ def _draw_other_cycles(result: CLD) -> list[Line]:
     lines = []
     for cycle in result.cycles:
         if cycle is not result.cycle:
-            pen, label = _FIRST if cycle.number == 1 else _EARLIER
+            pen, label = _FIRST_CYCLE_STYLE if cycle.number == 1 else _EARLIER
             lines += _make_branches(result, cycle, (pen, pen), (label, label))
     return lines
 

@@ -86,9 +86,9 @@ def apply_elastic_law(
     )
 
 
-_ALIKE = 0.05
+_SAME_RATIO = 0.05
 """Relative difference of depths and speeds that are one."""
-_AS_WARM = 3.0
+_SAME_TEMPERATURE = 3.0
 """Difference of temperatures that are one, K."""
 
 
@@ -214,9 +214,10 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         if len(self.specimens) == 1 or self.rate is not None:
             return self.specimens[0]._headline
         forces = [specimen.per * specimen.nominal.loading for specimen in self.specimens]
-        at = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
+        compression_text = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
         return (
-            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} specimens: "
+            f"{sum(forces) / len(forces):.3g} {self.unit} at {compression_text} ({len(forces)} "
+            "specimens: "
             f"{min(forces):.3g} to {max(forces):.3g})"
         )
 
@@ -304,7 +305,7 @@ def evaluate_cld(
         None,
         (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
     )
-    if not relaxation and limits is None and _fit_speeds(specimens):
+    if not relaxation and limits is None and _has_several_speeds(specimens):
         return _add_speed_fit(scatter)
     if len(specimens) > 1:
         scatter = _add_specimen_scatter(scatter, limits)
@@ -321,7 +322,7 @@ def _evaluate_figures(
     machine: Machine | None,
 ) -> tuple[CLD, ...]:
     """Return the figures of each specimen, all at one nominal compression."""
-    _refuse_twice(tests)
+    _refuse_repeated_records(tests)
 
     def figures(test: CLDTest, nominal: Quantity | None) -> CLD:
         return cld(test, at=nominal, between=tolerance_limits, cycle=cycle, machine=machine)
@@ -369,22 +370,22 @@ def _add_specimen_scatter(result: CLDResult, limits: tuple[float, float] | None)
 
 def _with_relaxation(result: CLDResult, relaxation: Sequence[Fit]) -> CLDResult:
     """Return the result with the elastic law of the first specimen, without relaxation."""
-    relaxed_law_found = fit_relaxed_law(result.specimens[0], relaxation)
+    relaxed_law = fit_relaxed_law(result.specimens[0], relaxation)
     nearest_fit = find_nearest_fit(result.specimens[0], relaxation)
     # the saved law is of a specimen as long as that of the relaxation test
-    stiffness = relaxed_law_found.law.stiffness / get_length_ratio(result.specimens[0], nearest_fit)
-    fed = apply_elastic_law(
-        nearest_fit, relaxed_law_found.law, checks=relaxed_law_found.checks, stiffness=stiffness
+    stiffness = relaxed_law.law.stiffness / get_length_ratio(result.specimens[0], nearest_fit)
+    fit_with_law = apply_elastic_law(
+        nearest_fit, relaxed_law.law, checks=relaxed_law.checks, stiffness=stiffness
     )
     return replace(
         result,
-        checks=(*result.checks, *relaxed_law_found.checks),
-        relaxed=relaxed_law_found,
-        fit=fed,
+        checks=(*result.checks, *relaxed_law.checks),
+        relaxed=relaxed_law,
+        fit=fit_with_law,
     )
 
 
-def _refuse_twice(tests: Sequence[CLDTest]) -> None:
+def _refuse_repeated_records(tests: Sequence[CLDTest]) -> None:
     files_by_record: dict[str, str] = {}
     for source in (test.source for test in tests if test.source is not None):
         if source.sha256 in files_by_record:
@@ -395,7 +396,7 @@ def _refuse_twice(tests: Sequence[CLDTest]) -> None:
         files_by_record[source.sha256] = source.file
 
 
-def _fit_speeds(specimens: Sequence[CLD]) -> bool:
+def _has_several_speeds(specimens: Sequence[CLD]) -> bool:
     speeds = [specimen.cycle.speed for specimen in specimens if specimen.cycle.speed is not None]
     return len(speeds) == len(specimens) and max(speeds) >= SAME_SPEED * min(speeds)
 
@@ -414,12 +415,16 @@ def _compute_scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
         ("set", "m", lambda result: result.set),
     )
     statistics = []
-    for name, of, figure in figures:
+    for name, figure_unit, figure in figures:
         values = [value for value in map(figure, specimens) if value is not None]
         if len(values) > 1:
             statistics.append(
                 SpecimenStatistics(
-                    name, of, len(values), float(np.mean(values)), float(np.std(values, ddof=1))
+                    name,
+                    figure_unit,
+                    len(values),
+                    float(np.mean(values)),
+                    float(np.std(values, ddof=1)),
                 )
             )
     return statistics
@@ -436,14 +441,14 @@ def _list_other_conditions(specimens: Sequence[CLD]) -> list[str]:
         for figure in _CONDITIONS
     )
     differs = {
-        "speed": speeds[-1] > (1 + _ALIKE) * speeds[0],
-        "depth": depths[-1] > (1 + _ALIKE) * depths[0],
-        "number of the cycle": numbers[-1] > (1 + _ALIKE) * numbers[0],
+        "speed": speeds[-1] > (1 + _SAME_RATIO) * speeds[0],
+        "depth": depths[-1] > (1 + _SAME_RATIO) * depths[0],
+        "number of the cycle": numbers[-1] > (1 + _SAME_RATIO) * numbers[0],
         "length, known of some alone": len(
             {specimen.specimen.length is None for specimen in specimens}
         )
         > 1,
-        "temperature": temperatures[-1] - temperatures[0] > _AS_WARM,
+        "temperature": temperatures[-1] - temperatures[0] > _SAME_TEMPERATURE,
     }
     return [name for name, flag in differs.items() if flag]
 

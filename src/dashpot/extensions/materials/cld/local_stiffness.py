@@ -14,7 +14,7 @@ from dashpot.numerics.least_squares import solve_ordinary
 WINDOW = 0.04
 """Half of the compressions taken, as a part of the depth."""
 _DIGITS = 1e-6
-_LEAST = 8
+_MIN_SAMPLES = 8
 """Samples there; a window with fewer is widened."""
 
 
@@ -39,7 +39,8 @@ def fit_local_slope(
         return None
     distance = np.abs(x - compression)
     half_width = max(
-        half_width, float(np.partition(distance, min(_LEAST, len(x)) - 1)[min(_LEAST, len(x)) - 1])
+        half_width,
+        float(np.partition(distance, min(_MIN_SAMPLES, len(x)) - 1)[min(_MIN_SAMPLES, len(x)) - 1]),
     )
     is_near = distance <= half_width
     u, y = (x[is_near] - compression) / half_width, f[is_near]

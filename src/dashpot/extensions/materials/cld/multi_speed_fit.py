@@ -45,11 +45,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 KNOTS = 13
 MOST_ARMS = 3
 _PER_STROKE = 120
-_FALLS = 0.98
+_MAX_RESIDUAL_RATIO = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
 DECISIVE = 10.0
 """Decrease of BIC that a further arm needs."""
-_TELLS = 3.0
+_SIGNIFICANT_DELAY = 3.0
 """Standard errors of a delay from which on a record is taken to have one."""
 _SMALLEST, _LARGEST = 1e-3, 20.0
 """Smallest and largest g."""
@@ -105,7 +105,7 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
     counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
     candidates = _fit_arm_counts(records, window, counts)
     delays = _find_delays(specimens, records, knots, candidates[-1])
-    if any(abs(delay.mean) > _TELLS * delay.sd for delay in delays):
+    if any(abs(delay.mean) > _SIGNIFICANT_DELAY * delay.sd for delay in delays):
         records = [
             _delay_record(record, specimen, knots, delay.mean)
             for record, specimen, delay in zip(records, specimens, delays, strict=True)
@@ -180,7 +180,7 @@ def _fit_arm_counts(
         candidates.append(
             _fit_next_arm(records, count, window, candidates[-1].theta if candidates else None)
         )
-        if len(candidates) > 1 and candidates[-1].sse > _FALLS**2 * candidates[-2].sse:
+        if len(candidates) > 1 and candidates[-1].sse > _MAX_RESIDUAL_RATIO**2 * candidates[-2].sse:
             break
     return candidates
 
@@ -338,10 +338,10 @@ def _build_fit(
     # beside the noise, what both zeros and the clock leave unknown: a record with one of them an
     # error off
     for i, specimen in enumerate(specimens):
-        by = downsample_record(specimen, knots, offset=specimen.contact_se)
+        downsampled = downsample_record(specimen, knots, offset=specimen.contact_se)
         force_variant = records[i]._replace(force=records[i].force + specimen.zero_se)
         delay_variant = _delay_record(records[i], specimen, knots, delays[i].sd)
-        for variant in (by, force_variant, delay_variant):
+        for variant in (downsampled, force_variant, delay_variant):
             uncertainty = uncertainty.add_parameter_error(
                 estimate_parameter_shift(
                     uncertainty, _compute_row_change(records, i, variant, best)

@@ -81,12 +81,14 @@ def _make_specimen_rows(result: CLDResult) -> Iterator[Row]:
             yield row(reported_value, statistics.name.capitalize())._replace(unit=unit)
         return
     cld = result.specimens[0]
-    for at in cld.limit_marks:
-        compression_text = format_quantity(at.compression, "mm", ".4g").replace(" ", NBSP)
+    for mark in cld.limit_marks:
+        compression_text = format_quantity(mark.compression, "mm", ".4g").replace(" ", NBSP)
         force = ReportedValue.from_error(
-            "", cld.per * at.loading, cld.per * at.loading_se, unit="N"
+            "", cld.per * mark.loading, cld.per * mark.loading_se, unit="N"
         )
-        slope = ReportedValue.from_error("", cld.per * at.slope, cld.per * at.slope_se, unit="N/m")
+        slope = ReportedValue.from_error(
+            "", cld.per * mark.slope, cld.per * mark.slope_se, unit="N/m"
+        )
         yield row(force, f"Force at {compression_text}")
         yield row(slope, f"Slope at {compression_text}")
     if cld.cycle.hysteresis is not None:

@@ -37,7 +37,7 @@ from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.preprocessing.checks import check_machine
 from dashpot.signals.segments import estimate_resolution
 
-_SMOOTHED, _RARE = 5, 4.0
+_SMOOTHED, _SIGNIFICANT_SD = 5, 4.0
 """Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
 _COMMON = 0.95
 """Part of the least depth at which cycles are compared."""
@@ -193,9 +193,11 @@ def _with_delay(
         if cycle.hysteresis is None
         else replace(
             cycle,
-            hysteresis_se=float(np.hypot(by, _compute_hysteresis_error(cycle, new_cycles.zero))),
+            hysteresis_se=float(
+                np.hypot(loss_error, _compute_hysteresis_error(cycle, new_cycles.zero))
+            ),
         )
-        for cycle, by in zip(new_cycles.cycles, loss_errors.tolist(), strict=True)
+        for cycle, loss_error in zip(new_cycles.cycles, loss_errors.tolist(), strict=True)
     )
     new_points = iter(
         [
@@ -355,7 +357,7 @@ def _measure_pull(cycle: Cycle, zero: Zero) -> float | None:
     if unloading is None or not zero.air or len(unloading.force) < _SMOOTHED:
         return None
     means = np.convolve(unloading.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
-    chance = _RARE * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
+    chance = _SIGNIFICANT_SD * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
     return float(max(-means.min() - chance, 0.0) / cycle.peak)
 
 
@@ -363,18 +365,20 @@ def _run_checks(
     new_cycles: _RecordCycles, index: int, largest: float, test: CLDTest
 ) -> tuple[Check, ...]:
     cycles, zero = new_cycles.cycles, new_cycles.zero
-    chosen_cycle, before = cycles[index], cycles[:index]
+    chosen_cycle, earlier_cycles = cycles[index], cycles[:index]
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
         *check_machine(sources_of([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
-            chosen_cycle.common / before[-1].common - 1 if before else None,
+            chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
             cycle=chosen_cycle.number,
             softening=cycles[0].common / cycles[-1].common - 1,
         ),
         checks.depth_conditioned(
-            chosen_cycle.depth / max(cycle.depth for cycle in before) if before else None,
+            chosen_cycle.depth / max(cycle.depth for cycle in earlier_cycles)
+            if earlier_cycles
+            else None,
             chosen_cycle.number,
         ),
         checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.excess),

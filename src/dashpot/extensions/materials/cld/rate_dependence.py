@@ -102,10 +102,10 @@ def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
     """
     ln_tau, offsets = np.split(theta, [-len(data.records)])
     parts, targets = [], []
-    for record, by in zip(data.records, offsets * _CONTACT * data.depth, strict=True):
+    for record, contact_shift in zip(data.records, offsets * _CONTACT * data.depth, strict=True):
         is_moving = _select_moving_samples(record)
-        x, v = record.compression[is_moving] + by, record.velocity[is_moving]
-        compression = np.maximum(record.compression + by, 0.0)
+        x, v = record.compression[is_moving] + contact_shift, record.velocity[is_moving]
+        compression = np.maximum(record.compression + contact_shift, 0.0)
         q, _ = arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
         damping = _make_hat_weights(x, data.knots) * v[:, None]
         parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[is_moving]), axis=1))
@@ -157,7 +157,7 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
         (fit.estimate.residual.sse, fit.estimate.residual.variance_inflation),
     )[1]
     value = score(best, n / kappa)
-    other = bic(
+    other_bic = bic(
         fit.estimate.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms
     )
     return RateLaw(
@@ -170,9 +170,9 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
         tuple(error[count:][arm_indices].tolist()),
         tuple(ln_tau_se[:arms][arm_indices].tolist()),
         rms,
-        value - other,
+        value - other_bic,
         (
-            checks.one_relaxation_explains_speeds(other - value),
+            checks.one_relaxation_explains_speeds(other_bic - value),
             checks.speeds_residual_small(
                 rms, data.noise, max(specimen.cycle.peak for specimen in specimens)
             ),

@@ -14,12 +14,12 @@ from dashpot.signals.noise import estimate_robust_scatter
 
 _RESTED = 5
 """Samples that make a mean worth taking off."""
-_KNOWN = 1e-3
+_DRIFT_TOLERANCE = 1e-3
 """Error of a mean of the force in air, as a part of the peak, with which it shows a drift."""
 _PARABOLA = 1e-3
 """Part of the depth by which first contact is off where the rise is no parabola, as of a seal that
 relaxes while it is met: over 240 records with 1 mN of noise, up to this."""
-_CLEAR = 5.0
+_SIGNIFICANT_AIR = 5.0
 """Standard errors of first contact by which air shows: a seal under load bends, too."""
 MOST_PRELOAD = 0.05
 """Force at the first sample, as a part of the rise, that may be the load cell's own zero."""
@@ -71,18 +71,22 @@ def find_zero(
     noise = max(estimate_robust_scatter(clock, force), quantum(force) / 12**0.5)
     rested = first.first + 1 >= _RESTED
     start = slice(0, first.first + 1)
-    level, rest, top = median(force[start]), median(x[: first.first + 1]), float(x[first.last])
+    level, rest_position, top = (
+        median(force[start]),
+        median(x[: first.first + 1]),
+        float(x[first.last]),
+    )
     force_rise = float(force[first.last]) - level
     first_contact = find_first_contact(
         x[: first.last + 1],
         force[: first.last + 1] - level,
         noise=noise,
-        rest_position=rest,
+        rest_position=rest_position,
         level=top,
-        least_gap=max(2 * resolution, 1e-3 * (top - rest)),
+        least_gap=max(2 * resolution, 1e-3 * (top - rest_position)),
         rested=rested,
     )
-    if first_contact.gap > _CLEAR * first_contact.standard_error:
+    if first_contact.gap > _SIGNIFICANT_AIR * first_contact.standard_error:
         margin = max(3 * first_contact.standard_error, resolution)
         return _measure_air_force(
             clock, x, force, first_contact.displacement,
@@ -93,7 +97,8 @@ def find_zero(
     begins = abs(level) / max(abs(force_rise), 1e-300)
     tare = level if begins <= MOST_PRELOAD else 0.0
     return Zero(
-        rest, 0.25 * resolution, False, np.full(len(x), tare), noise / start.stop**0.5, 0.0,
+        rest_position, 0.25 * resolution, False, np.full(len(x), tare), noise / start.stop**0.5,
+        0.0,
         level - tare, begins, noise,
     )  # fmt: skip
 
@@ -111,16 +116,16 @@ def _measure_air_force(
 ) -> Zero:
     rest_runs = find_true_runs(x < contact - margin)
     counts = np.diff(rest_runs, axis=1)[:, 0] + 1
-    is_long = counts >= max(_RESTED, (noise / (_KNOWN * max(force_rise, 1e-300))) ** 2)
+    is_long = counts >= max(_RESTED, (noise / (_DRIFT_TOLERANCE * max(force_rise, 1e-300))) ** 2)
     is_long[0] = True
     means = [(float(clock[a : b + 1].mean()), float(force[a : b + 1].mean()))
              for a, b in rest_runs[is_long].tolist()]  # fmt: skip
-    at, level = np.array(means).T
+    positions, level = np.array(means).T
     return Zero(
         contact,
         contact_se,
         True,
-        np.interp(clock, at, level),
+        np.interp(clock, positions, level),
         noise / float(counts[is_long].min()) ** 0.5,
         float(level[-1] - level[0]),
         0.0,

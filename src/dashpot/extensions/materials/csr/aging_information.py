@@ -159,14 +159,14 @@ class PlannedOvens:
     def compute_oven_significance(self, specimens: Sequence[int]) -> tuple[float, ...]:
         """Return the chemical rate of each oven by itself in its expected standard errors."""
         test, count = self._test, len(self.temperatures)
-        stretched = test.law.exponent != 1
-        size = 2 + int(stretched) + count
+        is_stretched = test.law.exponent != 1
+        size = 2 + int(is_stretched) + count
         information = np.zeros((size, size))
         information[-1, -1] = 1.0  # the prior of the drift, last
         for k, (kelvin, n) in enumerate(zip(self.temperatures, specimens, strict=True)):
             D = np.zeros((_OVEN_PARAMETERS, size))
             D[0, 0] = D[1, 1 + k] = D[3, size - 1] = 1.0
-            if stretched:
+            if is_stretched:
                 D[2, 1 + count] = 1.0
             information += n * D.T @ test.compute_specimen_information(kelvin) @ D
         errors = np.sqrt(np.diag(np.linalg.inv(information)))[1 : 1 + count]

@@ -334,7 +334,7 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
 
 def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
     """Iterate over temperatures of ovens: the hottest is given, the coldest near that of use."""
-    furthest = max(checks.REACH, 0.25 * (hot - kelvin))
+    furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hot - kelvin))
     inner = np.arange(hot - _LEAST_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
         is_near = cooler[0] - kelvin <= furthest

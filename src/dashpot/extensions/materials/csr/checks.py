@@ -8,13 +8,13 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
 from dashpot.base.units import celsius, format_quantity, parse_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.extensions.materials.csr.law import FIRST, THOUSAND_HOURS
+from dashpot.extensions.materials.csr.law import F0_TIME, THOUSAND_HOURS
 from dashpot.extensions.materials.csr.preprocess import Readings
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
 LEAST_SIGNIFICANCE = 4.0
 """Standard errors by which the hottest oven must show chemistry."""
-REACH = 30.0
+MAX_EXTRAPOLATION = 30.0
 """Distance of a temperature below the coldest oven, K, at most."""
 USUAL_ENERGY = parse_quantity("90kJ/mol", "molar energy")
 
@@ -75,7 +75,7 @@ def f0_read(first: float) -> Finding:
     return Finding(
         f"The last specimen was first read {format_quantity(first, 'h', '.3g')} after its "
         "compression",
-        first / FIRST,
+        first / F0_TIME,
         "Its F0 follows from the aging law alone, and all its ratios share that error",
         "Read F0 at 30 min.",
     )
@@ -186,7 +186,9 @@ def aging_exceeds_cell_drift(rate: float | None, drift: float) -> Finding:
     )
 
 
-@criterion("distance, K", "<=", REACH, "our choice: the activation energy is lower in the cold")
+@criterion(
+    "distance, K", "<=", MAX_EXTRAPOLATION, "our choice: the activation energy is lower in the cold"
+)
 def temperature_near_ovens(kelvin_below: float, temperature: float) -> Finding:
     """The requested temperature lies close to those of the ovens."""
     return Finding(

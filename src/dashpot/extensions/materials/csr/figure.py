@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging, Oven
-from dashpot.extensions.materials.csr.law import FIRST, HOUR, NEVER, YEAR, AgingLaw
+from dashpot.extensions.materials.csr.law import F0_TIME, HOUR, NEVER, YEAR, AgingLaw
 from dashpot.extensions.materials.csr.life_table import (
     find_extrapolation_limit,
     format_life,
@@ -52,7 +52,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the files.
     """
-    time = np.geomspace(FIRST, aging.longest, 200)
+    time = np.geomspace(F0_TIME, aging.longest, 200)
     hours = convert_to_unit(time, "h")
     horizontal = Scale("time, h", (float(hours[0]) / 1.3, float(hours[-1]) * 1.3), log=True)
     smallest = min(float(oven.retained.min()) for oven in aging.ovens)
@@ -79,7 +79,7 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     """
     law, kelvin = prediction.aging.law, prediction.temperature
     law = law.lower_limit() if law.bound_alone else law
-    time = np.geomspace(FIRST, prediction.furthest, 200)
+    time = np.geomspace(F0_TIME, prediction.furthest, 200)
     values = np.array([law.compute_retention(kelvin, item) for item in time])
     errors = np.array([
         law.error_of(partial(AgingLaw.compute_retention, temperature=kelvin, time=item))
@@ -242,7 +242,7 @@ def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
     reported_value = predict_aging(aging, temperature=temperature, until=format_part(part)).answers[
         0
     ]
-    at = 1000 / temperature
+    inverse_temperature = 1000 / temperature
     words = (
         f"{format_temperature(temperature)}: "
         f"{format_life(reported_value.value, reported_value.error)}"
@@ -256,5 +256,8 @@ def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:
         )
         words += f" ({low} to {high})"
         interval = np.array([reported_value.low, reported_value.high]) / HOUR
-        marks.append(Line(np.array([at, at]), interval, FIT))
-    return [*marks, Tag(at, reported_value.value / HOUR, words, "ink", "hollow", bold=True)]
+        marks.append(Line(np.array([inverse_temperature, inverse_temperature]), interval, FIT))
+    return [
+        *marks,
+        Tag(inverse_temperature, reported_value.value / HOUR, words, "ink", "hollow", bold=True),
+    ]

@@ -30,7 +30,7 @@ USUAL_OVEN, WORST_OVEN = 1.0, 30.0
 """Standard deviation of an oven's temperature, K: the usual one, and the largest accepted."""
 USUAL_DRIFT = 0.03
 """Drift of a load cell's zero, in parts of F0 in 1000 h: standard deviation if none is stated."""
-_USUAL, _MAX_OVEN_ERROR = 0.01, 6.0
+_USUAL_SCATTER, _MAX_OVEN_ERROR = 0.01, 6.0
 """Usual scatter of a reading, in parts of F0; largest error of a temperature, in standard
 deviations."""
 _ENERGY_UNIT = 1e4
@@ -137,7 +137,7 @@ def _fit_oven_rates(readings: Readings, drift: float) -> Estimate:
         [readings.force[readings.oven == k].min() for k in range(len(readings.temperature))]
     )
     start = np.maximum(-np.log(np.clip(values, 0.01, 1.0)) - 0.06, 0.01)
-    theta, scatter = np.array([0.02, *start, *[0.0] * (drift > 0)]), _USUAL
+    theta, scatter = np.array([0.02, *start, *[0.0] * (drift > 0)]), _USUAL_SCATTER
     # what a reading scatters by weighs the drift, and shows after the first
     for _ in range(2 if drift else 1):
         problem = _build_problem(

@@ -22,7 +22,7 @@ from dashpot.base.units import parse_quantity
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
 from dashpot.solids.shift_laws import GAS
 
-FIRST = 1800.0
+F0_TIME = 1800.0
 """Time of F0 after the compression, s."""
 NEVER = 1e12
 """Longest lifetime that is computed, s: thirty thousand years."""
@@ -40,9 +40,9 @@ def retained_fraction(
     time: FloatArray, physical: float, rate: FloatArray | float, exponent: float = 1.0
 ) -> FloatArray:
     """Return F/F0 at times, s, by the physical loss in a decade and the chemical rate, 1/s."""
-    scaled_time = np.maximum(time - FIRST, 0.0) * rate
+    scaled_time = np.maximum(time - F0_TIME, 0.0) * rate
     aged = np.sign(scaled_time) * np.abs(scaled_time) ** exponent
-    return np.asarray((1 - physical * np.log10(time / FIRST)) * np.exp(-aged))
+    return np.asarray((1 - physical * np.log10(time / F0_TIME)) * np.exp(-aged))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class AgingLaw(EqualByValue):
 
     def life(self, temperature: float, retained: float) -> float:
         """Return the time at which F/F0 has fallen to a part, s; infinite if never."""
-        low, high = np.log(FIRST), np.log(NEVER)
+        low, high = np.log(F0_TIME), np.log(NEVER)
         if self.compute_retention(temperature, NEVER) > retained:
             return float("inf")
         while high - low > 1e-9:

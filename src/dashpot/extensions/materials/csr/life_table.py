@@ -14,7 +14,7 @@ from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.law import HOUR, YEAR
 from dashpot.extensions.materials.csr.lifetime_prediction import format_part, predict_aging
 
-_TEMPERATURE_STEP, _BELOW, _ABOVE = 10.0, 60.0, 10.0
+_TEMPERATURE_STEP, _RANGE_BELOW, _RANGE_ABOVE = 10.0, 60.0, 10.0
 """Step of the table, and its range below and above the coldest oven, K."""
 _RESOLUTION = 0.5
 """K."""
@@ -54,8 +54,8 @@ def list_lives(aging: Aging, part: float, temperatures: Sequence[float] = ()) ->
     """
     zero_celsius = parse_quantity("0degC", "temperature")
     coldest = aging.ovens[0].temperature - zero_celsius
-    first = math.ceil(round((coldest - _BELOW) / _TEMPERATURE_STEP, 6))
-    last = math.floor(round((coldest + _ABOVE) / _TEMPERATURE_STEP, 6))
+    first = math.ceil(round((coldest - _RANGE_BELOW) / _TEMPERATURE_STEP, 6))
+    last = math.floor(round((coldest + _RANGE_ABOVE) / _TEMPERATURE_STEP, 6))
     temperatures_listed = temperatures or tuple(
         zero_celsius + _TEMPERATURE_STEP * i for i in range(first, last + 1)
     )
@@ -82,7 +82,7 @@ def find_extrapolation_limit(aging: Aging, part: float) -> float:
 
     if not is_unmarked(hottest):
         return math.inf
-    supported, limit_kelvin = hottest, coldest - 1.5 * _BELOW
+    supported, limit_kelvin = hottest, coldest - 1.5 * _RANGE_BELOW
     while supported - limit_kelvin > _RESOLUTION:
         middle = (supported + limit_kelvin) / 2
         supported, limit_kelvin = (

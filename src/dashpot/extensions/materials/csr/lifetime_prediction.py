@@ -28,7 +28,7 @@ from dashpot.extensions.materials.csr.checks import (
 )
 from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, format_fact_clause
 from dashpot.extensions.materials.csr.fit import fit_aging
-from dashpot.extensions.materials.csr.law import FIRST, NEVER, AgingLaw
+from dashpot.extensions.materials.csr.law import F0_TIME, NEVER, AgingLaw
 from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
 
 LOWER = 65e3
@@ -322,7 +322,7 @@ def _parse_end(text: str) -> tuple[float, float]:
             f"--end {text}: expected a part of the force with its sign, 50%, or a time with its "
             "unit, 1000h"
         ) from None
-    if not FIRST < time <= NEVER:
+    if not F0_TIME < time <= NEVER:
         raise DataError(f"--end {text}: expected more than 30 min, and at most 30,000 years")
     return math.nan, time
 

@@ -35,7 +35,7 @@ from dashpot.report.result_page import (
 )
 from dashpot.report.tables import TextTable
 
-USUAL_PART = 0.5
+USUAL_RETAINED_FORCE = 0.5
 """F/F0 at the end of a life where nobody says another."""
 _ROWS = 20.0
 """Distance of the temperatures in the first table, K: those of every second row."""
@@ -60,10 +60,10 @@ _REACH = Topic(
 def page(aging: Aging) -> KindPage:
     """Return the page of an aging law."""
     kelvin = [oven.temperature for oven in aging.ovens]
-    life_rows = list_lives(aging, USUAL_PART) if has_arrhenius_line(aging) else ()
+    life_rows = list_lives(aging, USUAL_RETAINED_FORCE) if has_arrhenius_line(aging) else ()
     picture = aging.plot()
     if life_rows:
-        picture = put_chart_first(draw_life_chart(aging, USUAL_PART), picture)
+        picture = put_chart_first(draw_life_chart(aging, USUAL_RETAINED_FORCE), picture)
     return KindPage(
         subject="compression stress relaxation",
         summary_line=_format_strip(aging),
@@ -74,9 +74,10 @@ def page(aging: Aging) -> KindPage:
         figure_title="How long it seals" if life_rows else "What is left of the force",
         picture=picture,
         table_title="The aging law",
-        groups=(group("", aging.facts), *_make_life_groups(life_rows[::2], USUAL_PART)),
+        groups=(group("", aging.facts), *_make_life_groups(life_rows[::2], USUAL_RETAINED_FORCE)),
         sources=aging.sources,
-        folds=(*_make_life_sections(aging, life_rows, USUAL_PART), make_law_ranking(aging.orders)),
+        folds=(*_make_life_sections(aging, life_rows, USUAL_RETAINED_FORCE),
+        make_law_ranking(aging.orders)),
     )  # fmt: skip
 
 
@@ -101,7 +102,7 @@ def lay_out_aged(aged: Aged) -> KindPage:
         ),
         sources=aging.sources,
         note=f"{KindPage.note} {aged.interval_note}".rstrip(),
-        folds=_make_life_sections(aging, life_rows, part or USUAL_PART),
+        folds=_make_life_sections(aging, life_rows, part or USUAL_RETAINED_FORCE),
         name="aged" if aged._saved_result is aged else "csr",
     )
 

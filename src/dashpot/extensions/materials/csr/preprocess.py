@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.csr.datamodel import CSRTest, Oven
-from dashpot.extensions.materials.csr.law import FIRST
+from dashpot.extensions.materials.csr.law import F0_TIME
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
 EARLIEST = 600.0
@@ -127,6 +127,6 @@ def _refuse(
         if time[begins] < EARLIEST:
             raise DataError(
                 f"{name} was first read {time[begins] / 60:.3g} min after its compression. F0 is "
-                f"the force at {FIRST / 60:.0f} min, for sooner it still falls fast. Leave out "
+                f"the force at {F0_TIME / 60:.0f} min, for sooner it still falls fast. Leave out "
                 f"what was read before {EARLIEST / 60:.0f} min, and write 30 min as 0.5 h, not as 0"
             )

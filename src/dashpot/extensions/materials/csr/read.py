@@ -66,8 +66,8 @@ _SPECIMEN_COLUMNS = {
     "probekörper",
 }
 _METHOD = {"method", "methode", "verfahren"}
-_SAID = re.compile(r"\bmethod\s*[:=,;]?\s*([ab])\b")
-_WHOLE = 1.5
+_METHOD_PATTERN = re.compile(r"\bmethod\s*[:=,;]?\s*([ab])\b")
+_PER_CENT_LIMIT = 1.5
 """Per cent of F0 below the first reading of any specimen: such columns are parts of 1."""
 
 
@@ -121,7 +121,9 @@ def read_csr(
         number = np.unique(specimens, return_inverse=True)[1]
         if not specimens.any():
             number = np.cumsum(np.diff(values["time"], prepend=0.0) <= 0)
-        read = {name.upper() for name in _SAID.findall(" ".join(file.table.header).casefold())}
+        read = {
+            name.upper() for name in _METHOD_PATTERN.findall(" ".join(file.table.header).casefold())
+        }
         read |= {word.strip()[-1:].upper() for word in methods.tolist()}
         source = channels.source(
             file,
@@ -169,7 +171,7 @@ def _refuse_parts(file: OpenedFile, index: int, largest: float) -> None:
         is_ratio(column)
         and column.unit
         and units.is_same_unit(column.unit, "%")
-        and largest <= _WHOLE
+        and largest <= _PER_CENT_LIMIT
     ):
         raise ReadError(
             f"'{column.name}' is said to be in %, and its largest value is {largest:.3g}, as of a "

@@ -12,15 +12,15 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import Column, FileTable
 
-_LONG = 3600.0
+_LONG_UNIT = 3600.0
 """Seconds in a unit of time too long for a bench test."""
-_OTHERS: tuple[Role, ...] = (
+_OTHER_TEST_ROLES: tuple[Role, ...] = (
     "displacement", "acceleration", "strain", "stress", "frequency",
 )  # fmt: skip
 """Roles of motion and material: a table with them is another test."""
 _RATIO = re.compile(r"\bf\s*/\s*f[_ ]?(0|o)\b|\bretain|\bretention|\bcounterforce|\bsealing force")
 _DIGIT = re.compile(r"\d")
-_SAID = re.compile(
+_NAME_PATTERN = re.compile(
     r"compression stress relaxation|\bcsr\b|\biso\W{0,2}3384\b|\bd6147\b|counterforce"
 )
 
@@ -36,13 +36,13 @@ def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOpt
     A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
     that nothing depends on, for the F0 of every specimen is free.
     """
-    if any(_has_role(table, role, options) for role in _OTHERS):
+    if any(_has_role(table, role, options) for role in _OTHER_TEST_ROLES):
         return None
     columns = [
         (str(i), column) for i, column in enumerate(table.columns, 1) if column.content == "number"
     ]
     clock = _find_clock(table, columns, options)
-    is_stated = any(_SAID.search(line.casefold()) for line in table.header)
+    is_stated = any(_NAME_PATTERN.search(line.casefold()) for line in table.header)
     if not (clock or is_stated):
         return None
     read_options = clock or options
@@ -85,7 +85,7 @@ def _find_clock(
 def _is_long_unit(word: str | None) -> bool:
     # no word for a time holds a digit, and the names of thousands of channels do
     unit = None if not word or _DIGIT.search(word) else units.find_unit(word, "time")
-    return unit is not None and unit.factor >= _LONG
+    return unit is not None and unit.factor >= _LONG_UNIT
 
 
 def _has_role(table: FileTable, role: Role, options: ReadOptions) -> bool:

@@ -165,9 +165,9 @@ class ImpactMotion(EqualByValue):
     @property
     def absorbed_energy(self) -> float:
         """Work on the specimen to the release, J: the absorbed energy."""
-        at = self.release
-        remainder = 0.5 * self.mass * at.velocity**2
-        return self.energy - remainder + self.mass * self.pull * at.compression
+        release = self.release
+        remainder = 0.5 * self.mass * release.velocity**2
+        return self.energy - remainder + self.mass * self.pull * release.compression
 
     @property
     def elastic(self) -> float:
@@ -175,9 +175,9 @@ class ImpactMotion(EqualByValue):
         i, part = _find_vertex(self.compression)
         max_compression = self.deepest
         loop_energy = float(np.trapezoid(self.relaxed[: i + 1], self.compression[: i + 1]))
-        rest = 0.5 * (max_compression.relaxed + float(self.relaxed[i]))
+        equilibrium = 0.5 * (max_compression.relaxed + float(self.relaxed[i]))
         return (
-            loop_energy + rest * (max_compression.compression - float(self.compression[i]))
+            loop_energy + equilibrium * (max_compression.compression - float(self.compression[i]))
             if part
             else loop_energy
         )
@@ -283,17 +283,17 @@ def _estimate_contact_time(masses: Masses, model: GeneralizedMaxwell, law: Elast
 def _find_vertex(y: FloatArray) -> tuple[int, float]:
     """Return the largest sample, or the one before, and how far beyond it the parabola peaks."""
     i = min(max(int(y.argmax()), 1), len(y) - 2)
-    before, middle, right = y[i - 1 : i + 2].tolist()
-    curvature = before - 2 * middle + right
-    part = 0.5 * (before - right) / curvature if curvature else 0.0
+    left, middle, right = y[i - 1 : i + 2].tolist()
+    curvature = left - 2 * middle + right
+    part = 0.5 * (left - right) / curvature if curvature else 0.0
     return (i, part) if part >= 0 else (i - 1, 1 + part)
 
 
 def _find_zero(y: FloatArray) -> tuple[int, float]:
     """Return the last sample above zero, and how far beyond it the parabola is zero."""
     i = len(y) - 2
-    before, middle, right = y[i - 1 : i + 2].tolist()
-    curvature, slope = 0.5 * (before - 2 * middle + right), 0.5 * (right - before)
+    left, middle, right = y[i - 1 : i + 2].tolist()
+    curvature, slope = 0.5 * (left - 2 * middle + right), 0.5 * (right - left)
     root = float(np.sqrt(max(slope**2 - 4 * curvature * middle, 0.0)))
     return i, min(max(-2 * middle / (slope - root), 0.0), 1.0)
 
@@ -301,5 +301,5 @@ def _find_zero(y: FloatArray) -> tuple[int, float]:
 def _interpolate_parabola(y: FloatArray, i: int, part: float) -> float:
     """Return a value beyond a sample, by the parabola through it and its neighbours."""
     i, part = (i, part) if i else (1, part - 1)
-    before, middle, right = map(float, y[i - 1 : i + 2])
-    return middle + part * (0.5 * (right - before) + 0.5 * part * (before - 2 * middle + right))
+    left, middle, right = map(float, y[i - 1 : i + 2])
+    return middle + part * (0.5 * (right - left) + 0.5 * part * (left - 2 * middle + right))

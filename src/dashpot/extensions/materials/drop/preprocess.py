@@ -122,9 +122,9 @@ def _compute_contact_force(signal: FloatArray) -> FloatArray:
     """Return the signal less its zero, positive where the specimen pushes the mass back."""
     tenth = max(len(signal) // 20, 1)
     # a record may be cut so close that most of it is contact
-    rest = min((median(signal), median(signal[:tenth]), median(signal[-tenth:])), key=abs)
-    sign = 1.0 if signal.max() - rest >= rest - signal.min() else -1.0
-    return np.asarray(sign * (signal - rest))
+    rest_level = min((median(signal), median(signal[:tenth]), median(signal[-tenth:])), key=abs)
+    sign = 1.0 if signal.max() - rest_level >= rest_level - signal.min() else -1.0
+    return np.asarray(sign * (signal - rest_level))
 
 
 def _find_contacts(force: FloatArray, threshold: float, least_foot: float) -> list[tuple[int, int]]:

@@ -31,14 +31,14 @@ LARGEST_ERROR = 0.1
 SCALED = 1.1
 _MUCH_CLOSER = 0.25
 """Part of what a rubber's law leaves, below which the other material is named."""
-SMALL = 0.005
+SMALL_RESIDUAL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
 """Difference of BIC that refutes no law (R. E. Kass, A. E. Raftery, 1995)."""
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
 """Logarithms of a factor by which the stress of one mode is tried to be off."""
 _OF_NOTE = 0.03
-_BOTH = 0.1
+_BOTH_STRAIN = 0.1
 """Logarithmic strain in tension and in compression from which one test is as good as two modes."""
 _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
 """Parts of the largest strain by which a zero is tried to be off."""
@@ -114,8 +114,8 @@ def least_drucker(law: Hyperelastic, stretch_ranges: dict[Mode, Span]) -> tuple[
     for mode, (low, high) in stretch_ranges.items():
         x = np.linspace(low, high, 200)
         value = law.drucker(mode, x)
-        at = int(np.argmin(value))
-        pairs.append((float(value[at]), f"{mode} stretch {x[at]:.3g}"))
+        least_index = int(np.argmin(value))
+        pairs.append((float(value[least_index]), f"{mode} stretch {x[least_index]:.3g}"))
     return min(pairs)
 
 
@@ -129,11 +129,11 @@ def _find_mode_error(
     """Return the largest error of the stress in an unmeasured mode, over the largest stress."""
     measured = {curve.mode for curve in fit.curves}
     score = dict(fit.orders)
-    close = min(score.values()) + _AS_GOOD
+    good_score = min(score.values()) + _AS_GOOD
     other_laws = [
         optimum
         for optimum in candidates
-        if score[optimum.name] <= close and optimum.name != selected.name
+        if score[optimum.name] <= good_score and optimum.name != selected.name
     ]
     errors: list[tuple[float, str, str]] = []
     for mode, (low, high) in fit.reach:
@@ -177,14 +177,14 @@ def _compute_extrapolation_ratio(
 def _compare_repeat_files(curves: Sequence[ElasticCurve]) -> float | None:
     """Return the largest mean difference of two files of one mode over their common range."""
     values = []
-    for curve, other in combinations(curves, 2):
-        low = max(curve.stretch[0], other.stretch[0])
-        high = min(curve.stretch[-1], other.stretch[-1])
-        if curve.mode == other.mode and high > low:
+    for curve, other_curve in combinations(curves, 2):
+        low = max(curve.stretch[0], other_curve.stretch[0])
+        high = min(curve.stretch[-1], other_curve.stretch[-1])
+        if curve.mode == other_curve.mode and high > low:
             x = np.linspace(low, high, 60)
             first, second = (
                 np.interp(x, elastic_curve.stretch, elastic_curve.stress)
-                for elastic_curve in (curve, other)
+                for elastic_curve in (curve, other_curve)
             )
             values.append(float(np.abs(first - second).sum() / np.abs(first + second).sum() * 2))
     return max(values, default=None)
@@ -208,13 +208,13 @@ def _find_slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> 
             misfit = compute_best_stable_misfit([*curves[:i], curve, *curves[i + 1 :]], poisson)
             result = min(result, (misfit, part, _get_curve_name(elastic_curve)))
     misfit, part, name = result
-    return (part, name) if misfit < 0.5 * best and best > SMALL else (0.0, "")
+    return (part, name) if misfit < 0.5 * best and best > SMALL_RESIDUAL else (0.0, "")
 
 
 def _has_both_directions(curves: Sequence[ElasticCurve]) -> bool:
     """Return whether one file covers tension and compression."""
     return any(
-        min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH
+        min(math.log(curve.stretch.max()), -math.log(curve.stretch.min())) >= _BOTH_STRAIN
         for curve in curves
         if curve.stretch.min() > 0
     )
@@ -228,7 +228,7 @@ def _find_better_scale(
     if len(modes) < 2:
         return None, 0.0, ""
     result: tuple[float, float, str] = (best, 0.0, "")
-    for mode in modes if best > SMALL else ():
+    for mode in modes if best > SMALL_RESIDUAL else ():
         for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
             scaled = [
                 replace(curve, stress=curve.stress * math.exp(size))
@@ -238,7 +238,7 @@ def _find_better_scale(
             ]
             result = min(result, (compute_best_stable_misfit(scaled, poisson), size, mode))
     remainder, size, kind_index = result
-    return best / max(remainder, SMALL), math.expm1(size), kind_index
+    return best / max(remainder, SMALL_RESIDUAL), math.expm1(size), kind_index
 
 
 def _find_other_label(
@@ -264,10 +264,12 @@ def _find_other_label(
                 if mode != elastic_curve.mode
             },
         }
-        for message, other in alternatives.items():
-            misfit = compute_best_stable_misfit([*curves[:i], other, *curves[i + 1 :]], poisson)
+        for message, alternative in alternatives.items():
+            misfit = compute_best_stable_misfit(
+                [*curves[:i], alternative, *curves[i + 1 :]], poisson
+            )
             result = min(result, (misfit, f"{_get_curve_name(elastic_curve)} read as {message}"))
-    return best / max(result[0], SMALL), result[1], best
+    return best / max(result[0], SMALL_RESIDUAL), result[1], best
 
 
 @criterion(
@@ -301,7 +303,7 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
 @criterion("residual / that of the closest stable law", "<=", 2.0, "our choice: twice as close")
 def no_better_law(residual: float, flexible: float) -> Finding:
     """No other stable law fits the curves much better."""
-    ratio = residual / max(flexible, SMALL)
+    ratio = residual / max(flexible, SMALL_RESIDUAL)
     return Finding(
         f"The hyperelastic law misses the stress by {100 * residual:.2g} %, the most flexible "
         f"stable one by {100 * flexible:.2g} %",
@@ -319,7 +321,7 @@ def compressible_law_no_better(residual: float | None, swelling: float) -> Findi
     return Finding(
         f"Rubber misses the stress by {100 * residual:.2g} %, a foam of Poisson's ratio 0 by "
         f"{100 * swelling:.2g} %",
-        residual / max(swelling, SMALL),
+        residual / max(swelling, SMALL_RESIDUAL),
         "A sponge is compressible, and the law is of incompressible rubber",
         Remedy("Give the ratio of a foam, 0 if it does not swell.", "poisson", "0"),
     )
@@ -333,10 +335,10 @@ def stable_in_use(
 ) -> Finding:
     """The hyperelastic law is stable over the stretches of use in every mode (Drucker)."""
     limit_texts = [
-        f"{mode} {'below' if low else 'above'} {at:.4g}"
+        f"{mode} {'below' if low else 'above'} {limit:.4g}"
         for mode, stretch_limits in limits
-        for low, at in zip((True, False), stretch_limits, strict=True)
-        if at is not None
+        for low, limit in zip((True, False), stretch_limits, strict=True)
+        if limit is not None
     ]
     text = (
         f"; it is not stable in {', '.join(limit_texts)}" if limit_texts else " and from 0.1 to 10"

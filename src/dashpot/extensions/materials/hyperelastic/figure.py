@@ -54,10 +54,10 @@ def _find_unstable_range(fit: HyperelasticFit, mode: Mode, x: FloatArray) -> lis
     """Return where the law is not stable, below and above, as far as `x` reaches."""
     stretch_limits = dict(fit.stable).get(mode, (None, None))
     marks: list[Mark] = []
-    for at, end in zip(stretch_limits, (float(x[0]), float(x[-1])), strict=True):
-        if at is not None and x[0] < at < x[-1]:
-            low, high = sorted((at, end))
-            marks += [Span(low, high, "bad", "not stable", hatched=True), Rule(at, REJECTED)]
+    for limit, end in zip(stretch_limits, (float(x[0]), float(x[-1])), strict=True):
+        if limit is not None and x[0] < limit < x[-1]:
+            low, high = sorted((limit, end))
+            marks += [Span(low, high, "bad", "not stable", hatched=True), Rule(limit, REJECTED)]
     return marks
 
 

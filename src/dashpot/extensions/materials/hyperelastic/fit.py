@@ -42,9 +42,9 @@ from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_TERMS = 3
-SWELLS = 0.45
+FOAM_POISSON = 0.45
 """Poisson's ratio below which a strain sideways shows a foam: rubber has 0.499, and a tape errs."""
-_WORTH = 0.95
+_TERM_GAIN = 0.95
 """Times the residual of one term fewer, at most, of a law that a further term is tried for."""
 
 
@@ -88,11 +88,11 @@ def fit_hyperelastic(
         If there is no test that changes the shape, or what was asked for does not fit together.
     """
     curves = [extract_elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
-    reported, foam = _find_poisson(tests, law, poisson)
-    is_compressible = reported is not None and reported < SWELLS
+    measured_poisson, foam = _find_poisson(tests, law, poisson)
+    is_compressible = measured_poisson is not None and measured_poisson < FOAM_POISSON
     if foam and is_compressible and poisson is None and len({curve.mode for curve in curves}) == 1:
-        poisson = reported
-    _refuse(curves, law, terms, poisson, foam=foam)
+        poisson = measured_poisson
+    _refuse_choices(curves, law, terms, poisson, foam=foam)
     fitted, volumetric = _split_volumetric_curves(curves, foam=foam)
     candidates = _fit_foam_laws(fitted, terms, poisson) if foam else _fit_rubber_laws(fitted, terms)
     candidates = list({optimum.name: optimum for optimum in candidates}.values())
@@ -113,7 +113,9 @@ def fit_hyperelastic(
     half_widths = uncertainty.quantile() * derived.standard_error
     reported_values = _make_law_facts(selected, derived.values, half_widths)
     bulk = _find_bulk_modulus(volumetric)
-    selected = selected._replace(law=_with_bulk(selected, None if bulk is None else bulk.value))
+    selected = selected._replace(
+        law=_add_bulk_modulus(selected, None if bulk is None else bulk.value)
+    )
     hyperelastic_fit = HyperelasticFit(
         selected.law,
         (*reported_values, bulk) if bulk else reported_values,
@@ -126,12 +128,14 @@ def fit_hyperelastic(
         (),
         temperature,
     )
-    checked_checks = checks.run_checks(
+    all_checks = checks.run_checks(
         hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), use_range=stretches
     )
-    sideways = checks.lateral_swelling_agrees(selected.law.poisson, reported, foam=foam)
-    checked_checks = (*checked_checks, sideways, *caution_checks(hyperelastic_fit.sources))
-    return replace(hyperelastic_fit, checks=checked_checks)
+    lateral_check = checks.lateral_swelling_agrees(
+        selected.law.poisson, measured_poisson, foam=foam
+    )
+    all_checks = (*all_checks, lateral_check, *caution_checks(hyperelastic_fit.sources))
+    return replace(hyperelastic_fit, checks=all_checks)
 
 
 def _split_volumetric_curves(
@@ -169,12 +173,12 @@ def _fit_power_laws(
     if terms != "auto":
         return [fit_power_law(rows, terms, kind, poisson)]
     optima = [fit_power_law(rows, count, kind, poisson) for count in (1, 2)]
-    while len(optima) < MOST_TERMS and optima[-1].rms < _WORTH * optima[-2].rms:
+    while len(optima) < MOST_TERMS and optima[-1].rms < _TERM_GAIN * optima[-2].rms:
         optima.append(fit_power_law(rows, len(optima) + 1, kind, poisson))
     return optima
 
 
-def _refuse(
+def _refuse_choices(
     curves: Sequence[ElasticCurve],
     law: ElasticKindOption,
     terms: int | Literal["auto"],
@@ -226,7 +230,7 @@ def _find_poisson(
     """Return Poisson's ratio by lateral strain, if measured, and whether a foam is fitted."""
     poisson_ratios = [test.poisson for test in tests if test.poisson is not None]
     ratio = sum(poisson_ratios) / len(poisson_ratios) if poisson_ratios else None
-    is_compressible = ratio is not None and ratio < SWELLS
+    is_compressible = ratio is not None and ratio < FOAM_POISSON
     return ratio, law == "hyperfoam" or (law == "auto" and (poisson is not None or is_compressible))
 
 
@@ -264,7 +268,7 @@ def _find_bulk_modulus(volumetric: Sequence[ElasticCurve]) -> ReportedValue | No
     return ReportedValue("bulk_modulus", bulk, bulk - half_width, bulk + half_width, "Pa")
 
 
-def _with_bulk(optimum: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
+def _add_bulk_modulus(optimum: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
     if bulk is None:
         return optimum.law
     if not bulk > 0:

@@ -226,10 +226,10 @@ def _format_header_lines(card: _Card, kelvin: float | None, measured: str) -> li
 def _find_stability_limits(fit: HyperelasticFit) -> str:
     """Return the stretches from which the law is not stable, in each mode."""
     limit_texts = [
-        f"{mode} {at:.4g}"
+        f"{mode} {limit:.4g}"
         for mode, stretch_limits in fit.stable
-        for at in stretch_limits
-        if at is not None
+        for limit in stretch_limits
+        if limit is not None
     ]
     return ", ".join(limit_texts) or "nowhere from 0.1 to 10"
 

@@ -15,9 +15,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_POINTS = 100
 """Largest number of points of one curve: neighbours in stretch are averaged."""
-_WHOLE = 0.95
+_WHOLE_SHARE = 0.95
 """Part of the largest strain that a loading must reach to be chosen."""
-_BOTH = 0.1
+_BOTH_SHARE = 0.1
 """Part of the largest strain from which a record shows tension and compression both."""
 _SCATTERED = 4
 """Samples of a stroke below which rows are points in no order."""
@@ -80,7 +80,7 @@ def _remove_relaxation(relaxation: GeneralizedMaxwell, test: StressStrainTest) -
 def _choose_loading(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:
     strain = stretch - 1
     largest_strain = strain[np.argmax(np.abs(strain))]
-    if min(float(strain.max()), -float(strain.min())) > _BOTH * abs(largest_strain):
+    if min(float(strain.max()), -float(strain.min())) > _BOTH_SHARE * abs(largest_strain):
         return _LoadingRows(np.argsort(stretch, kind="stable"), None, None)
     strain_size = np.sign(largest_strain) * strain
     strokes = find_strokes(strain_size, resolution=0.0)
@@ -104,7 +104,7 @@ def _choose_loading(stretch: FloatArray, stress: FloatArray, cycle: int | None) 
 def _find_loadings(strain_size: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
     """Return the whole loadings; any, where none is whole."""
     inward = [stroke for stroke in strokes if stroke.inward]
-    complete_strain = _WHOLE * float(strain_size.max())
+    complete_strain = _WHOLE_SHARE * float(strain_size.max())
     # a record that only comes back is one way, too
     return (
         [stroke for stroke in inward if strain_size[stroke.last] >= complete_strain]
@@ -130,9 +130,9 @@ def _compute_loss_fraction(
     if unloading is None:
         return None
     (x1, y1), (x2, y2) = _sort_stroke_samples(x, y, loading), _sort_stroke_samples(x, y, unloading)
-    at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
+    stretches = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
     work_in, work_out = (
-        float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2))
+        float(np.trapezoid(np.interp(stretches, a, b), stretches)) for a, b in ((x1, y1), (x2, y2))
     )
     return 1 - work_out / work_in
 

@@ -38,7 +38,7 @@ _ARSINH_UNITS = np.array([0.02, 1.0])
 """Unit of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record
 changes in proportion, and where both are more their logarithms do."""
 _RANGE = np.array([[1e-6, 10.0], [1 / 32, 32.0]])
-_REACH = 8.0
+_LOG_RANGE = 8.0
 """Range of the logarithm of a number about its start."""
 _HALF_WAVE = 1.07
 """Pi over the length of a lossless contact."""
@@ -78,7 +78,11 @@ class Law:
         """Return the range of each, but for the touch."""
         value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starts)]
         first, last = np.log((duration, change))
-        ranges = [[first - _REACH, first + _REACH], *value, [last - _REACH, last + _REACH]]
+        ranges = [
+            [first - _LOG_RANGE, first + _LOG_RANGE],
+            *value,
+            [last - _LOG_RANGE, last + _LOG_RANGE],
+        ]
         return [Parameter(float(low), float(high)) for low, high in ranges]
 
     def make_starting_parameters(
@@ -198,16 +202,19 @@ def simulate_sensor_signal(
                 np.diff(values, axis=0)[0] / step for values in (value, force, -edge * force)
             )
         return Recorded(value * scale, rate * scale, stretched * scale)
-    before, time_after = np.minimum(time_since_touch, 0.0), np.maximum(time_since_touch - end, 0.0)
+    time_before, time_after = (
+        np.minimum(time_since_touch, 0.0),
+        np.maximum(time_since_touch - end, 0.0),
+    )
     # in flight with the speed of approach, or of release
     slowed = push / hit.mass - hit.pull
     if motion == "velocity":
         speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
-            before + time_after
+            time_before + time_after
         )
         return Recorded(-speed, slowed, -time_since_touch * slowed)
     displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
-    speed += hit.pull * (before + time_after)
-    displacement += hit.velocity[0] * before + hit.velocity[-1] * time_after
-    displacement += hit.pull * (before**2 + time_after**2) / 2
+    speed += hit.pull * (time_before + time_after)
+    displacement += hit.velocity[0] * time_before + hit.velocity[-1] * time_after
+    displacement += hit.pull * (time_before**2 + time_after**2) / 2
     return Recorded(-displacement, -speed, time_since_touch * speed - displacement)

@@ -16,11 +16,11 @@ from dashpot.extensions.materials.indentation.preprocess import ContactInterval
 SAMPLED = 20
 FLIGHT = 0.1
 ALIKE = 0.05
-KNOWN = 1.25
+KNOWN_FACTOR = 1.25
 """A factor within which a parameter is known."""
 FOLLOWED = 1.5
 LOST = 0.02
-SMALL = 2e-3
+SMALL_RESIDUAL = 2e-3
 """Part of the push that may be left of a record without noise."""
 _NOISELESS = 1e-4
 """Part of the push below which what is left in flight is no noise."""
@@ -40,7 +40,10 @@ def run_checks(
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
     time_since_touch, T = fit.time, fit.duration
-    before, duration_after = float(-time_since_touch[0] / T), float(time_since_touch[-1] / T - 1)
+    duration_before, duration_after = (
+        float(-time_since_touch[0] / T),
+        float(time_since_touch[-1] / T - 1),
+    )
     size = float(np.ptp(fit.modelled)) or 1.0
     scarce = fit.noise < _NOISELESS * size
     relative = fit.residual * size / fit.noise if not scarce else None
@@ -61,7 +64,7 @@ def run_checks(
     )
     return (
         contact_sampled(T / test.step),
-        flights_recorded(before, duration_after),
+        flights_recorded(duration_before, duration_after),
         sensor_in_range(clipped),
         first_contact(contact.before, contact.after),
         law_residual_small(relative, fit.residual),
@@ -102,12 +105,12 @@ def _compute_force_ratio(fit: IndentationFit, test: IndentationTest) -> float | 
     is_near_contact = (time_since_touch > -0.5 * fit.duration) & (
         time_since_touch < 1.5 * fit.duration
     )
-    rest = (
+    rest_force = (
         float(np.median(test.force[is_near_contact & ~in_contact]))
         if (is_near_contact & ~in_contact).any()
         else 0.0
     )
-    impulse = abs(float(np.sum(test.force[in_contact] - rest))) * test.step
+    impulse = abs(float(np.sum(test.force[in_contact] - rest_force))) * test.step
     speed = fit["impact_velocity"].value
     change = speed * (1 + fit["restitution"].value) + test.indenter.pull * fit.duration
     return impulse / (test.indenter.mass * change)
@@ -204,7 +207,7 @@ def law_residual_small(ratio: float | None, residual: float) -> Finding:
         ratio,
         "Yielding, adhesion, a double contact, a thin layer, or a filter may cause this",
         "Use the numbers for this hit only.",
-        always_passes=ratio is not None and residual <= SMALL,
+        always_passes=ratio is not None and residual <= SMALL_RESIDUAL,
         grade="stop" if residual > LOST else "limit",
     )
 
@@ -227,7 +230,7 @@ def no_adhesion_on_release(tensile_force: float | None, noise: float) -> Finding
 @criterion(
     "worst interval, a factor",
     "<=",
-    KNOWN,
+    KNOWN_FACTOR,
     "our choice: a quarter",
     other_grade="note where stiffness, depth, restitution and modulus are",
 )
@@ -248,7 +251,7 @@ def parameters_determined(
         factor,
         f"This contact does not determine {word} alone",
         "Use the numbers with narrow intervals.",
-        grade="note" if leading_factor <= KNOWN else None,
+        grade="note" if leading_factor <= KNOWN_FACTOR else None,
     )
 
 

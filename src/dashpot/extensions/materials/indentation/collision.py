@@ -213,7 +213,7 @@ def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) 
         return y, v / 2, y * (acceleration - force), y * (1.5 * y * v - q / tau)
 
     t, y, v, q = _integrate_contact(loading, (0.0, 0.0, 1.0, 0.0), lambda *state: state[2], step)
-    top, at = float(y[-1]), float(t[-1])
+    top, end_time = float(y[-1]), float(t[-1])
     from scipy.interpolate import CubicSpline
 
     # at this angle of the size the way there is smooth, at the touch as at the turn
@@ -234,7 +234,7 @@ def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) 
         return w, speed / 2, w * (acceleration - force), w * v
 
     unloading_time, w, u, x = _integrate_contact(
-        unloading, (at, top, 0.0, top**2), lambda *state: state[1], step
+        unloading, (end_time, top, 0.0, top**2), lambda *state: state[1], step
     )
     t1, q1 = loading_history(_compute_angle(w, top)).T
     F = 1.25 * (w**3 + g * np.exp((t1 - unloading_time) / tau) * q1)
@@ -270,7 +270,7 @@ def _integrate_contact(
         pairs = zip(y, k1, k2, k3, k4, strict=True)
         return tuple([a + h / 6 * (b + 2 * (c + d) + e) for a, b, c, d, e in pairs])
 
-    states, rates, before, condition = [start], [rate(*start)], 0.0, 1.0
+    states, rates, previous_condition, condition = [start], [rate(*start)], 0.0, 1.0
     while condition > 0:
         if max(states[-1][0], len(states) * step) > _LONGEST:
             raise DataError(
@@ -279,17 +279,17 @@ def _integrate_contact(
             )
         states.append(compute_next_state(states[-1], rates[-1], step))
         rates.append(rate(*states[-1]))
-        before, condition = condition, end_condition(*states[-1])
+        previous_condition, condition = condition, end_condition(*states[-1])
     # the last step ends where the function is zero: false position, its stale end halved
     low, high, part = 0.0, step, 0.0
     for _ in range(_MOST_ROUNDS):
-        part = high - condition * (high - low) / (condition - before)
+        part = high - condition * (high - low) / (condition - previous_condition)
         states[-1] = compute_next_state(states[-2], rates[-2], part)
         value = end_condition(*states[-1])
         if value * condition < 0:
-            low, before = high, condition
+            low, previous_condition = high, condition
         else:
-            before /= 2
+            previous_condition /= 2
         high, condition = part, value
         if abs(high - low) < 1e-14 or value == 0:
             break

@@ -50,7 +50,7 @@ from dashpot.numerics.inference.correlated_noise import noise_of
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
-_ABOUT = 1.0
+_WINDOW_MARGIN = 1.0
 """Time before and after the contact that is fitted, in contact times."""
 _VELOCITY_OFFSET = 3e-3
 """Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
@@ -67,17 +67,17 @@ _OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
 """Values in proportion to the root of the tip radius."""
 _TIME = 2
 """Place of the law's time among the parameters."""
-_SAME = 0.05
+_SAME_VALLEY = 0.05
 """Difference of every parameter below which two valleys are one."""
 _LEVEL = 0.95
 _ENDS = 1.02
 """Factor on a quantile beyond which a slice of a profile is outside."""
-_FAR = 0.8
+_TIME_RANGE = 0.8
 """Search range of the contact time about its start, in contact times."""
 _TRIES, _FLAT = 40, 1e-7
 _STARTS = 4
 """Number of descents, from the best entries of a table."""
-_NEAR, _ROUGHLY = 3, 1e-3
+_NEAR_STEPS, _ROUGHLY = 3, 1e-3
 """Steps that the others take beside one of a table, and what they may leave."""
 _DECIDED = 10.0
 """Difference of BIC beyond which another law is out (Kass and Raftery 1995: very strong)."""
@@ -258,7 +258,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     mass = test.indenter.mass
     if mass is None:
         raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
-    margin = _ABOUT * contact.duration
+    margin = _WINDOW_MARGIN * contact.duration
     in_window = (test.time >= contact.start - margin) & (
         test.time <= contact.start + contact.duration + margin
     )
@@ -292,22 +292,22 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
 
 def _estimate_speed_change(window: _NearHit) -> float:
     """Return an estimate of the speed by the contact."""
-    signal, of = window.signal, window.test.of
-    if of == "velocity":
+    signal, quantity = window.signal, window.test.of
+    if quantity == "velocity":
         return float(np.ptp(signal))
-    if of == "displacement":
+    if quantity == "displacement":
         return 1.2 * float(np.ptp(signal)) / window.contact.duration
     start, end = window.contact.start, window.contact.start + window.contact.duration
     in_contact = (window.time >= start) & (window.time <= end)
-    rest = float(np.median(signal[~in_contact])) if (~in_contact).any() else 0.0
-    change = float(np.sum(signal[in_contact] - rest)) * window.test.step
-    return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
+    rest_level = float(np.median(signal[~in_contact])) if (~in_contact).any() else 0.0
+    change = float(np.sum(signal[in_contact] - rest_level)) * window.test.step
+    return max(change, 1e-12) / (window.mass if quantity == "force" else 1.0)
 
 
 def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     """Return the best least-squares fit of a law from its starts; None without a motion."""
     law, change, duration = LAWS[name], _estimate_speed_change(window), window.contact.duration
-    contact_start, max_shift = window.contact.start, _FAR * duration
+    contact_start, max_shift = window.contact.start, _TIME_RANGE * duration
     touch_parameter = Parameter(contact_start - max_shift, contact_start + max_shift, duration)
 
     def problem(law: Law, acceleration: float) -> Problem:
@@ -321,7 +321,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         start = np.append(law.make_starting_parameters(duration, values, change), contact_start)
         rest = [0, len(start) - 2, len(start) - 1]
         optimum = problem(law.fix_loss(values), 0.0).solve(
-            [start[rest]], max_steps=_NEAR, cost_tolerance=_ROUGHLY
+            [start[rest]], max_steps=_NEAR_STEPS, cost_tolerance=_ROUGHLY
         )
         if optimum is None:
             return np.inf, start
@@ -333,7 +333,11 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     starts = [table[i][1] for i in _find_valleys(cost)]
     full_problem = problem(law, window.test.indenter.pull)
     optima = full_problem.valleys(
-        starts, same_distance=_SAME, max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
+        starts,
+        same_distance=_SAME_VALLEY,
+        max_steps=_TRIES,
+        step_tolerance=_FLAT,
+        cost_tolerance=_FLAT,
     )
     if not optima:
         return None
@@ -350,12 +354,12 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
 def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
-    around = np.pad(cost, 1, constant_values=np.inf)
+    padded = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
     beaten = np.zeros(cost.shape, dtype=bool)
     for axis in range(cost.ndim):
-        for by in (-1, 1):
-            beaten |= np.roll(around, by, axis)[inner] < cost
+        for direction in (-1, 1):
+            beaten |= np.roll(padded, direction, axis)[inner] < cost
     order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 
@@ -372,9 +376,9 @@ def _estimate_law_errors(
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
-        at = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
+        nearest = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
-        change[at] = _AT_TOUCH * window.test.step * signal.rate[at]
+        change[nearest] = _AT_TOUCH * window.test.step * signal.rate[nearest]
         uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
     return _LawOptimum(name, hit, model, uncertainty, tuple(optima))
 
@@ -464,11 +468,11 @@ def _collect_slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     """
     noise, best = optimum.estimate.noises[0], optimum.optimum
     slices = optimum.estimate.profile(_TIME)
-    for other in optimum.valleys:
-        cost_increase = (other.cost - best.cost) / noise.power
-        if other is best or cost_increase > optimum.estimate.quantile() ** 2:
+    for valley in optimum.valleys:
+        cost_increase = (valley.cost - best.cost) / noise.power
+        if valley is best or cost_increase > optimum.estimate.quantile() ** 2:
             continue
-        profile_slices = estimate(other, noises=[noise]).profile(_TIME)
+        profile_slices = estimate(valley, noises=[noise]).profile(_TIME)
         slices += [
             ProfileSlice(float(np.sqrt(root**2 + cost_increase)), uncertainty)
             for root, uncertainty in profile_slices

@@ -12,9 +12,9 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationTest
 
 _DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
 """Number of differentiations that turn a record into the push."""
-_CLEAR = 25.0
+_CONTACT_RATIO = 25.0
 """Peak over scatter at which a contact stands out."""
-_OTHER = 0.1
+_OTHER_CONTACT_SHARE = 0.1
 """Part of the largest push that makes another contact."""
 _FOOT = 0.25
 """Part of the push at which its width is taken."""
@@ -54,9 +54,9 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     push, width = _compute_push(test)
     # a record may be cut so close that most of it is contact, or begin in one
     tenth = max(len(push) // 10, 1)
-    rest = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
-    sign = 1.0 if push.max() - rest >= rest - push.min() else -1.0
-    push = sign * (push - rest)
+    rest_level = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
+    sign = 1.0 if push.max() - rest_level >= rest_level - push.min() else -1.0
+    push = sign * (push - rest_level)
     top = int(push.argmax())
     scatter = 1.4826 * median(np.abs(push))
     if not push[top] > 5 * scatter:
@@ -74,7 +74,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
             f"{_FEWEST} or more: sample {8 * _FEWEST / max(end - start, 1):.0f} times as fast"
         )
     middle = test.time[0] + 0.5 * (start + end - 1) * test.step
-    level = max(_OTHER * push[top], 8 * scatter)
+    level = max(_OTHER_CONTACT_SHARE * push[top], 8 * scatter)
     other_runs = [run for run in _find_runs(push > level) if run[1] - run[0] >= 3]
     gap = 0.5 * width_ratio / test.step
     return ContactInterval(
@@ -104,7 +104,7 @@ def _compute_push(test: IndentationTest) -> tuple[FloatArray, int]:
         )
         if peak_over_noise > clearest:
             best, clearest = (push, width), peak_over_noise
-        if peak_over_noise > _CLEAR:
+        if peak_over_noise > _CONTACT_RATIO:
             break
     return best
 

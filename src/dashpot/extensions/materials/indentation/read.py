@@ -43,10 +43,10 @@ def read_indentation(
         # an acceleration beside a force is a hammer's, unless the file concerns an indenter
         kinds: list[FileKind] = ["indentation"] if assignment else ["indentation", "impact"]
         channels.expect(file, kinds, "the motion of an indenter is", stated_columns=_NAMED)
-        motion, of = _find_motion_column(file)
+        motion, quantity = _find_motion_column(file)
         forces = (
             [assignment]
-            if assignment and of != "force" and assignment.index != motion.index
+            if assignment and quantity != "force" and assignment.index != motion.index
             else []
         )
         ticks = channels.chosen(file, channels.add_time_role(file))
@@ -58,12 +58,12 @@ def read_indentation(
         values = channels.convert_signals_to_si(rows, channels_chosen)
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
-        _refuse_sizes(file, channels_chosen, time, float(np.abs(values[of]).max()))
+        _refuse_sizes(file, channels_chosen, time, float(np.abs(values[quantity]).max()))
         source = channels.source(
             file, [c.message for c in channels_chosen], [*file.table.notes, *gaps, *notes]
         )
         return IndentationTest(
-            time, values[of], of, indenter or Indenter(),
+            time, values[quantity], quantity, indenter or Indenter(),
             values["force"] if forces else None, source, units="SI",
         )  # fmt: skip
 
@@ -103,15 +103,15 @@ def _refuse_sizes(
     file: OpenedFile, channels_chosen: list[Channel], time: np.ndarray, largest: float
 ) -> None:
     """Ask for the units again that make a size no indenter has."""
-    requested = []
+    failed_checks = []
     for channel in channels_chosen:
         word = channel.unit.word
         if channel.role == "time":
-            requested.append(
+            failed_checks.append(
                 (channel, [size_checks.contact_rate(1 / max(median(np.diff(time)), 1e-12), word)])
             )
         elif channel.role == "acceleration":
-            requested.append((channel, [size_checks.shock_not_large(largest, word)]))
+            failed_checks.append((channel, [size_checks.shock_not_large(largest, word)]))
         elif channel.role == "velocity":
-            requested.append((channel, [size_checks.indenter_not_fast(largest, word)]))
-    channels.refuse_sizes(file, requested)
+            failed_checks.append((channel, [size_checks.indenter_not_fast(largest, word)]))
+    channels.refuse_sizes(file, failed_checks)

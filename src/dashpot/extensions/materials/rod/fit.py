@@ -72,8 +72,8 @@ def fit_rod(
     for relative in lines.error_contributions:
         _, change = _average_lines(lines, lines.modulus * (1 + relative))
         changed_fit = _fit_same_solid(fit, fit_modulus, change)
-        by = np.zeros(len(parameters)) if changed_fit is None else changed_fit - parameters
-        added_covariance += np.outer(by, by)
+        shift = np.zeros(len(parameters)) if changed_fit is None else changed_fit - parameters
+        added_covariance += np.outer(shift, shift)
     scatter = np.diag(fit.covariance)
     # a profile knows the scatter alone
     profiles = [
@@ -92,12 +92,12 @@ def fit_rod(
 def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) -> FloatArray | None:
     """Return the parameters of the same model under another test; None where no fit is found."""
     try:
-        other = fit_modulus(modulus, arms=_order(fit), family=fit.family)
+        other_fit = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:
         return None
     return (
-        get_parameter_values(other)
-        if other.estimate.parameters == fit.estimate.parameters
+        get_parameter_values(other_fit)
+        if other_fit.estimate.parameters == fit.estimate.parameters
         else None
     )
 

@@ -128,8 +128,8 @@ class Rod(HasVerdict, Serialisable):
     @property
     def sensitivity(self) -> dict[str, FloatArray]:
         """Each as rows of the real and the imaginary part of d ln E*."""
-        of = self.modulus
-        sensitivities = {name: getattr(of, f"by_{name}") for name in _ERRORS}
+        modulus = self.modulus
+        sensitivities = {name: getattr(modulus, f"by_{name}") for name in _ERRORS}
         return {
             name: np.column_stack([item.real, item.imag]) for name, item in sensitivities.items()
         }

@@ -55,8 +55,8 @@ def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float
     is_nonnegative = np.arange(A.shape[1]) < columns.shape[1]
     beta, _ = solve_linear(A, y, is_nonnegative)
     residual = y - A @ beta
-    free = len(y) - size - int(np.count_nonzero(beta[is_nonnegative]))
-    return float(residual @ residual) / max(free, 1)
+    degrees_of_freedom = len(y) - size - int(np.count_nonzero(beta[is_nonnegative]))
+    return float(residual @ residual) / max(degrees_of_freedom, 1)
 
 
 def _split_real_imaginary(rows: npt.NDArray[Any]) -> FloatArray:

@@ -16,7 +16,7 @@ _ERRORS = ("phase", "gain")
 
 def rod(rod: Rod) -> Text:
     """Return the modulus of a rod over its usable band, its errors, and the fitted model."""
-    of, factor = rod.modulus, rod.part.factor(bonded=rod.bonded)
+    modulus, factor = rod.modulus, rod.part.factor(bonded=rod.bonded)
     stiffer = factor * rod.part.height / rod.part.area
     ends_text = (
         f"bonded, so {stiffer:.4g} times as stiff as its material" if rod.bonded else "sliding"
@@ -30,16 +30,16 @@ def rod(rod: Rod) -> Text:
         )
     ]
     lines.append(
-        f"  usable      {hertz(of.band)}: storage and loss factor are known to 10 %"
-        if of.usable.any()
+        f"  usable      {hertz(modulus.band)}: storage and loss factor are known to 10 %"
+        if modulus.usable.any()
         else "  usable      nowhere"
     )
     lines += _format_lines(rod, _ROWS, ())
     if rod.fit is None:
         lines.append(f"  No model was fitted: {rod.reason}")
-        return Text(lines, _format_lines(rod, len(of.frequency)))
+        return Text(lines, _format_lines(rod, len(modulus.frequency)))
     fitted = results.render_fit(rod.fit)
-    details = ["every line", *_format_lines(rod, len(of.frequency))]
+    details = ["every line", *_format_lines(rod, len(modulus.frequency))]
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 
 

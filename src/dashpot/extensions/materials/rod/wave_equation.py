@@ -45,7 +45,7 @@ _ROUNDS = 50
 _CLOSE = 1e-13
 _NEIGHBOURS = 11
 """Lines over which the scatter is averaged where the FRF comes without."""
-_FEW = 3
+_MEDIAN_LINES = 3
 """Lines that make a median."""
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
@@ -55,7 +55,7 @@ beside those with which they were seen."""
 _MEDIAN = float(np.sqrt(np.pi / 2))
 """Standard error of a median over that of a mean."""
 _TURNS = 3
-_GOOD = 0.1
+_USABLE_ERROR = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
 _POISSON_ERROR, _HIGHEST_POISSON = 0.0007, 0.4999
 """Uncertainty of Poisson's ratio of a rubber, and its largest value."""
@@ -178,8 +178,12 @@ def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
         return float(np.log(factors[0] / factors[1]) / difference)
 
     step, nu = 1e-4, min(part.poisson, _HIGHEST_POISSON - _POISSON_ERROR)
-    taller, shorter = (replace(part, height=part.height * np.exp(by)) for by in (step, -step))
-    stiffer, soft = (replace(part, poisson=nu + by) for by in (_POISSON_ERROR, -_POISSON_ERROR))
+    taller, shorter = (
+        replace(part, height=part.height * np.exp(log_step)) for log_step in (step, -step)
+    )
+    stiffer, soft = (
+        replace(part, poisson=nu + log_step) for log_step in (_POISSON_ERROR, -_POISSON_ERROR)
+    )
     return compute_slope(taller, shorter, 2 * step), compute_slope(
         stiffer, soft, 2 * _POISSON_ERROR
     )
@@ -280,7 +284,9 @@ def _estimate_errors_and_band(
         sum(((change.imag - loss * change.real) / storage) ** 2 for change in changes)
     )
     is_usable = (
-        (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
+        (storage_sd < _USABLE_ERROR * np.abs(storage))
+        & (loss_sd < _USABLE_ERROR * np.abs(loss))
+        & (storage > 0)
     )
     plane = is_usable & (bulging <= PLANE)
     if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
@@ -306,7 +312,7 @@ def _estimate_rest_offset(
     """
     f, usable = measured.frequency, np.flatnonzero(modulus.usable)
     low = f < 0.5 * modulus.band[0]
-    if not usable.size or np.count_nonzero(low) < _FEW:
+    if not usable.size or np.count_nonzero(low) < _MEDIAN_LINES:
         return None
     first = int(usable[0])
     # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)
@@ -386,11 +392,13 @@ def _solve_line_roots(
         else 1 / (y[peak] + ratio + 1 / 3)
     )
     for order in (range(peak, len(y)), range(peak - 1, -1, -1)):
-        before = peak
+        previous_line = peak
         for i in order:
-            start = guess if i == peak else w[before] * (omega[i] / omega[before]) ** 2
+            start = (
+                guess if i == peak else w[previous_line] * (omega[i] / omega[previous_line]) ** 2
+            )
             w[i] = _find_root(equation, complex(start), complex(y[i]), ratio)
-            before = i if np.isfinite(w[i]) else before
+            previous_line = i if np.isfinite(w[i]) else previous_line
     failed_indices = np.flatnonzero(~np.isfinite(w))
     if np.isnan(w[peak]) or 2 * len(failed_indices) > len(w):
         line = omega[peak if np.isnan(w[peak]) else failed_indices[0]] / (2 * np.pi)
@@ -415,8 +423,8 @@ def _find_good_band(frequency: FloatArray, is_usable: np.ndarray, peak: int) -> 
     """Return the run of good lines nearest to the peak."""
     if not is_usable.any():
         return np.nan, np.nan
-    at = int(np.flatnonzero(is_usable)[np.abs(np.flatnonzero(is_usable) - peak).argmin()])
+    nearest = int(np.flatnonzero(is_usable)[np.abs(np.flatnonzero(is_usable) - peak).argmin()])
     bad_indices = np.flatnonzero(~is_usable)
-    low = int(bad_indices[bad_indices < at].max(initial=-1)) + 1
-    high = int(bad_indices[bad_indices > at].min(initial=len(is_usable))) - 1
+    low = int(bad_indices[bad_indices < nearest].max(initial=-1)) + 1
+    high = int(bad_indices[bad_indices > nearest].min(initial=len(is_usable))) - 1
     return float(frequency[low]), float(frequency[high])

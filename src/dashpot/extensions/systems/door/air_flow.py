@@ -59,12 +59,12 @@ def compute_pressure(density: npt.ArrayLike, exponent: float) -> FloatArray:
 def compute_stored_energy(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
     """Return the energy that the air of a chamber would give back in expansion, J."""
     p = compute_pressure(density, exponent)
-    free = volume * density / DENSITY
+    free_volume = volume * density / DENSITY
     if exponent == 1.0:
         inner = p * volume * np.log(p / AMBIENT)
     else:
-        inner = (p * volume - AMBIENT * free) / (exponent - 1)
-    return np.asarray(inner - AMBIENT * (free - volume))
+        inner = (p * volume - AMBIENT * free_volume) / (exponent - 1)
+    return np.asarray(inner - AMBIENT * (free_volume - volume))
 
 
 def compute_next_density(
@@ -88,9 +88,9 @@ def compute_next_density(
     exponent : float
         n.
     """
-    before, volume_after = volumes
-    mass = density * before
-    inner = before + _STAGE * (volume_after - before)
+    volume_before, volume_after = volumes
+    mass = density * volume_before
+    inner = volume_before + _STAGE * (volume_after - volume_before)
     step = opening * seconds
     first = _solve_implicit_step(mass, inner, _STAGE * step, exponent, density)
     flow = step * mass_flux(compute_pressure(first, exponent), first)

@@ -16,9 +16,9 @@ from dashpot.extensions.systems.multibody import Body, Mount, System
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 DOOR, BODY = "door", "body"
-_ALIKE = 0.01
+_MASS_TOLERANCE = 0.01
 """Relative difference of the masses that rigid modes imply along x, y and z."""
-_STILL = 1.0
+_MAX_RIGID_HZ = 1.0
 """Hz, below which no door bends."""
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -118,10 +118,11 @@ class Assembly:
 def _select_elastic_modes(modes: FreeModes) -> FreeModes | None:
     """Return the modes by which a door bends; those at rest must be rigid motions."""
     is_elastic = ~modes.rigid
-    zero_frequency_count = int((modes.frequency[is_elastic] < _STILL).sum())
+    zero_frequency_count = int((modes.frequency[is_elastic] < _MAX_RIGID_HZ).sum())
     if zero_frequency_count:
         raise DataError(
-            f"{zero_frequency_count} of {len(modes)} modes lie below {_STILL:g} Hz and are no "
+            f"{zero_frequency_count} of {len(modes)} modes lie below {_MAX_RIGID_HZ:g} Hz and are "
+            "no "
             "rigid motions of their points: the axes of shapes and points differ, or the points "
             "are not those of the shapes; modes of a door that hangs need held = true"
         )
@@ -165,7 +166,7 @@ def find_rigid_body(modes: FreeModes) -> RigidPart:
     mass_matrix = modes.rigid_mass()
     masses = np.diag(mass_matrix)[:3]
     mass = float(masses.mean())
-    if np.ptp(masses) > _ALIKE * mass:
+    if np.ptp(masses) > _MASS_TOLERANCE * mass:
         masses_text = ", ".join(f"{mass:.4g}" for mass in masses)
         raise DataError(
             f"the rigid modes imply masses of {masses_text} kg along x, y and z; expected one: "

@@ -278,22 +278,22 @@ def simulate_closing(
     moment, returned = np.zeros(doors), 0.0
     for i in range(n):
         # of one door alone it is asked with what it comes back
-        before = state.copy_state() if doors == 1 else state
+        previous_state = state.copy_state() if doors == 1 else state
         energy_done = state.step(float(angle[i + 1]), kinetic[i], moment)
         kinetic[i + 1] = kinetic[i] - energy_done.taken
-        on = kinetic[i + 1] > 0
-        kinetic[i + 1, ~on] = np.nan
+        is_moving = kinetic[i + 1] > 0
+        kinetic[i + 1, ~is_moving] = np.nan
         for name, values in energy_done.work.items():
-            work[name][i] = np.where(on, values, 0.0)
+            work[name][i] = np.where(is_moving, values, 0.0)
         for chamber in state.chambers:
-            pressure[chamber.name][i + 1] = np.where(on, chamber.gauge, 0.0)
-        time[i + 1] = time[i] + np.where(on, energy_done.seconds, 0.0)
+            pressure[chamber.name][i + 1] = np.where(is_moving, chamber.gauge, 0.0)
+        time[i + 1] = time[i] + np.where(is_moving, energy_done.seconds, 0.0)
         moment = energy_done.taken / float(angle[i] - angle[i + 1])
-        if not on.any():
+        if not is_moving.any():
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
             if doors == 1:
-                returned = _compute_rebound_energy(before, angle[i::-1])
+                returned = _compute_rebound_energy(previous_state, angle[i::-1])
             break
     stopped = np.isnan(kinetic[-1])
     stored_energy = {
@@ -306,13 +306,13 @@ def simulate_closing(
 def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
     """Return the rebound energy of a door that stopped at the first of the angles, J."""
     kinetic, moment = np.zeros(1), np.zeros(1)
-    for at in angle[1:].tolist():
-        turned_angle = state.angle - at
+    for step_angle in angle[1:].tolist():
+        turned_angle = state.angle - step_angle
         if not kinetic[0]:
             # as it starts, the relaxed force and what the arms still carry show its pace
-            trial = copy(state.seal).step(at, np.full(1, 1e-3))
+            trial = copy(state.seal).step(step_angle, np.full(1, 1e-3))
             moment = np.full(1, (trial[0][0] + trial[1][0]) / turned_angle)
-        energy_done = state.step(at, kinetic, moment)
+        energy_done = state.step(step_angle, kinetic, moment)
         kinetic = np.maximum(kinetic - energy_done.taken, 0.0)
         moment = energy_done.taken / turned_angle
         if not kinetic[0]:

@@ -28,7 +28,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 FASTEST = 20.0
 """m/s: a door that needs more does not close."""
 _SIGNIFICANT = 1e-5
-_COARSE, _FEW, _ROUGH = 60, 24, 1e-3
+_COARSE_STEPS, _COARSE_STATIONS, _COARSE_TOLERANCE = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
 _NOTHING = 1e-9
 """Share of the energy at 1 m/s with which a door closes by itself."""
@@ -346,7 +346,7 @@ def _check_faster_doors(door: ClosingDoor, minimum: float) -> bool:
     if not np.isfinite(minimum):
         return True
     faster_speeds = max(minimum, 1e-2) * np.array(_FASTER)
-    return bool(simulate_closing(door, faster_speeds, steps=_COARSE).is_latched.all())
+    return bool(simulate_closing(door, faster_speeds, steps=_COARSE_STEPS).is_latched.all())
 
 
 def find_least_speed(
@@ -418,7 +418,7 @@ def find_least_speed(
 def _reduce_stations(door: ClosingDoor) -> tuple[ClosingDoor, IndexArray]:
     """Return the same door with few stations, and which of them each of its own belongs to."""
     n = len(door.lever)
-    group = np.arange(n) * min(n, _FEW) // n
+    group = np.arange(n) * min(n, _COARSE_STATIONS) // n
     length = np.asarray(np.bincount(group, door.length), dtype=float)
 
     def mean(values: FloatArray) -> FloatArray:
@@ -456,9 +456,13 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     groups = np.zeros((n, len(reduced_door.lever)))
     groups[np.arange(n), group] = share
     rough = find_least_speed(
-        reduced_door, compression=compressions @ groups, load=load, steps=_COARSE, tolerance=_ROUGH
+        reduced_door,
+        compression=compressions @ groups,
+        load=load,
+        steps=_COARSE_STEPS,
+        tolerance=_COARSE_TOLERANCE,
     )
-    nominal = find_least_speed(reduced_door, steps=_COARSE, tolerance=_ROUGH)[0]
+    nominal = find_least_speed(reduced_door, steps=_COARSE_STEPS, tolerance=_COARSE_TOLERANCE)[0]
     # few stations and steps miss alike in every door what the nominal one shows of it
     scale = minimum / nominal if 0 < nominal < np.inf and np.isfinite(minimum) else 1.0
     speed = scale * rough

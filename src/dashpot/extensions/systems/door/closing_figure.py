@@ -14,13 +14,13 @@ from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
-_HALF = 0.36
+_HALF_BAR = 0.36
 """Half the height of a bar; its rows are 1 apart."""
-_NEAR = 6.0
+_DRAWN_RATIO = 6.0
 """Length of the drawn motion, over that on which most of the seal is pressed."""
 _WORDS, _NAMES = 1.18, 0.55
 """Ends of the energy axis, for the number beside a bar and the name left of it."""
-_COARSE = 2.0
+_WHOLE_NUMBER_ENERGY = 2.0
 """Energy above which its axis has whole numbers, J."""
 
 
@@ -72,14 +72,25 @@ def make_energy_waterfall(closing: ClosingAnalysis) -> Panel:
         colour, label = ("fit", "seal") if name.startswith("seal") else ("ref", "all else")
         bar_ends = np.array([left, right])
         marks.append(
-            Area(bar_ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, label, tint=0.75)
+            Area(
+                bar_ends,
+                np.full(2, y - _HALF_BAR),
+                np.full(2, y + _HALF_BAR),
+                colour,
+                label,
+                tint=0.75,
+            )
         )
         energy = high if is_total else low - high
         marks.append(Tag(begins, y, name, "ink", end=True))
         marks.append(
             Tag(right, y, f"{energy:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
         )
-    step = max(round(closing.energy / 3), 1) if closing.energy > _COARSE else closing.energy / 2
+    step = (
+        max(round(closing.energy / 3), 1)
+        if closing.energy > _WHOLE_NUMBER_ENERGY
+        else closing.energy / 2
+    )
     ticks = tuple(np.arange(0.0, closing.energy * 1.001, step).tolist())
     return Panel(
         Scale("energy, J", (begins, _WORDS * closing.energy), ticks=ticks),
@@ -98,7 +109,7 @@ def _get_edge_path(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
     axis_limit = 0.0
     if len(angles):
-        axis_limit = _NEAR * convert_to_unit(door.edge * float(np.median(angles)), "mm")
+        axis_limit = _DRAWN_RATIO * convert_to_unit(door.edge * float(np.median(angles)), "mm")
     return edge_distance, min(float(edge_distance[0]), axis_limit) if axis_limit > 0 else float(
         edge_distance[0]
     )
@@ -111,15 +122,15 @@ def make_moments_panel(closing: ClosingAnalysis) -> Panel:
         0.5 * (edge_distance[1:] + edge_distance[:-1]),
         -np.diff(closing.march.angle),
     )
-    on = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= axis_limit)
+    is_shown = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= axis_limit)
     marks: list[Mark] = [Rule(0.0, REF, across=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
     pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]
     for pen, (name, work) in zip(pens, closing.march.work.items(), strict=False):
-        moment = (work[:, 0] / turned_angle)[on]
+        moment = (work[:, 0] / turned_angle)[is_shown]
         highest.append(moment)
-        marks.append(Line(middle[on], moment, pen, name))
+        marks.append(Line(middle[is_shown], moment, pen, name))
     return Panel(
         Scale("edge to closed, mm", (float(edge_distance[-1]), axis_limit)),
         Scale("moment against closing, N m", compute_padded_limits(*highest)),

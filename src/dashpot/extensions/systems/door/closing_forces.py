@@ -55,12 +55,12 @@ class PressedSeal:
         mean_relaxed_force = 0.5 * self.k_inf * (path + self.path)
         steps = EvenStep.from_ratio((seconds[:, None] / self.tau)[:, None, :])
         elastic_force = self.k * change[..., None]
-        rest = (
+        relaxing_work = (
             steps.mean(self.arms, elastic_force).sum(axis=-1) + self.b * change / seconds[:, None]
         )
         self.arms = steps.end(self.arms, elastic_force)
         # it cannot pull
-        total_force = np.maximum(mean_relaxed_force + rest, 0.0)
+        total_force = np.maximum(mean_relaxed_force + relaxing_work, 0.0)
         self.at, self.path = at, path
         elastic = (self.share * mean_relaxed_force * compression).sum(axis=1)
         return elastic, (self.share * total_force * compression).sum(axis=1) - elastic
@@ -112,11 +112,11 @@ class Chambers:
         """Close on to an angle: work done on the air, J, shape (doors,)."""
         volume, opening = self._compute_chamber_geometry(angle)
         jet = 0.5 * self.kind.discharge * (opening + self.opening)
-        before = self.pressure
+        previous_pressure = self.pressure
         self.density = air_flow.compute_next_density(
             self.density, (self.volume, volume), jet, seconds[:, None], self.kind.exponent
         )
-        mean = 0.5 * (before + self.pressure) - air_flow.AMBIENT
+        mean = 0.5 * (previous_pressure + self.pressure) - air_flow.AMBIENT
         work = (mean * (self.volume - volume)).sum(axis=1)
         self.volume, self.opening = volume, opening
         return np.asarray(work)

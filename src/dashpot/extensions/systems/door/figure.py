@@ -35,27 +35,27 @@ from dashpot.plot.plotted_data import (
 from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
-SHOWN = 6
+MOST_MODES = 6
 """Modes that are drawn."""
 _CLASSES = 4
 """Number of classes of compression."""
-_FINE = 240
+_SHAPE_POINTS = 240
 """Places along the line at which a shape is drawn."""
-_WIDE = 0.16
+_BAND_WIDTH = 0.16
 """Width of the band of the largest motion, over the door's larger side."""
 _IN_PLANE = 0.1
 """Largest motion across the plane, over that in it, of a mode in the plane."""
-_NEAR = 1.2
+_BAND_RATIO = 1.2
 """About the modes that the seal holds: how far their FRF is shown, as a factor."""
 _SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 """Lengths that the line beneath a door may have, m."""
-_WAYS = {"out": "warm", "in": "cold"}
+_DIRECTION_COLOURS = {"out": "warm", "in": "cold"}
 """Colours of what goes out and in."""
 _INSIDE = {"out": 0.5, "in": 1.5}
 """Distance of the words from the line, in widths of a band, inwards."""
 _ROUND = 17
 """Places over which the direction of a band is averaged."""
-_LEAST = 12
+_FEW_LINES = 12
 """Lines of an FRF below which all of it is shown."""
 _HOLDS = 0.01
 """Share of the energy from which the seal is said to hold a mode."""
@@ -141,15 +141,18 @@ def make_line_panel(result: DoorResult, view: View) -> Panel:
     marks: list[Mark] = []
     drawn_points = [np.zeros((0, 2))]
     if line is not None and stations is not None:
-        outline, at = view.project_points(line.points), view.project_points(stations.place)
+        outline, station_points = (
+            view.project_points(line.points),
+            view.project_points(stations.place),
+        )
         drawn_points.append(outline)
         marks.append(Line(outline[:, 0], outline[:, 1], Pen("line", 1.2)))
         compressions = stations.compression
         if compressions is None:
-            marks.append(Dots(at[:, 0], at[:, 1], "fit", "seal", size=4.0))
+            marks.append(Dots(station_points[:, 0], station_points[:, 1], "fit", "seal", size=4.0))
         else:
             marks += mark_classes(
-                at, convert_to_unit(compressions, "mm"), compressions >= 0, unit="mm"
+                station_points, convert_to_unit(compressions, "mm"), compressions >= 0, unit="mm"
             )
     latch = () if result.door.latch is None else (result.door.latch,)
     for hinge in (*result.door.hinges, *latch, *result.door.bumpers):
@@ -233,7 +236,7 @@ def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
     line = result.door.line
     if line is None:
         return []
-    arc_length = np.linspace(0.0, line.length, _FINE)
+    arc_length = np.linspace(0.0, line.length, _SHAPE_POINTS)
     positions = np.stack(
         [np.interp(arc_length, line.arc_length, line.points[:, k]) for k in range(3)], axis=1
     )
@@ -248,11 +251,11 @@ def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
     hinge_points = view.project_points(
         np.array([hinge.at for hinge in (*result.door.hinges, *latch)]).reshape(-1, 3)
     )
-    size = _WIDE * float(np.ptp(positions[:, list(view.axes)], axis=0).max())
+    size = _BAND_WIDTH * float(np.ptp(positions[:, list(view.axes)], axis=0).max())
     projected = view.project_points(positions)
     low, high = projected.min(axis=0) - 1.3 * size, projected.max(axis=0) + 1.3 * size
     panels = []
-    for number, mode in enumerate(result.modes[:SHOWN], start=1):
+    for number, mode in enumerate(result.modes[:MOST_MODES], start=1):
         motion = _extract_real_motion(rows @ mode.mode.shape)
         normal_motion = motion @ view.outward
         plane_motion = motion - np.outer(normal_motion, view.outward)
@@ -309,17 +312,19 @@ def _make_motion_bands(
     for stretch in np.split(np.arange(len(rest_points)), sign_changes):
         sense = "out" if scaled[stretch].mean() > 0 else "in"
         ring = np.concatenate([rest_points[stretch], edge[stretch][::-1]])
-        marks.append(Ring(ring[:, 0], ring[:, 1], _WAYS[sense], f"seal line goes {sense}"))
+        marks.append(
+            Ring(ring[:, 0], ring[:, 1], _DIRECTION_COLOURS[sense], f"seal line goes {sense}")
+        )
     marks.append(Line(rest_points[:, 0], rest_points[:, 1], Pen("edge", 1.2)))
     node_points = (rest_points[sign_changes - 1] + rest_points[sign_changes]) / 2
     if len(node_points):
         marks.append(
             Dots(node_points[:, 0], node_points[:, 1], "ink", "stands still", size=6.0, hollow=True)
         )
-    for sense, at in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
-        if (scaled[at] > 0) == (sense == "out") and abs(scaled[at]) > _IN_PLANE:
+    for sense, index in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
+        if (scaled[index] > 0) == (sense == "out") and abs(scaled[index]) > _IN_PLANE:
             offset = _INSIDE[sense] * size
-            x, y = (rest_points[at] - offset * normal[at]).tolist()
+            x, y = (rest_points[index] - offset * normal[index]).tolist()
             marks.append(Tag(x - 0.4 * size, y, sense, "ink", bold=True, end=True))
     return marks
 
@@ -360,11 +365,11 @@ def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> 
     full_range = shown_range = float(f[0]), float(f[-1])
     if seal_modes:
         shown_range = (
-            max(full_range[0], seal_modes[0][1] / _NEAR),
-            min(full_range[1], seal_modes[-1][1] * _NEAR),
+            max(full_range[0], seal_modes[0][1] / _BAND_RATIO),
+            min(full_range[1], seal_modes[-1][1] * _BAND_RATIO),
         )
     is_shown = (f >= shown_range[0]) & (f <= shown_range[1])
-    if is_shown.sum() < _LEAST:
+    if is_shown.sum() < _FEW_LINES:
         is_shown, shown_range, seal_modes = np.ones(len(f), dtype=bool), full_range, []
     f, curves = f[is_shown], [np.abs(frf.value)[is_shown] for frf in (sealed, bare_frf)]
     band = (0.0, np.inf) if result.fit is None else result.fit.band
@@ -376,7 +381,7 @@ def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> 
             "fit",
             bold=True,
         )
-        for number, hz in seal_modes[:SHOWN]
+        for number, hz in seal_modes[:MOST_MODES]
     ]
     words = "with the seal"
     lines = [

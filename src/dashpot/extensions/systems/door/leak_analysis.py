@@ -231,8 +231,8 @@ def compute_relaxed_stiffness(fit: Fit) -> Interval:
     names = fit.estimate.parameters
     if "k_inf" not in names or not k_inf > 0:
         return Interval(1.0, 1.0, 1.0)
-    at = names.index("k_inf")
-    half_width = NORMAL * float(np.sqrt(max(fit.covariance[at, at], 0.0))) / k_inf
+    k_inf_index = names.index("k_inf")
+    half_width = NORMAL * float(np.sqrt(max(fit.covariance[k_inf_index, k_inf_index], 0.0))) / k_inf
     return Interval(1.0, max(1 - half_width, 0.0), 1 + half_width)
 
 

@@ -24,7 +24,7 @@ from dashpot.extensions.systems.door.door_model import Door
 from dashpot.extensions.systems.door.leak_analysis import Interval, SectionState, find_leak
 from dashpot.extensions.systems.door.leak_result import LeakResult
 from dashpot.extensions.systems.door.leak_setup import (
-    NEW,
+    NEW_STATE,
     STANDARD_TEMPERATURE,
     LeakState,
     compute_air_density,
@@ -72,7 +72,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
         seal_temperature = door.seal.temperature if temperature is None else temperature
         cases = []
         aging_checks: list[Check] = []
-        for state in (LeakState(NEW), *door.leak.states):
+        for state in (LeakState(NEW_STATE), *door.leak.states):
             temperature_there = seal_temperature if state.temperature is None else state.temperature
             fit_there = (
                 seal_fit
@@ -138,7 +138,11 @@ def _run_checks(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iter
     for state, fit_there in states:
         if fit_there.temperatures is not None and fit_there.specimen.temperature is not None:
             check = temperature_tested(fit_there.temperatures, fit_there.specimen.temperature)
-            yield check if state.name == NEW else check.with_location(f"in state '{state.name}'")
+            yield (
+                check
+                if state.name == NEW_STATE
+                else check.with_location(f"in state '{state.name}'")
+            )
     widest = max(result.states, key=lambda state: _compute_relative_width(state.least))
     yield checks.leak_speed_known(_compute_relative_width(widest.least), state=widest.name)
     yield from fit.checks

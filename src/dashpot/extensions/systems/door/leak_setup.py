@@ -11,7 +11,7 @@ GAS_CONSTANT = 287.05
 """Gas constant of dry air, J/(kg K)."""
 STANDARD_TEMPERATURE = 293.15
 """Temperature of the air where a state gives none, K."""
-NEW = "new"
+NEW_STATE = "new"
 """The state of the door as its file describes it."""
 _MOST_ERROR = 0.5
 """Standard error over its quantity, at most."""
@@ -76,23 +76,27 @@ class LeakState:
     density: float | None = None
 
     def __post_init__(self) -> None:
-        of = f"the state '{self.name}': "
-        require_nonnegative(of, gap=self.gap, retained_sd=self.retained_sd)
-        require_positive(of, temperature=self.temperature, density=self.density, optional=True)
+        prefix = f"the state '{self.name}': "
+        require_nonnegative(prefix, gap=self.gap, retained_sd=self.retained_sd)
+        require_positive(prefix, temperature=self.temperature, density=self.density, optional=True)
         if not 0 < self.retained <= 1:
             raise DataError(
-                f"{of}a part of {self.retained:g} of the force; expected more than 0 and at most "
+                f"{prefix}a part of {self.retained:g} of the force; expected more than 0 and at "
+                "most "
                 "100 %"
             )
         if not self.time > 0:
-            raise DataError(f"{of}time = {self.time:g} s; expected a time > 0 since the gap opened")
+            raise DataError(
+                f"{prefix}time = {self.time:g} s; expected a time > 0 since the gap opened"
+            )
         if self.time < float("inf") and self.gap == 0:
             raise DataError(
-                f"{of}time is that since the gap became wider, and gap is not given: add gap, or "
+                f"{prefix}time is that since the gap became wider, and gap is not given: add gap, "
+                "or "
                 "leave time out"
             )
         if self.aging is not None and self.retained != 1:
-            raise DataError(f"{of}an aging law and a part of the force say the same; keep one")
+            raise DataError(f"{prefix}an aging law and a part of the force say the same; keep one")
 
 
 @dataclass(frozen=True)
@@ -151,9 +155,9 @@ class LeakSetup:
             raise DataError(
                 f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST_ERROR:.0f} %"
             )
-        names = [NEW, *(state.name for state in self.states)]
+        names = [NEW_STATE, *(state.name for state in self.states)]
         repeated_names = [name for name in names if names.count(name) > 1]
         if repeated_names:
             raise DataError(
-                f"two states are called '{repeated_names[0]}'; the first of all is '{NEW}'"
+                f"two states are called '{repeated_names[0]}'; the first of all is '{NEW_STATE}'"
             )

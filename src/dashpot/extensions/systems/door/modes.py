@@ -20,9 +20,9 @@ _LOSSLESS = 1e-9
 """Loss factor of rounding."""
 _SIDEWAYS, _LOOSE = 0.1, 1e-12
 """Share of a stiffness below which a motion is free, and of the largest that is rounding."""
-_COARSE = 8
+_COARSE_PITCHES = 8
 """Pitches between stations that show what is free; they need not show how stiff it is."""
-_SAME = 0.5
+_LEAST_SIMILARITY = 0.5
 """Least similarity of a mode with seal and one without."""
 
 
@@ -88,7 +88,7 @@ def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
         best = int(np.argmax(similarities)) if similarities else -1
         nearest_frequency = (
             modes_without_seal[best].frequency
-            if similarities and similarities[best] >= _SAME
+            if similarities and similarities[best] >= _LEAST_SIMILARITY
             else None
         )
         modes.append(DoorMode(mode, energy_shares(system, mode), nearest_frequency))
@@ -155,7 +155,7 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
     restrained_assembly = replace(
         assembly, door=replace(door, line=replace(door.line, section=sheared_section))
     )
-    pitch = min(_COARSE * door.pitch, door.line.length)
+    pitch = min(_COARSE_PITCHES * door.pitch, door.line.length)
     K, K_1 = (
         _compute_rest_stiffness(item.system(pitch=pitch))
         for item in (assembly, restrained_assembly)

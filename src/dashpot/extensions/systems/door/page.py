@@ -21,7 +21,7 @@ from dashpot.extensions.systems.door.closing_figure import (
 )
 from dashpot.extensions.systems.door.closing_result import ClosingResult
 from dashpot.extensions.systems.door.figure import (
-    SHOWN,
+    MOST_MODES,
     View,
     make_compression_panel,
     make_frf_panel,
@@ -53,7 +53,7 @@ _HOLDS = 0.01
 """Share of the energy from which the seal is said to hold a mode."""
 _ROWS = 12
 """Modes in the table; all stand in the document."""
-_MANY = 0.05
+_REMARKED_SHARE = 0.05
 """Share of doors beyond the limit that is remarked."""
 _HINGES = ("edge", "soft", "ref", "hottest")
 """Colours of what holds a door beside seal and latch."""
@@ -175,7 +175,11 @@ def make_door_indicators(
     share_above_limit = None if scatter is None else scatter.share_above_limit
     if share_above_limit is not None and scatter is not None:
         class_name = (
-            "good" if share_above_limit <= _MANY else "note" if verdict.use == "use" else "care"
+            "good"
+            if share_above_limit <= _REMARKED_SHARE
+            else "note"
+            if verdict.use == "use"
+            else "care"
         )
         limit = scatter.variation.limit
         yield Light(
@@ -288,12 +292,12 @@ def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
 
 def _make_share_bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
     """Return what each part has, side by side, of all of it."""
-    total, at, bars = sum(shares.values()), 0.0, []
+    total, bar_start, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
         width = 100 * shares.get(name, 0.0) / total if total > 0 else 0.0
         if width > 0:
-            bars.append(Bar(f"{at:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
-        at += width
+            bars.append(Bar(f"{bar_start:.2f}", f"{width:.2f}", colour, f"{name} {width:.1f} %"))
+        bar_start += width
     return tuple(bars)
 
 
@@ -380,7 +384,7 @@ def _format_line_facts(result: DoorResult) -> str:
 def _make_share_table(result: DoorResult) -> TextTable:
     parts = list(_choose_colours(result.modes))
     rows = []
-    for number, mode in enumerate(result.modes[: 2 * SHOWN], start=1):
+    for number, mode in enumerate(result.modes[: 2 * MOST_MODES], start=1):
         total_loss = sum(share.loss for share in mode.shares) or 1.0
         by_name = {share.name: share for share in mode.shares}
         cells = [f"{100 * by_name[name].energy:.2f}" if name in by_name else "" for name in parts]

@@ -16,7 +16,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.report.first_screen import Light, Row
 from dashpot.report.result_page import Group, KindPage, Topic, group, make_indicators
 
-_SHOWN, _WIDE, _POINTS = 4, 4.0, 241
+_MOST_PANELS, _PANEL_WIDTHS, _POINTS = 4, 4.0, 241
 """Panels at most, standard deviations to both sides, points of a curve."""
 
 
@@ -34,7 +34,9 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
         for quantity in population.quantities
         if quantity.limit or quantity.between_sd > LEAST_SD
     ] or list(population.quantities)
-    shown_quantities = sorted(quantities, key=lambda quantity: quantity.limit is None)[:_SHOWN]
+    shown_quantities = sorted(quantities, key=lambda quantity: quantity.limit is None)[
+        :_MOST_PANELS
+    ]
     panels = [_draw_quantity(quantity, population.spread.mean) for quantity in shown_quantities]
     caption = (
         "Distribution over the cars: in each panel the density of a quantity, 95 % of the cars "
@@ -104,7 +106,7 @@ def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
     u, values = np.log(quantity.factors), np.log(quantity.values)
     slope = abs(float(np.polynomial.Polynomial.fit(u, values, 4).deriv()(mean)))
     between_sd = max(quantity.between_sd, 1e-9 * max(slope, 1e-9))
-    half_range = _WIDE * between_sd
+    half_range = _PANEL_WIDTHS * between_sd
     limit = quantity.limit
     axis_values = [quantity.value * np.exp(-half_range), quantity.value * np.exp(half_range)]
     if limit is not None:

@@ -389,8 +389,10 @@ def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     joints = []
     for row in location.parse_tables(rows, "name", "at", "length", "factor"):
         row.needs("at", "length", "factor")
-        at, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
-        joints.append(Joint(at, length, row.number("factor") or 0.0, row.word("name") or "joint"))
+        position, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
+        joints.append(
+            Joint(position, length, row.number("factor") or 0.0, row.word("name") or "joint")
+        )
     return tuple(joints)
 
 
@@ -414,11 +416,11 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
     points = []
     for i, row in enumerate(location.parse_tables(entries, "name", "at", "along", "on"), start=1):
         row.needs("at")
-        on = row.word("on") or "door"
-        if on not in {"door", "body"}:
-            raise ReadError(f"{row.where}: on = '{on}'; expected door or body")
+        body = row.word("on") or "door"
+        if body not in {"door", "body"}:
+            raise ReadError(f"{row.where}: on = '{body}'; expected door or body")
         name = row.word("name") or f"point {i}"
-        points.append(DoorPoint(name, _read_place(row, "at"), row.direction("along") or _Z, on))
+        points.append(DoorPoint(name, _read_place(row, "at"), row.direction("along") or _Z, body))
     names = [point.name for point in points]
     repeated_names = [name for name in names if names.count(name) > 1]
     if repeated_names:

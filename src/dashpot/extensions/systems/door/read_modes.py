@@ -82,13 +82,15 @@ def read_modes(
                 f"{loaded_columns.format_row_position(int(gaps.argmax()))} lacks a number"
             )
         order = _sort_rows_by_mode(number, positions, frequency)
-        of = [f"{name} [{column.unit or '-'}]" for name, column in resolved_columns.items()]
+        column_labels = [
+            f"{name} [{column.unit or '-'}]" for name, column in resolved_columns.items()
+        ]
         return FreeModes(
             frequency[order[:, 0]],
             positions[order[0]],
             shape[order],
             zeta[order[:, 0]],
-            channels.source(file, of, file.table.notes),
+            channels.source(file, column_labels, file.table.notes),
         )
 
 

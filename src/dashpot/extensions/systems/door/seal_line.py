@@ -17,9 +17,9 @@ from dashpot.registry import require_handler
 
 CLOSED = 1e-6
 """Part of its length by which the ends of a line may lie apart, and it is closed."""
-_BENDS = np.cos(np.radians(30.0))
+_CORNER_COSINE = np.cos(np.radians(30.0))
 """Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
-_ASIDE = 0.01
+_PARALLEL_SINE = 0.01
 """Sine of the angle of a line and its normal below which the one runs along the other."""
 
 
@@ -147,19 +147,21 @@ class SealLine(EqualByValue):
                 "fits on it"
             )
         middle, cell = _divide_cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
-        at = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
-        normal = self.normal_at(at)
-        runs = np.diff(self.points, axis=0)[self._piece(at)]
+        positions = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
+        normal = self.normal_at(positions)
+        runs = np.diff(self.points, axis=0)[self._piece(positions)]
         tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
         compressions = self.compression
         return Stations(
-            at,
-            np.stack([np.interp(at, self.arc_length, item) for item in self.points.T], axis=1),
+            positions,
+            np.stack(
+                [np.interp(positions, self.arc_length, item) for item in self.points.T], axis=1
+            ),
             normal,
             tangent / np.linalg.norm(tangent, axis=1)[:, None],
             np.repeat(0.5 * cell, 2),
             np.repeat(self._factor(middle), 2),
-            None if compressions is None else np.interp(at, self.arc_length, compressions),
+            None if compressions is None else np.interp(positions, self.arc_length, compressions),
         )
 
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
@@ -184,7 +186,7 @@ class SealLine(EqualByValue):
         """Return where no cell may reach across, from end to end, m; points of a curve are none."""
         runs, lengths = np.diff(self.points, axis=0), _compute_lengths(self.points)
         tangents = runs / lengths[:, None]
-        is_bend = (tangents[1:] * tangents[:-1]).sum(axis=1) < _BENDS
+        is_bend = (tangents[1:] * tangents[:-1]).sum(axis=1) < _CORNER_COSINE
         is_long = np.maximum(lengths[1:], lengths[:-1]) >= cell
         corners = self.arc_length[1:-1][is_bend | is_long]
         joint_ends = [end for first, last, _ in self._joints() for end in (first, last)]
@@ -285,7 +287,7 @@ def _refuse_along(normal: FloatArray, runs: FloatArray) -> None:
     size = np.linalg.norm(normal, axis=1) * np.linalg.norm(runs, axis=1)
     sine = np.linalg.norm(np.cross(normal, runs), axis=1) / size
     row = int(np.argmin(sine))
-    if sine[row] < _ASIDE:
+    if sine[row] < _PARALLEL_SINE:
         x, y, z = (normal[row] / np.linalg.norm(normal[row])).round(4).tolist()
         raise DataError(
             f"the seal line runs along its own normal from point {row} to {row + 1}: the normal "
