@@ -30,7 +30,15 @@ LABELS = ("lot", "seal", "repeat", "operator", "date")
 _QUANTITIES: dict[str, Dimension] = {
     "temperature": "temperature", "mass": "mass", "hammer_temperature": "temperature",
 }  # fmt: skip
-_MANIFEST_COLUMNS = ("file", *LABELS, "temperature", "mass", "hammer", "hammer_temperature", "machine")
+_MANIFEST_COLUMNS = (
+    "file",
+    *LABELS,
+    "temperature",
+    "mass",
+    "hammer",
+    "hammer_temperature",
+    "machine",
+)
 _MAX_MANIFEST_BYTES = 1 << 26
 """Bytes of the largest manifest."""
 _HEAD_BYTES = 1 << 12
