@@ -1585,6 +1585,18 @@ TEMPERATURE = [
     Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
     Case("shifts_distinguished", judge_integer(several.shifts_distinguished), 3, 2),
+    Case(
+        "shifts_independent_of_vertical_rule",
+        several.shifts_independent_of_vertical_rule,
+        0.0999,
+        0.1001,
+    ),
+    Case(
+        "shifts_independent_of_vertical_rule",
+        lambda x: several.shifts_independent_of_vertical_rule(x, 0.1),
+        0.2999,
+        0.3001,
+    ),
 ]
 
 
@@ -2278,6 +2290,7 @@ LIMITS = {
     "extensions/curves/temperatures": {
         "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
         "temperature_steady": 1, "shifts_distinguished": 3,
+        "shifts_independent_of_vertical_rule": 0.1,
     },
     "fitting/identification": {
         "lines_explained": 2, "hammer_agrees_with_relaxation_test": 1.3, "mass_plausible": 2.5,

@@ -14,6 +14,8 @@ from dashpot.api import OPTION_CLASSES, convert_option
 from dashpot.api.fit import shape_words
 from dashpot.base.option_fields import iterate_option_fields
 from dashpot.registry import load_object
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.solids.demo_seals import BROAD
 from dashpot.solids.part_geometry import Disc
 from dashpot.workflow.example_files import FILES, MASS
 
@@ -302,3 +304,9 @@ def test_read_says_what_holds_no_record(examples):
         dp.read(examples("door_modes.csv"))
     with pytest.raises(dp.DataError, match=r"specimen= does not suit rod\.csv"):
         dp.read(examples("rod.csv"), specimen=dp.Specimen())
+
+
+def test_fit_takes_scalars_of_numpy() -> None:
+    test = simulate_relaxation(BROAD, hold_time=5.0, seed=1).test
+    fit = dp.fit(test, arms=2, method="hold")
+    assert dp.fit(test, arms=np.int64(2), method="hold").model == fit.model

@@ -89,7 +89,11 @@ def fit(*records: Any, **options: Any) -> Any:
     kinds = identify_record_kinds(records)
     mass = options.get("mass")
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
-    given_options = [name for name, value in options.items() if value is not None and value != ()]
+    given_options = [
+        name
+        for name, value in options.items()
+        if value is not None and not (isinstance(value, tuple) and not value)
+    ]
     handler = route(kinds, masses=masses, selected=find_selected_fit(given_options))
     row = FITS.get(handler)
     word = row.records if row is not None else ""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -187,22 +187,30 @@ MIN_EARLY_RELAXATION = 0.01
 DASHPOT_WEIGHT = 100.0
 
 
+ErrorFunction: TypeAlias = Callable[[float], tuple[float, float]]
+"""Relative errors of stiffness and loss factor at a frequency, Hz."""
+
+
 def find_valid_band(
     spectra: AdmissibleSpectra,
     solid: Solid,
     band: tuple[float, float],
     *,
     creep: bool = False,
+    add_shift_errors: Callable[[Solid, ErrorFunction], ErrorFunction] | None = None,
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
-    The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance.
+    The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance,
+    `add_shift_errors` adds those of a master curve to the errors of a solid.
     """
     if not has_loss_band(solid, band):
         return band, None
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, FEWEST_LINES)).tolist()
-    errors = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
+    errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
+    if add_shift_errors is not None:
+        errors = add_shift_errors(solid, errors)
     return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
 
 

@@ -1,6 +1,7 @@
 """Master curves: shifts of a simulated material come back, with honest errors and warnings."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ from kit.slopes import hold_slopes
 from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, compliances, moduli, sweeps, wlf
 
 import dashpot as dp
-from dashpot.datamodel.shift_factors import Shift
+from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.creep.fit import fit_creep
+from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.modulus.read import read_modulus
+from dashpot.extensions.curves.shift_uncertainty import MasterCurveErrors
 from dashpot.extensions.curves.superposition.isotherms import join_tests, split_isotherms
 from dashpot.extensions.curves.superposition.joint_spectrum import (
     ShiftSearch,
@@ -20,6 +23,8 @@ from dashpot.extensions.curves.superposition.joint_spectrum import (
     make_grid,
 )
 from dashpot.reading.read_options import ReadOptions
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.shift_laws import FreeShifts
 
 
 def shifts(result):
@@ -288,3 +293,27 @@ def test_twenty_sets_choose_their_vertical_rule_and_cover_the_truth():
     assert np.sqrt(np.mean(np.square(errors))) <= 0.05
     assert np.mean(inside) >= 0.9
     assert laws >= 18
+
+
+def test_band_of_a_master_curve_includes_the_errors_of_its_shifts() -> None:
+    frequency = np.array([1e-3, 1.0, 1e3])
+    shifts = TemperatureShifts(
+        FreeShifts((273.15, 296.15), (3.0, 0.0), 296.15),
+        (Shift(273.15, 3.0, 0.2), Shift(296.15, 0.0, 0.0)),
+        np.zeros((4, 4)),
+        vertical="1",
+    )
+    solid = GeneralizedMaxwell(1e6, (1e6,), (1e-3,))
+    curve = DynamicTest(frequency, np.ones(3), np.ones(3), units="SI")
+    superposition = SimpleNamespace(
+        curve=curve, temperatures=shifts, temperature=np.array([296.15, 296.15, 273.15])
+    )
+    errors = MasterCurveErrors(superposition, solid, lambda _: (0.01, 0.02))
+    # at the reference there is no shift, and no error of one
+    assert errors(1.0) == pytest.approx((0.01, 0.02))
+    size, loss_factor = errors(1e3)
+    step = 10 ** (1.959964 * 0.2)
+    K = [solid.complex_stiffness(omega=2e3 * np.pi * factor) for factor in (1 / step, 1.0, step)]
+    ratios = [abs(abs(k) / abs(K[1])) for k in K]
+    assert 1 + size == pytest.approx(1.01 * max(*ratios, 1 / min(ratios)), rel=1e-4)
+    assert loss_factor > 0.02

@@ -46,13 +46,13 @@ from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FREE_POINTS,
     CurveData,
     find_admissible_spectra,
-    find_valid_band,
     limit_end_of_curve,
     weight_curve,
 )
 from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import shared_spectrum_if_needed
+from dashpot.extensions.curves.shift_uncertainty import find_band_of_origin
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.relaxation import residuals_steady
 from dashpot.fitting.checks.solid import (
@@ -555,11 +555,13 @@ def _limit_end_and_band(
     model: GeneralizedMaxwell,
     lam: Sequence[float],
     band: tuple[float, float],
+    *,
+    origin: Superposition | UnshiftedCurve | None = None,
 ) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
     """Return the limits at the end of some data, and the valid band of their retardations."""
     spectra = find_admissible_spectra(data, time=time, extra=lam)
     end = limit_end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
-    return end, *find_valid_band(spectra, model, band, creep=True)
+    return end, *find_band_of_origin(spectra, model, band, origin=origin, creep=True)
 
 
 def _measure_departure(
@@ -650,7 +652,7 @@ def _fit_curve(
         flowing = _make_curve_block(t, values, weight, window, flows=True)
         curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
         end, band, error = _limit_end_and_band(
-            curve_with_flow, float(t[-1]), best.model, creep.lam, band
+            curve_with_flow, float(t[-1]), best.model, creep.lam, band, origin=origin
         )
         if error is not None:
             line = 1 / (2 * np.pi * t)

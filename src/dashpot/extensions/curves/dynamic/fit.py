@@ -35,7 +35,6 @@ from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FREE_POINTS,
     CurveData,
     find_admissible_spectra,
-    find_valid_band,
     fit_single_test,
     limit_end_of_curve,
     weight_curve,
@@ -49,6 +48,7 @@ from dashpot.extensions.curves.relaxation_spectrum import (
     dynamic_master_curve,
     get_error_scale,
 )
+from dashpot.extensions.curves.shift_uncertainty import find_band_of_origin
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -222,7 +222,7 @@ def fit_dynamic(
     band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
     end, band_error = None, None
     curve = _weight_sweep(data, sets[0])
-    find_band = partial(_find_valid_band, data, curve, band)
+    find_band = partial(_find_valid_band, data, curve, band, origin=origin)
     # relaxation tests beside it see further
     if not records:
         tau = family_choice.arms.model.tau
@@ -468,6 +468,8 @@ def _find_valid_band(
     band: tuple[float, float],
     solid: Solid,
     tau: Sequence[float],
+    *,
+    origin: Superposition | UnshiftedCurve,
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return where in a band a sweep knows a solid, Hz, and the errors there.
 
@@ -476,7 +478,7 @@ def _find_valid_band(
     if curve is None:
         return band, None
     spectra = find_admissible_spectra(curve, time=1 / float(data.omega.min()), extra=tau)
-    band, error = find_valid_band(spectra, solid, band)
+    band, error = find_band_of_origin(spectra, solid, band, origin=origin)
     if error is not None:
         error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
     return band, error

@@ -24,7 +24,6 @@ from dashpot.extensions.curves.curve_uncertainty import (
     BeforeCurve,
     CurveData,
     find_admissible_spectra,
-    find_valid_band,
     fit_single_test,
     limit_end_of_curve,
     weight_curve,
@@ -32,6 +31,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import dense_spectrum_if_needed, master_curve
+from dashpot.extensions.curves.shift_uncertainty import find_band_of_origin
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -135,7 +135,7 @@ def fit_modulus(
     lines = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
     weighted_curve = _weight_values(t, block)
     end = _limit_end(t, weighted_curve, model)
-    find_band = partial(_find_band, t, values, weighted_curve, lines)
+    find_band = partial(_find_band, t, values, weighted_curve, lines, origin=origin)
     band, band_error = find_band(model)
     checks = run_plateau_checks(
         model,
@@ -217,6 +217,8 @@ def _find_band(
     curve: CurveData | None,
     band: tuple[float, float],
     model: GeneralizedMaxwell,
+    *,
+    origin: Superposition | UnshiftedCurve,
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return where in a band the curve knows a model, Hz, and the errors there.
 
@@ -226,7 +228,7 @@ def _find_band(
         return band, None
     early = BeforeCurve(curve, float(t[t > 0][0]), model)
     spectra = find_admissible_spectra(early, time=_get_window(t)[1], extra=model.tau)
-    band, error = find_valid_band(spectra, model, band)
+    band, error = find_band_of_origin(spectra, model, band, origin=origin)
     if error is not None:
         # a curve shows its modulus alone
         misfit = _compute_misfit_in_band(model, t, values, band)

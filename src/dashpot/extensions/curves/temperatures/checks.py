@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import celsius
 from dashpot.datamodel.parameter_estimate import Nuisance
@@ -26,6 +26,8 @@ STEADY = 1.0
 # of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
 MAX_LN_B_DEVIATION = 0.15
 MAX_BACK = 2.5
+# of log10 a_T, between rules of b_T that explain the tests alike; and standard errors, if more
+SAME_SHIFT, SAME_SHIFT_ERRORS = 0.1, 3.0
 
 
 @criterion(
@@ -68,6 +70,32 @@ def thermorheologically_simple(
         always_fails=has_failed,
         always_passes=excess < ROUNDING,
         grade="stop" if excess > TOO_MUCH else "limit",
+    )
+
+
+@criterion(
+    "difference of log10 a_T",
+    "<=",
+    SAME_SHIFT,
+    "our choice",
+    other_grade="or 3 standard errors, if that is more",
+)
+def shifts_independent_of_vertical_rule(
+    difference: float | None, se: float = 0.0, *, rule: str = "", text: str = ""
+) -> Finding:
+    """A rule for b_T that explains the tests as well gives the same shifts.
+
+    Arms at even distances in log tau, shifted by one distance and by a factor of b_T, are nearly
+    the same arms: tests then cannot tell the two apart.
+    """
+    if difference is None:
+        return Finding("No stated rule for b_T explains the tests as well as a free one")
+    return Finding(
+        f"With b_T = {rule} one model explains the tests as well, with log10 a_T = {text}",
+        difference,
+        "The tests alone do not determine the shift, nor a prediction at another temperature",
+        Remedy("State the rule of b_T, or test at a temperature between.", "vertical", "1"),
+        limit=max(SAME_SHIFT, SAME_SHIFT_ERRORS * se),
     )
 
 

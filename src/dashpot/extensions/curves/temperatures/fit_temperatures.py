@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.option_fields import RampLawOption
+from dashpot.base.option_fields import RampLawOption, Vertical
+from dashpot.base.units import celsius
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore
@@ -187,8 +188,49 @@ def fit_thermal(
         further = replace(options, arms="auto", max_arms=arms + EXTRA_ARMS)
         larger_optimum = optimum(tests, further, reference)
         checks += (_arms_enough(best, larger_optimum),)
+    if options.vertical == "free" and result.temperatures is not None:
+        checks += (_compare_vertical_rules(tests, options, reference, best, result.temperatures),)
     evidence = replace(result.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
     return replace(result, evidence=evidence)
+
+
+_AS_WELL_BIC = 10.0
+"""A model is as good as another if its BIC is no larger by more: Kass and Raftery (1995)."""
+
+
+def _compare_vertical_rules(
+    tests: Sequence[SingleTemperatureTest],
+    options: FitOptions,
+    reference: int,
+    best: ThermalOptimum,
+    shifts: TemperatureShifts,
+) -> Check:
+    """Return the check that rules of b_T which explain the tests as well give the same shifts."""
+    found: dict[float, tuple[Vertical, str]] = {}
+    rules: tuple[Vertical, ...] = ("1", "T/T_r")
+    for rule in rules:
+        other = optimum(tests, replace(options, vertical=rule), reference)
+        if _get_bic(other) > _get_bic(best) + _AS_WELL_BIC:
+            continue
+        change = np.abs(other.point.log_a - best.point.log_a) / np.log(10.0)
+        i = int(np.argmax(change))
+        values = (float(point.log_a[i] / np.log(10.0)) for point in (other.point, best.point))
+        text = "{:.3g} in place of {:.3g}".format(*values)
+        found[float(change[i])] = rule, f"{text} at {celsius(shifts.shifts[i].temperature)}"
+    if not found:
+        return checks.shifts_independent_of_vertical_rule(None)
+    difference, (rule, text) = max(found.items())
+    se = max(shift.se for shift in shifts.shifts)
+    return checks.shifts_independent_of_vertical_rule(difference, se, rule=rule, text=text)
+
+
+def _get_bic(optimum: ThermalOptimum) -> float:
+    """Return the BIC of the number of arms that was selected."""
+    return next(
+        candidate.bic
+        for candidate in optimum.candidates
+        if candidate.point.order == optimum.point.order
+    )
 
 
 def _arms_enough(best: ThermalOptimum, larger: ThermalOptimum) -> Check:

@@ -20,7 +20,7 @@ _MOST_SHIFTS = 3
 """Shifts that stand beside the stiffnesses; all stand in a fold."""
 _SHIFTS = frozenset({
     "shifts_determined", "shift_monotone", "law_follows_shifts", "no_temperature_outlier",
-    "glass_below_tests", "shifts_distinguished",
+    "glass_below_tests", "shifts_distinguished", "shifts_independent_of_vertical_rule",
 })  # fmt: skip
 _CURVE = frozenset({
     "isotherms_overlap", "thermorheologically_simple", "vertical_shift_determined",
