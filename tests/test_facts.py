@@ -512,4 +512,4 @@ def test_text_of_a_joint_fit_states_what_cables_leave_open(error: float, shown: 
     evidence = replace(fit.evidence, checks=(*others, *described))
     text = str(replace(fit, evidence=evidence))
     assert ("Cables leave the loss factor at 12.7 Hz known to ±26 %" in text) is shown
-    assert ("--machine cable=0" in text) is shown
+    assert ("cable=0 of the machine" in text) is shown

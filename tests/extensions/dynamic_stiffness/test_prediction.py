@@ -146,7 +146,7 @@ def test_list_of_frequencies_equals_the_option_repeated(fit, tmp_path):
     assert json.loads(listed)["frequencies"] == [1, 5, 10, 20]
 
 
-def test_joint_fit_has_the_error_of_its_band_and_is_not_told_to_add_a_hammer():
+def test_joint_fit_has_the_error_of_its_band_and_no_advice_on_a_hammer():
     folder = Path(__file__).parents[2] / "data" / "documents_1"
     joint = dp.read(folder / "fit-joint.json")
     error = joint.evidence.band_error

@@ -81,7 +81,7 @@ def thermorheologically_simple(
     other_grade="or 3 standard errors, if that is more",
 )
 def shifts_independent_of_vertical_rule(
-    difference: float | None, se: float = 0.0, *, rule: str = "", text: str = ""
+    difference: float | None, se: float = 0.0, *, alternative: str = "with another b_T"
 ) -> Finding:
     """A rule for b_T that explains the tests as well gives the same shifts.
 
@@ -91,7 +91,7 @@ def shifts_independent_of_vertical_rule(
     if difference is None:
         return Finding("No stated rule for b_T explains the tests as well as a free one")
     return Finding(
-        f"With b_T = {rule} one model explains the tests as well, with log10 a_T = {text}",
+        f"One model explains the tests as well {alternative}",
         difference,
         "The tests alone do not determine the shift, nor a prediction at another temperature",
         Remedy("State the rule of b_T, or test at a temperature between.", "vertical", "1"),

@@ -206,7 +206,7 @@ def _compare_vertical_rules(
     shifts: TemperatureShifts,
 ) -> Check:
     """Return the check that rules of b_T which explain the tests as well give the same shifts."""
-    found: dict[float, tuple[Vertical, str]] = {}
+    found: dict[float, str] = {}
     rules: tuple[Vertical, ...] = ("1", "T/T_r")
     for rule in rules:
         other = optimum(tests, replace(options, vertical=rule), reference)
@@ -215,13 +215,14 @@ def _compare_vertical_rules(
         change = np.abs(other.point.log_a - best.point.log_a) / np.log(10.0)
         i = int(np.argmax(change))
         values = (float(point.log_a[i] / np.log(10.0)) for point in (other.point, best.point))
-        text = "{:.3g} in place of {:.3g}".format(*values)
-        found[float(change[i])] = rule, f"{text} at {celsius(shifts.shifts[i].temperature)}"
+        text = "log10 a_T = {:.3g} in place of {:.3g}".format(*values)
+        at_temperature = f"at {celsius(shifts.shifts[i].temperature)}"
+        found[float(change[i])] = f"with b_T = {rule} and {text} {at_temperature}"
     if not found:
         return checks.shifts_independent_of_vertical_rule(None)
-    difference, (rule, text) = max(found.items())
+    difference, alternative = max(found.items())
     se = max(shift.se for shift in shifts.shifts)
-    return checks.shifts_independent_of_vertical_rule(difference, se, rule=rule, text=text)
+    return checks.shifts_independent_of_vertical_rule(difference, se, alternative=alternative)
 
 
 def _get_bic(optimum: ThermalOptimum) -> float:
