@@ -215,8 +215,10 @@ def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, An
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = data.get("schema") if isinstance(data, dict) else None
-    present_name = call_handler("former document", "name schema", name, default=name)
-    kind = _find_schema_class(present_name) if isinstance(name, str) else None
+    kind = None
+    if isinstance(name, str):
+        present_name = call_handler("former document", "name schema", name, default=name)
+        kind = _find_schema_class(present_name)
     # a mass and what rests on it are beside a comparison that a command answered
     if kind is None or (kind.__name__ == "Comparison" and "mass_inferred" in data):
         raise ReadError(_format_unknown_schema(name))

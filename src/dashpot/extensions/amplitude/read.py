@@ -74,9 +74,9 @@ def propose_amplitude(file: OpenedFile, roles: object) -> list[Question]:
 def get_amplitude_factor(name: str) -> tuple[float, str]:
     """Return the factor from numbers of that name to the amplitude of a cycle, and the words.
 
-    >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
+    >>> get_amplitude_factor("Strain p-p"), get_amplitude_factor("Double Strain Amplitude")[0]
     ((2.0, 'peak to peak'), 2.0)
-    >>> over_amplitude("Strain rms")[1], over_amplitude("Strain amplitude")
+    >>> get_amplitude_factor("Strain rms")[1], get_amplitude_factor("Strain amplitude")
     ('an rms', (1.0, ''))
     """
     if _SPAN.search(normalise_name(name)):

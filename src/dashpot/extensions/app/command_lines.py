@@ -47,7 +47,7 @@ def format_options(result: Any, *names: str) -> list[str]:
     Nothing of its defaults; its parts say theirs.
 
     >>> from dashpot.reading.read_options import ReadOptions
-    >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
+    >>> format_options(ReadOptions(units={"force": "N"}, skip_rows=3))
     ['--units', 'force=N', '--text-format', 'skip=3']
     """
     option_words: list[str] = []
@@ -119,7 +119,7 @@ def format_job_command(command: str, job: Any) -> str:
 
     The job is a :class:`~dashpot.workflow.job.Job`, or that of a kind of tests.
 
-    >>> line("fit", Job("tests/seal.csv", arms=2, temperatures=(296.15,)))
+    >>> format_job_command("fit", Job("tests/seal.csv", arms=2, temperatures=(296.15,)))
     'dashpot fit seal.csv --arms 2 --temperature 23degC'
     """
     files: list[str] = []

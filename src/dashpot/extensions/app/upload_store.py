@@ -204,7 +204,7 @@ def identify_specimen(identity: str, selection: str) -> str:
     """Return the identity of one specimen of a file, by what ``--file-part`` takes for it.
 
     >>> identify_specimen("0123456789abcdef", "segment=2")
-    '0123456789abcdef-96161ca6'
+    '0123456789abcdef-e448b07e'
     """
     digest = hashlib.sha256(selection.encode()).hexdigest()
     return f"{identity[:_DIGITS]}-{digest[:8]}" if selection else identity[:_DIGITS]

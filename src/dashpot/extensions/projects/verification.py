@@ -401,8 +401,8 @@ def _is_rounded(a: str, b: str) -> bool:
 def _get_last_digit_unit(number: str) -> float:
     """Return what one unit of the last digit of a printed number is.
 
-    >>> _last_digit("12.70"), _last_digit("-3e-05"), _last_digit("40")
-    (0.01, 1e-05, 1.0)
+    >>> [_get_last_digit_unit(number) for number in ("12.70", "-3e-05", "40")]
+    [0.01, 1e-05, 1.0]
     """
     digits, _, exponent = number.lower().partition("e")
     return float(f"1e{int(exponent or 0) - len(digits.partition('.')[2])}")
