@@ -479,3 +479,22 @@ def test_calls_in_a_sentence_name_parameters_that_exist() -> None:
                 if known and not any(names & {keyword, "**"} for names in known)
             ]
     assert wrong == []
+
+
+def test_every_member_of_an_api_page_exists():
+    missing = []
+    for page in sorted((ROOT / "docs" / "api").glob("*.md")):
+        module = ""
+        for line in page.read_text().splitlines():
+            word, _, rest = line.strip().partition(":: ")
+            if word == ".. automodule":
+                module = rest
+            elif line.strip().startswith(":members: "):
+                names = line.partition(":members: ")[2].split(",")
+                found = importlib.import_module(module)
+                missing += [
+                    f"{page.name}: {module} {name}"
+                    for name in map(str.strip, names)
+                    if not hasattr(found, name)
+                ]
+    assert missing == []
