@@ -270,7 +270,7 @@ async function readSpecimens(
   /** @type {import("./job.js").Specimen[]} */ specimens,
 ) {
   const file = picked.get(one.id), anew = { mark: "", line: "", hash: "", watch: "", asked: "" };
-  if (file) for (const { id } of specimens) picked.set(id, file);
+  if (file) { for (const { id } of specimens) picked.set(id, file); }
   state.files = state.files.filter((each) => each !== one);
   state.current = specimens[0].id;
   await opened(specimens.map(({ id }) => ({ id, name: one.name })), (id) => {

@@ -97,9 +97,11 @@ export const isJudged = (/** @type {OpenFile} */ one) =>
 export const kindOf = (/** @type {OpenFile} */ one) => isRod(one) ? "rod" : one.kind || "";
 /** The files that are judged together with one: all of its kind, but for what is one hit or rod. */
 export const alike = (/** @type {OpenFile} */ one) =>
-  one.alone || one.specimen ? [one] : state.files.filter((each) =>
-    isTaken("judged")(each) && each.kind === one.kind && !each.specimen
-  );
+  one.alone || one.specimen
+    ? [one]
+    : state.files.filter((each) =>
+      isTaken("judged")(each) && each.kind === one.kind && !each.specimen
+    );
 /** An FRF of a level goes with those of other levels, and with no relaxation test. */
 export const isHammer = (/** @type {OpenFile} */ one) =>
   isTaken("hammer", "response")(one) && !one.level && !isRod(one);

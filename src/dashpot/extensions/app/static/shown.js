@@ -153,7 +153,11 @@ export function fileList() {
       box.toggleAttribute("checked", isBlank(one));
       item.append(made("label", { class: "with" }, box, " blank test, no seal"));
     }
-    const away = { class: "link away", "data-remove": one.id, "aria-label": `remove ${nameOf(one)}` };
+    const away = {
+      class: "link away",
+      "data-remove": one.id,
+      "aria-label": `remove ${nameOf(one)}`,
+    };
     item.append(made("button", away, "\u00d7"));
     return item;
   }));
