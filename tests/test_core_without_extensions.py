@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shutil
 import subprocess
@@ -82,3 +83,61 @@ def test_a_task_without_an_extension_says_what_to_do(tmp_path: Path) -> None:
 
 def test_every_extension_has_a_folder() -> None:
     assert len(EXTENSIONS) == 1 + len(FOLDERS)  # and the core
+
+
+def list_unasked_handlers(tree: ast.AST) -> list[int]:
+    """Return the lines that call what `find_handler` returns without asking whether it is there."""
+    lines = []
+    for node in ast.walk(tree):
+        is_called_twice = isinstance(node, ast.Call) and isinstance(node.func, ast.Call)
+        if is_called_twice and ast.unparse(node.func.func) == "find_handler":
+            lines.append(node.lineno)
+        if isinstance(node, ast.FunctionDef):
+            lines += _list_unasked_names(node)
+    return lines
+
+
+def _list_unasked_names(function: ast.FunctionDef) -> list[int]:
+    """Return the lines of names for a handler that are called and in no condition."""
+    found: dict[str, int] = {}
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Call):
+            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
+            if ast.unparse(node.value.func) == "find_handler" and isinstance(target, ast.Name):
+                found[target.id] = node.lineno
+    called = {
+        node.func.id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+    }
+    asked = {
+        name.id
+        for node in ast.walk(function)
+        for condition in (
+            [node.test] if isinstance(node, ast.If | ast.IfExp)
+            else [node] if isinstance(node, ast.BoolOp | ast.Compare) else []
+        )
+        for name in ast.walk(condition)
+        if isinstance(name, ast.Name)
+    }  # fmt: skip
+    return [line for name, line in found.items() if name in called - asked]
+
+
+def test_no_handler_is_called_that_may_be_missing() -> None:
+    wrong = [
+        f"{path.relative_to(SOURCE)}:{line}"
+        for path in sorted(SOURCE.glob("dashpot/**/*.py"))
+        for line in list_unasked_handlers(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    assert wrong == []  # call `require_handler`, or `call_handler` with a default
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "find_handler('a', 'b')(1)",
+        "def f():\n    handler = find_handler('a', 'b')\n    return handler(1)",
+    ],
+)
+def test_a_handler_that_may_be_missing_is_noticed(code: str) -> None:
+    assert list_unasked_handlers(ast.parse(code))

@@ -22,8 +22,8 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹µ", "---0123456789u") | {ord("∞"): "inf", ord("·"): " "}
 
 
-_NOTHING = 1e-6
-"""Of its error; what is less is rounding."""
+_ROUNDING_RATIO = 1e-6
+"""Value over its error below which it is rounding, and 0."""
 
 
 def round_to_error(value: float, error: float | None = None, *, digits: int = 3) -> str:
@@ -43,7 +43,7 @@ def round_to_error(value: float, error: float | None = None, *, digits: int = 3)
     decimals = 1 - math.floor(math.log10(error))
     if decimals > 9:
         return _format_digits(value, 10)
-    if round(value, decimals) == 0 and abs(value) > _NOTHING * error:
+    if round(value, decimals) == 0 and abs(value) > _ROUNDING_RATIO * error:
         return _format_digits(value, 1)
     return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", MINUS)
 

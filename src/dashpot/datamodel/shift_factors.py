@@ -188,16 +188,19 @@ class TemperatureShifts(EqualByValue, Serialisable):
         )
         se = float(np.sqrt(max(variance, 0.0)))
         errors = [shift.b_t_se / shift.b_t for shift in self.shifts]
-        kelvins = [shift.temperature for shift in self.shifts]
-        return _LN10 * se, float(np.interp(temperature, kelvins, errors))
+        temperatures = [shift.temperature for shift in self.shifts]
+        return _LN10 * se, float(np.interp(temperature, temperatures, errors))
 
     def _compute_bend_limit(self, temperature: float) -> float:
         """Return the largest bend of free shifts between two tests: 3 % of the step, decades."""
-        kelvins = np.array([shift.temperature for shift in self.shifts])
-        if not isinstance(self.law, FreeShifts) or not kelvins[0] < temperature < kelvins[-1]:
+        temperatures = np.array([shift.temperature for shift in self.shifts])
+        if (
+            not isinstance(self.law, FreeShifts)
+            or not temperatures[0] < temperature < temperatures[-1]
+        ):
             return 0.0
-        i = int(np.searchsorted(kelvins, temperature, side="right")) - 1
-        part = (temperature - kelvins[i]) / (kelvins[i + 1] - kelvins[i])
+        i = int(np.searchsorted(temperatures, temperature, side="right")) - 1
+        part = (temperature - temperatures[i]) / (temperatures[i + 1] - temperatures[i])
         step = self.shifts[i].log10_a_t - self.shifts[i + 1].log10_a_t
         return float(4 * part * (1 - part) * _BEND * abs(step))
 
@@ -240,9 +243,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
         full_covariance[:size, :size] = covariance
         full_covariance[size, size], full_covariance[size + 1, size + 1] = of_a**2, of_b**2
         if len(self.cross) == size + 1:
-            kelvins = [shift.temperature for shift in self.shifts]
+            temperatures = [shift.temperature for shift in self.shifts]
             weights = np.array(
-                [np.interp(temperature, kelvins, values) for values in np.eye(count)]
+                [np.interp(temperature, temperatures, values) for values in np.eye(count)]
             )
             other = np.column_stack(
                 (
@@ -257,10 +260,12 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def rates(self, temperature: float) -> tuple[float, float]:
         """Slopes of ln a_T and of ln b_T over T between the tests about T, 1/K."""
-        kelvins = [shift.temperature for shift in self.shifts]
-        log_a = _LN10 * np.gradient([shift.log10_a_t for shift in self.shifts], kelvins)
-        log_b = np.gradient(np.log([shift.b_t for shift in self.shifts]), kelvins)
-        by_a, by_b = (float(np.interp(temperature, kelvins, values)) for values in (log_a, log_b))
+        temperatures = [shift.temperature for shift in self.shifts]
+        log_a = _LN10 * np.gradient([shift.log10_a_t for shift in self.shifts], temperatures)
+        log_b = np.gradient(np.log([shift.b_t for shift in self.shifts]), temperatures)
+        by_a, by_b = (
+            float(np.interp(temperature, temperatures, values)) for values in (log_a, log_b)
+        )
         return by_a, by_b
 
     def change_reference(self, temperature: float) -> TemperatureShifts:
@@ -274,15 +279,17 @@ class TemperatureShifts(EqualByValue, Serialisable):
         DataError
             Where the law says nothing.
         """
-        kelvins = [shift.temperature for shift in self.shifts]
+        temperatures = [shift.temperature for shift in self.shifts]
         log_a_t, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)
         scale = 1 / (1 + self.slope * log_a_t)
-        grid = np.array(sorted({*kelvins, temperature}))
+        grid = np.array(sorted({*temperatures, temperature}))
         weights = np.array(
-            [np.interp(temperature, kelvins, values) for values in np.eye(len(kelvins))]
+            [np.interp(temperature, temperatures, values) for values in np.eye(len(temperatures))]
         )
         change = (
-            np.array([np.interp(grid, kelvins, values) for values in np.eye(len(kelvins))]).T
+            np.array(
+                [np.interp(grid, temperatures, values) for values in np.eye(len(temperatures))]
+            ).T
             - weights
         )
         change[grid == temperature] = 0.0
@@ -382,13 +389,13 @@ class TemperatureShifts(EqualByValue, Serialisable):
             return 1.0
         if self.vertical == "T/T_r":
             return temperature / self.reference
-        kelvins = np.array([shift.temperature for shift in self.shifts])
+        temperatures = np.array([shift.temperature for shift in self.shifts])
         b = np.log([shift.b_t for shift in self.shifts])
-        if len(kelvins) == 1:
+        if len(temperatures) == 1:
             return 1.0
-        i = int(np.clip(np.searchsorted(kelvins, temperature) - 1, 0, len(kelvins) - 2))
-        slope = (b[i + 1] - b[i]) / (kelvins[i + 1] - kelvins[i])
-        return float(np.exp(b[i] + slope * (temperature - kelvins[i])))
+        i = int(np.clip(np.searchsorted(temperatures, temperature) - 1, 0, len(temperatures) - 2))
+        slope = (b[i + 1] - b[i]) / (temperatures[i + 1] - temperatures[i])
+        return float(np.exp(b[i] + slope * (temperature - temperatures[i])))
 
 
 def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray:

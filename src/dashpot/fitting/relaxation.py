@@ -661,8 +661,7 @@ def _make_motion_steps(records: Sequence[RampHold], setup: FitSetup) -> tuple[St
         step, noise = record.encoder_step, record.displacement_noise
         if step > 0 or noise > 0:
             message = (
-                f"read the displacement between counts of {format_quantity(step, 'um', '.3g')} "
-                "and "
+                f"read the displacement between counts of {format_quantity(step, 'um', '.3g')} and "
                 f"averaged its scatter of {format_quantity(noise, 'um', '.3g')} where the motion "
                 "allows; the force is as recorded"
             )

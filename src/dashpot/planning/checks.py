@@ -59,8 +59,7 @@ def tip_excites(tip: Pulse, frequency: float) -> Finding:
     """The hammer tip excites the frequency of interest."""
     return Finding(
         f"A pulse of {format_quantity(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at "
-        f"{frequency:g} "
-        f"Hz. It excites up to {tip.band_10db:.3g} Hz (-10 dB)",
+        f"{frequency:g} Hz. It excites up to {tip.band_10db:.3g} Hz (-10 dB)",
         tip.level_db,
         remedy="Use a harder tip.",
     )

@@ -87,8 +87,7 @@ def list_advice(
         advice.append(
             "Use a harder tip. A pulse shorter than "
             f"{format_quantity(_compute_longest_pulse(frequency), 'ms', '.3g')} loses less than 10 "
-            "dB at "
-            f"{frequency:g} Hz."
+            f"dB at {frequency:g} Hz."
         )
     if not advice:
         advice.append(f"This test determines the loss factor at {frequency:g} Hz well enough.")
@@ -126,9 +125,8 @@ def _format_cold_advice(
         ]
     message = (
         f"Repeat it at {temperatures} and fit all together. The loss factor at {frequency:g} Hz is "
-        "then "
-        f"known to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all arms "
-        "shift alike."
+        f"then known to {format_relative_sd(expected.loss_factor_sd)} instead of {before}, if all "
+        "arms shift alike."
     )
     advice = [message]
     if len(expected.repeated) == 1:

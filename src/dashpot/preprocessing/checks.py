@@ -236,7 +236,7 @@ def single_loading(
 ) -> Finding:
     """The record has one loading, or the user chose one.
 
-    Those `earlier_loadings` the one that is fitted are followed, with a hold or without.
+    `earlier_loadings` are those before the one that is fitted, with a hold or without.
     """
     cycle = cycles[index]
     message, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")

@@ -811,9 +811,8 @@ def _make_contact_step(first_contact: Touch) -> Step:
 def _make_ramp_step(record: RampHold, motion: PlateMotion) -> Step:
     message = (
         f"the ramp runs at {format_quantity(motion.line.speed, 'mm/s')} from {record.onset:.6g} s "
-        "to "
-        f"{record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} s "
-        f"({record.hold_time:.5g} s), at {format_quantity(record.depth, 'mm', '.5g')}"
+        f"to {record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} "
+        f"s ({record.hold_time:.5g} s), at {format_quantity(record.depth, 'mm', '.5g')}"
     )
     parameters = (
         ("onset_s", repr(record.onset)),

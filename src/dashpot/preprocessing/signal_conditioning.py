@@ -169,8 +169,7 @@ def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
     if chosen_filter.cutoff >= rate / 2:
         raise DataError(
             f"{chosen_filter} lies above half the sampling rate, {rate / 2:.4g} Hz; give a lower "
-            "frequency, "
-            "or no filter"
+            "frequency, or no filter"
         )
     return float(rate)
 

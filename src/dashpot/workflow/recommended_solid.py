@@ -114,7 +114,7 @@ def recommend_solid(study: Study, *, allow_rejected: bool = False) -> Recommenda
     """Return the recommended model, and its values with intervals or bounds.
 
     The joint model is recommended where there is one and the verdict allows it, else the model of
-    the relaxation test. A joint model that was `allow_rejected` is returned whatever its verdict.
+    the relaxation test. With `allow_rejected` a joint model is returned whatever its verdict.
     Intervals of the joint model are 95 % intervals of its parameters; those of the relaxation test
     are bounds over unresolved arms where these were computed.
     """

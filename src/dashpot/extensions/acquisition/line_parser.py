@@ -116,8 +116,7 @@ class Lines:
         if self._gaps:
             names.append(
                 f"{format_count(self._gaps, 'gap')} in the clock, {self._missing} samples missing, "
-                "the "
-                f"longest gap {self._longest:.4g} s"
+                f"the longest gap {self._longest:.4g} s"
             )
         if self.begun_again:
             names.append("the device's clock began again: the record ends there")

@@ -146,11 +146,9 @@ def format_residual_note(levels: AmplitudeResult) -> str:
         word, scale = unit_of(np.array(fit.amplitudes), "m")
         text = (
             "Four of five such tests find "
-            f"{round_to_error(100 * fit.trend.detectable_stiffness_change, digits=2)} % "
-            "of stiffness and "
-            f"{round_to_error(100 * fit.trend.detectable_damping_change, digits=2)} % of "
-            "damping per "
-            "doubling"
+            f"{round_to_error(100 * fit.trend.detectable_stiffness_change, digits=2)} % of "
+            f"stiffness and {round_to_error(100 * fit.trend.detectable_damping_change, digits=2)} "
+            "% of damping per doubling"
         )
     else:
         word, scale = unit_of(np.array(fit.amplitudes), "m")

@@ -300,9 +300,8 @@ class PreloadedMass:
     def _refuse_bouncing(self, level: float, hz: float) -> None:
         raise DataError(
             f"at {level:.4g} N the mass, which {self.static_force:.4g} N presses, bounces on the "
-            "seal: "
-            f"up to {hz:.4g} Hz its answers change from line to line; expected an amplitude that "
-            "leaves it on the seal. Ask for a lower amplitude"
+            f"seal: up to {hz:.4g} Hz its answers change from line to line; expected an amplitude "
+            "that leaves it on the seal. Ask for a lower amplitude"
         )
 
     def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:

@@ -241,11 +241,9 @@ def preloaded_levels(
     if preloaded_mass.rest < _MIN_COMPRESSION_SHARE * fit.elastic_law.depth:
         raise DataError(
             f"the mass presses the seal by {format_quantity(preloaded_mass.rest, 'mm', '.2g')} "
-            "alone, and "
-            "the tests "
-            f"reach to {format_quantity(fit.elastic_law.depth, 'mm', '.3g')}: so slight a contact "
-            "was not "
-            "tested; expected a thousandth of that, or more. Check the mass and its unit"
+            f"alone, and the tests reach to {format_quantity(fit.elastic_law.depth, 'mm', '.3g')}: "
+            "so slight a contact was not tested; expected a thousandth of that, or more. Check "
+            "the mass and its unit"
         )
     variant_masses = [
         build_preloaded_mass(*group) for group in _list_shifted_laws(fit, fit.elastic_law)
@@ -285,11 +283,8 @@ class _AtLevels:
         if force >= self.preloaded_mass.static_force:
             raise DataError(
                 f"an amplitude of {level:.4g} {get_level_unit(self.kind)} lifts the mass off the "
-                "seal: "
-                f"its force is {force:.4g} N, and {self.preloaded_mass.static_force:.4g} N "
-                "presses; expected "
-                "less. "
-                "Ask for a lower amplitude"
+                f"seal: its force is {force:.4g} N, and {self.preloaded_mass.static_force:.4g} N "
+                "presses; expected less. Ask for a lower amplitude"
             )
         range_hz = around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1]
         lines = np.union1d(band, np.geomspace(*range_hz, _LINES))

@@ -31,7 +31,7 @@ from dashpot.extensions.app.request_parsing import (
 )
 from dashpot.extensions.app.upload_store import find_file
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, asks_of, find_handler, load_object
+from dashpot.registry import KINDS, asks_of, find_handler, load_object, require_handler
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import KindPage, format_json, kind_page
 from dashpot.workflow.job import Job
@@ -104,7 +104,7 @@ def _predict_files(request: KindRequest) -> Any:
         fit: Fit = result_cache.fit_job(choices, True, None)
         return fit
 
-    predict = find_handler("predict open files", request.kind)
+    predict = require_handler("predict open files", request.kind)
     return predict(request.files, home, fit_test if request.behind else None)
 
 

@@ -81,9 +81,8 @@ def open_row(request: Mapping[str, Any], folder: Path) -> bytes:
     )
     if path is None or raw is None:
         raise ReadError(
-            f"{file} is not there any more, or is not what it was: start the app where "
-            "the "
-            "batch was run"
+            f"{file} is not there any more, or is not what it was: start the app where the batch "
+            "was run"
         )
     identity = identify_specimen(_store_file(folder, path, file_stamp, raw), part)
     brought = {"id": identity, "name": path.name, "options": parse_selection(part)}
@@ -128,8 +127,7 @@ def _describe_project(project_folder: Path, folder: Path) -> dict[str, Any]:
     if calibration is not None:
         raise ReadError(
             f"{project_folder.name} was fitted with {calibration.source}, and a project does not "
-            "keep the "
-            "machine file. Open its records and the machine file here"
+            "keep the machine file. Open its records and the machine file here"
         )
 
     def brought(path: str) -> dict[str, str]:

@@ -44,8 +44,7 @@ def build_job(value: object, folder: Path) -> Job:
     if "" in temperatures:
         raise DataError(
             f"{temperatures.count('')} of {len(temperatures)} tests that are fitted together has "
-            "no "
-            "temperature: give every one its own, or none"
+            "no temperature: give every one its own, or none"
         )
     return build_from_request(Job, options, folder)
 

@@ -86,8 +86,7 @@ class Store:
                     if size > limit:
                         raise TooLargeError(
                             f"{file_name} is larger than {limit >> 20} MB; read it with 'dashpot "
-                            "fit', "
-                            "which has no such limit"
+                            "fit', which has no such limit"
                         )
                     if other_bytes + size > total:
                         raise TooLargeError(

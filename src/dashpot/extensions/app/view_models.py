@@ -192,7 +192,7 @@ def render_test_panels(
 ) -> dict[str, str]:
     """Ramp, hold with its residual, and arms of a fit, in the colour of its solid.
 
-    Of a hold that is cut the `full_test` test stays in sight: its handle goes both ways.
+    Of a hold that is cut the `full_test` stays in sight: its handle goes both ways.
     """
     plotted_fit = _make_plotted_fit(fit, prepared)
     eq5_fit = None
@@ -335,7 +335,7 @@ def render_study_panel(study: Study, sizes: Sizes, title: str, *, with_phase: bo
     Without a mass it is the stiffness of one seal.
 
     Of a study of both tests the solid of both is held against the hammer, and that of the
-    relaxation test alone stands dotted beside it. With the `with_phase` it is drawn below, and the
+    relaxation test alone stands dotted beside it. `with_phase` draws the phase below, and the
     coherence.
     """
     if study.prediction is None:

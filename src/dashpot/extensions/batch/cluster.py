@@ -79,8 +79,7 @@ def _open_client(distributed: Any, address: str) -> Any:
         error_lines = str(error).splitlines() or [type(error).__name__]
         raise DataError(
             f"--scheduler {address}: no scheduler answers there ({error_lines[0]}); give the "
-            "address that "
-            "dask scheduler prints, such as tcp://host:8786"
+            "address that dask scheduler prints, such as tcp://host:8786"
         ) from None
     try:
         client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)

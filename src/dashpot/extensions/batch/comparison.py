@@ -153,8 +153,7 @@ def open_lot(folder_name: str) -> tuple[str, Lot]:
     if len(lots) > 1:
         raise DataError(
             f"{folder_name} holds {len(lots)} lots: {', '.join(lots)}; say which one is meant, "
-            "such as "
-            f"{folder_name}:{lots[0]}"
+            f"such as {folder_name}:{lots[0]}"
         )
     return Path(folder_name).resolve().name, lot
 

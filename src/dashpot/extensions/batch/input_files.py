@@ -24,7 +24,7 @@ from dashpot.base.version import is_ours, is_record
 from dashpot.datamodel.machine import Machine
 from dashpot.reading.raw_file import missing, open_raw
 from dashpot.reading.toml import Section, parsed_toml
-from dashpot.registry import find_handler
+from dashpot.registry import require_handler
 
 LABELS = ("lot", "seal", "repeat", "operator", "date")
 _QUANTITIES: dict[str, Dimension] = {
@@ -91,7 +91,7 @@ class Entry:
     lot, seal, repeat : str
         Which lot, which seal of it, and which test of that seal; empty where nobody said.
     temperature, mass : float or None
-        Temperature of the test, K; of the block on the seal, kg.
+        Temperature of the test, K; mass of the block on the seal, kg.
     hammer : tuple of str
         The hammer's files, or an FRF, of the block on such seals.
     operator : str
@@ -157,9 +157,8 @@ def find_entries(
     ----------
     paths : sequence of path
         Files; from a folder every file is taken, at any depth, but for hidden ones and for results
-        that dashpot wrote. A link that leads out of it, a device,
-        a pipe is an entry that is not read:
-        it is read where it is named itself.
+        that dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not
+        read: it is read where it is named itself.
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over
         `label_pattern`.
@@ -505,7 +504,7 @@ def _parse_machine(location: str, text: str, folder: Path) -> str:
     """Return a machine as JSON: of ``compliance=33um/N;sync=1ms``, or of a machine file."""
     try:
         if text.endswith(".toml"):
-            machine = Machine(**find_handler("read option", "--machine")(str(folder / text)))
+            machine = Machine(**require_handler("read option", "--machine")(str(folder / text)))
         else:
             machine = Machine(**_parse_machine_fields(text))
     except DashpotError as error:

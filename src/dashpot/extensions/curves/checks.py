@@ -150,11 +150,8 @@ def instrument_stiff(data: DynamicTest) -> Finding:
         return Finding(
             "Of a specimen of more than "
             f"{format_quantity(UNSTATED_ERROR / USUAL_COMPLIANCE, 'N/mm', '.3g')}, "
-            f"{compliance_text} "
-            "take more "
-            f"than {100 * UNSTATED_ERROR:g} % off the storage and {200 * UNSTATED_ERROR:g} % off "
-            "the loss. How "
-            "stiff it was is not said"
+            f"{compliance_text} take more than {100 * UNSTATED_ERROR:g} % off the storage and "
+            f"{200 * UNSTATED_ERROR:g} % off the loss. How stiff it was is not said"
         )
     stiffest = float(np.hypot(data.storage, data.loss).max())
     return Finding(

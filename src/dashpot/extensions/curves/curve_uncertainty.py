@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,12 @@ from dashpot.fitting.data_blocks import find_largest_target, max_determinable_ar
 from dashpot.fitting.marginal_relaxation import RelaxationRows
 from dashpot.fitting.nuisance_priors import ROUNDING, NuisanceTerms
 from dashpot.fitting.parameter_errors import estimate_covariance
-from dashpot.fitting.valid_band import SolidErrors, find_loss_factor_band, has_loss_band
+from dashpot.fitting.valid_band import (
+    ErrorFunction,
+    SolidErrors,
+    find_loss_factor_band,
+    has_loss_band,
+)
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.correlated_noise import (
@@ -185,10 +190,6 @@ FASTEST_ARM = 0.1
 MIN_EARLY_RELAXATION = 0.01
 #: weight of a dashpot relative to an arm at the first time of a curve
 DASHPOT_WEIGHT = 100.0
-
-
-ErrorFunction: TypeAlias = Callable[[float], tuple[float, float]]
-"""Relative errors of stiffness and loss factor at a frequency, Hz."""
 
 
 def find_valid_band(

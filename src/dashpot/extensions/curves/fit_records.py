@@ -166,8 +166,7 @@ def _fit_sweeps(
     if options.law != "auto" or (options.filter and not tests):
         raise FitError(
             "a dynamic sweep is of a linear model, and nothing of it is filtered: leave out "
-            "--elastic "
-            "and --filter, which are for ramps and holds"
+            "--elastic and --filter, which are for ramps and holds"
         )
     from dashpot.extensions.curves.dynamic.fit import fit_dynamic
 

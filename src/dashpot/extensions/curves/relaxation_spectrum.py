@@ -283,7 +283,8 @@ def dense_spectrum_if_needed(
     error : array, shape (n,)
         Its relative errors on every value of the curves.
     origin : Superposition or UnshiftedCurve
-        Origin; for several temperatures: then :func:`shared_spectrum_if_needed`.
+        Where the curve comes from; one of several temperatures is left to
+        :func:`shared_spectrum_if_needed`.
     spectrum : callable
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check

@@ -10,7 +10,6 @@ and its loss factor likewise; an error of b_T moves every stiffness of that test
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property, partial
 
 import numpy as np
@@ -23,6 +22,7 @@ from dashpot.extensions.curves.curve_uncertainty import find_valid_band
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra
+from dashpot.fitting.valid_band import ErrorFunction
 from dashpot.solids.maxwell import Solid
 
 NEIGHBOURHOOD_DECADES = 0.25
@@ -44,7 +44,7 @@ class MasterCurveErrors:
 
     superposition: Superposition
     solid: Solid
-    errors: Callable[[float], tuple[float, float]]
+    errors: ErrorFunction
 
     def __call__(self, frequency: float) -> tuple[float, float]:
         """Return the relative errors of stiffness and loss factor at a frequency, Hz."""
@@ -88,7 +88,7 @@ class MasterCurveErrors:
         return np.log10(frequency), shift_sd, vertical_sd
 
 
-def find_band_of_origin(
+def find_band_with_shift_errors(
     spectra: AdmissibleSpectra,
     solid: Solid,
     band: tuple[float, float],

@@ -116,8 +116,7 @@ def fit_depths(
         if at.k_inf <= 0:
             raise FitError(
                 f"the test at {format_quantity(at.depth, 'mm')} has no equilibrium stiffness; hold "
-                "it "
-                "longer, or leave it out"
+                "it longer, or leave it out"
             )
     check = _check_separability(stiffnesses)
     arm_checks = (

@@ -216,8 +216,7 @@ def _compute_loads(
     message = (
         f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
         f"({calibration.part}, {calibration.date}); the median of the first {unloaded_samples} "
-        "rows is "
-        "taken as unloaded and subtracted in volts"
+        "rows is taken as unloaded and subtracted in volts"
     )
     if not values.any():
         return loads, [message]

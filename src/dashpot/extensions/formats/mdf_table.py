@@ -259,8 +259,7 @@ class MdfTable:
             values[:, positions] = parts[0] if len(parts) == 1 else np.concatenate(parts)
             notes += [
                 f"{count} numbers of '{self.columns[indexes[position]].name}' are marked as "
-                "invalid by "
-                "the file: they are no numbers"
+                "invalid by the file: they are no numbers"
                 for position, count in zip(positions, counts, strict=True)
                 if count
             ]

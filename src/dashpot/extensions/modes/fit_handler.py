@@ -36,8 +36,7 @@ def under_masses(request: FitRequest) -> CommandResult:
     if len(masses) != len(files):
         raise click.UsageError(
             f"--mass was given {len(masses)} times for {format_count(len(files), 'file')}. Give "
-            "the "
-            "mass of each file, in their order."
+            "the mass of each file, in their order."
         )
     request.refuse_polarity()
     request.check_output_suffix(".json", result_name="the modes under several masses")

@@ -176,8 +176,7 @@ def fit_modes_by_mass(
     if silent:
         raise DataError(
             f"nothing rings under the mass of {format_quantity(silent[0], 'g')}; give the band of "
-            "its "
-            "resonance (--band), or leave its file out"
+            "its resonance (--band), or leave its file out"
         )
     modes = [test.modes[0].mode for test in tests]
     new_masses = several_masses(modes, masses, seals=seals)

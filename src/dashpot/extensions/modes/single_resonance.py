@@ -21,7 +21,7 @@ from dashpot.vibration.modal.modal_methods import Method, mode_at
 from dashpot.vibration.modal.peaks import run_about
 
 FEWEST_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
-HEIGHT = np.sqrt(0.5)
+HALF_POWER_RATIO = np.sqrt(0.5)
 
 
 def read_resonance(method: Method, frf: FRF) -> Mode:
@@ -70,7 +70,9 @@ def _find_peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None
     """
     top = _find_highest_line(accelerance)
     is_near_peak = np.zeros(len(s), dtype=bool)
-    is_near_peak[run_about(np.abs(accelerance) > HEIGHT * np.abs(accelerance[top]), top)] = True
+    is_near_peak[
+        run_about(np.abs(accelerance) > HALF_POWER_RATIO * np.abs(accelerance[top]), top)
+    ] = True
     is_near_peak[top - 1 : top + 2] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:

@@ -450,9 +450,8 @@ def _compare_test_figures(
     yield _build_figure_statement(
         "Fig. 4, N = 2", "fits much better than N = 1",
         f"leaves {round_to_error(convert_to_unit(two.rms, 'mN'), digits=2)} mN rms of an exact "
-        "record, "
-        f"{round_to_error(convert_to_unit(coarse.rms, 'mN'), digits=4)} mN of one in steps of "
-        "1/1280 N",
+        f"record, {round_to_error(convert_to_unit(coarse.rms, 'mN'), digits=4)} mN of one in steps "
+        "of 1/1280 N",
         convert_to_unit(two.rms, "mN"), 1e-9,
     )  # fmt: skip
     yield _build_figure_statement(
@@ -478,8 +477,7 @@ def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[St
         yield _build_figure_statement(
             "Fig. 6, measured", f"natural frequency {PRINTED_HZ} Hz, good agreement",
             f"the virtual hammer finds {round_to_error(comparison.measured_hz, digits=5)} Hz, the "
-            "model "
-            f"of the relaxation test {round_to_error(comparison.predicted_hz, digits=5)} Hz",
+            f"model of the relaxation test {round_to_error(comparison.predicted_hz, digits=5)} Hz",
             abs(comparison.measured_hz - PRINTED_HZ), 0.05,
         )  # fmt: skip
 

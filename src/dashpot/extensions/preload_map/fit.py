@@ -217,9 +217,8 @@ def _require_linked(lines: StiffnessLines, layout: Layout) -> None:
     if rank < columns - 2:
         raise DataError(
             "compression and amplitude, or compression and frequency, change together from sweep "
-            "to sweep, so that their effects cannot be distinguished. Measure one compression "
-            "at two "
-            "amplitudes, and all sweeps at the same frequencies"
+            "to sweep, so that their effects cannot be distinguished. Measure one compression at "
+            "two amplitudes, and all sweeps at the same frequencies"
         )
 
 

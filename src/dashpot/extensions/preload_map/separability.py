@@ -191,8 +191,7 @@ def estimate_scatter(
     if dof < _LEAST_DOF:
         raise DataError(
             f"{len(values)} lines in {sweeps.shape[1]} sweeps are too few to distinguish scatter "
-            "from a "
-            "departure. Measure at more frequencies, the same in every sweep"
+            "from a departure. Measure at more frequencies, the same in every sweep"
         )
     line = rss / dof
     cells = np.hstack(

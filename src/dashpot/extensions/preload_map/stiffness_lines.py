@@ -87,8 +87,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
         if first is not sweep:
             raise DataError(
                 f"the sweep of {sweep.name} {compression_text} has the very numbers of another, of "
-                f"{first.name}: "
-                "a copy is no second measurement. Leave one out"
+                f"{first.name}: a copy is no second measurement. Leave one out"
             )
         if len(set(sweep.frequency.tolist())) < FEWEST_FREQUENCIES:
             raise DataError(

@@ -10,7 +10,7 @@ from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen, sam
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
-RIGID = 1e-3
+_RIGID_TOLERANCE = 1e-3
 """Part of a shape that may be no rigid motion, and it is one."""
 _NEIGHBOUR_COUNT = 8
 """Points among which the next ones to a place are looked for."""
@@ -111,7 +111,7 @@ class FreeModes(EqualByValue):
         residual = shapes - motions
         size = np.linalg.norm(shapes, axis=1)
         elastic = float(self.frequency.max())
-        change = np.linalg.norm(residual, axis=1) <= RIGID * size
+        change = np.linalg.norm(residual, axis=1) <= _RIGID_TOLERANCE * size
         return np.asarray(change & (self.frequency <= 0.5 * elastic))
 
     @property

@@ -437,8 +437,7 @@ def filter_bias(
     is_slow_filter = applied_filter.kind == "lowpass" and applied_filter.cutoff < 5 / fastest
     message = (
         f"{applied_filter} changes, by eq. 5 on the hold, {_format_changes(changes['hold'])}. With "
-        "the "
-        "whole record "
+        "the whole record "
     )
     if applied_filter.linear:
         largest_change = max(changes["full"].values(), key=abs)

@@ -478,9 +478,9 @@ def make_directions(
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
-    directions; what counts is taken from the turned columns. `with_fine_scales`, what J'J no longer
-    knows is asked of J, whose rounding is the root of it: for data that are known to a millionth or
-    better.
+    directions; what counts is taken from the turned columns. With `with_fine_scales`, what J'J no
+    longer knows is asked of J, whose rounding is the root of it: for data that are known to a
+    millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
     turn, is_undetermined = _turn(information)

@@ -242,8 +242,8 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
     message = (
         f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_format_time(tau)}. "
-        "The "
-        f"relaxation test covers {_format_time(fastest)} to {_format_time(1 / (2 * np.pi * low))}"
+        f"The relaxation test covers {_format_time(fastest)} to "
+        f"{_format_time(1 / (2 * np.pi * low))}"
     )
     lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
     if lead is not None:

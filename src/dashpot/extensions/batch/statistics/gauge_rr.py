@@ -200,8 +200,7 @@ def _extract_balanced_table(
     if len(complete_parts) < 2:
         raise DataError(
             f"{len(complete_parts)} parts were tested by all {operators} operators; expected two "
-            "or more: "
-            "what operators add cannot be separated from the parts"
+            "or more: what operators add cannot be separated from the parts"
         )
     repeats = tests[complete_parts].min()
     if repeats < 2:

@@ -129,7 +129,7 @@ def components(
     The analysis of variance of the nested classification; where it is unbalanced, by the mean
     squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
     Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
-    called as `innermost_name` says, is what is left inside the innermost level, less the mean
+    named `innermost_name`, is what is left inside the innermost level, less the mean
     square of the fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
     its mean square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are
     those of Ting et al. (1990) for a difference of mean squares with such limits.

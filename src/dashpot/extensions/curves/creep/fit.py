@@ -52,7 +52,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
 from dashpot.extensions.curves.datamodel.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import shared_spectrum_if_needed
-from dashpot.extensions.curves.shift_uncertainty import find_band_of_origin
+from dashpot.extensions.curves.shift_uncertainty import find_band_with_shift_errors
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.relaxation import residuals_steady
 from dashpot.fitting.checks.solid import (
@@ -561,7 +561,7 @@ def _limit_end_and_band(
     """Return the limits at the end of some data, and the valid band of their retardations."""
     spectra = find_admissible_spectra(data, time=time, extra=lam)
     end = limit_end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
-    return end, *find_band_of_origin(spectra, model, band, origin=origin, creep=True)
+    return end, *find_band_with_shift_errors(spectra, model, band, origin=origin, creep=True)
 
 
 def _measure_departure(

@@ -48,7 +48,7 @@ from dashpot.extensions.curves.relaxation_spectrum import (
     dynamic_master_curve,
     get_error_scale,
 )
-from dashpot.extensions.curves.shift_uncertainty import find_band_of_origin
+from dashpot.extensions.curves.shift_uncertainty import find_band_with_shift_errors
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -478,7 +478,7 @@ def _find_valid_band(
     if curve is None:
         return band, None
     spectra = find_admissible_spectra(curve, time=1 / float(data.omega.min()), extra=tau)
-    band, error = find_band_of_origin(spectra, solid, band, origin=origin)
+    band, error = find_band_with_shift_errors(spectra, solid, band, origin=origin)
     if error is not None:
         error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
     return band, error

@@ -31,7 +31,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
 from dashpot.extensions.curves.datamodel.modulus import RelaxationModulus
 from dashpot.extensions.curves.datamodel.superposition import Superposition, UnshiftedCurve
 from dashpot.extensions.curves.relaxation_spectrum import dense_spectrum_if_needed, master_curve
-from dashpot.extensions.curves.shift_uncertainty import find_band_of_origin
+from dashpot.extensions.curves.shift_uncertainty import find_band_with_shift_errors
 from dashpot.extensions.curves.superposition.superpose import superpose
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -228,7 +228,7 @@ def _find_band(
         return band, None
     early = BeforeCurve(curve, float(t[t > 0][0]), model)
     spectra = find_admissible_spectra(early, time=_get_window(t)[1], extra=model.tau)
-    band, error = find_band_of_origin(spectra, model, band, origin=origin)
+    band, error = find_band_with_shift_errors(spectra, model, band, origin=origin)
     if error is not None:
         # a curve shows its modulus alone
         misfit = _compute_misfit_in_band(model, t, values, band)

@@ -173,8 +173,7 @@ def no_temperature_outlier(outlier: ShiftOutlier | None) -> Finding:
         return Finding("No single temperature lies off a law that all others follow", 0.0)
     return Finding(
         f"{celsius(outlier.temperature)} lies {outlier.missed:+.2g} decades off the law that all "
-        "other "
-        "temperatures follow",
+        "other temperatures follow",
         outlier.missed,
         remedy="Check that temperature, its gain and its specimen, or leave it out.",
     )

@@ -217,8 +217,7 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
         compression_text = format_quantity(self.specimens[0].nominal.compression, "mm", ".3g")
         return (
             f"{sum(forces) / len(forces):.3g} {self.unit} at {compression_text} ({len(forces)} "
-            "specimens: "
-            f"{min(forces):.3g} to {max(forces):.3g})"
+            f"specimens: {min(forces):.3g} to {max(forces):.3g})"
         )
 
 

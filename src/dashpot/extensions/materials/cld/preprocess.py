@@ -117,9 +117,8 @@ def cld(
         max_depth = max(cycle.depth for cycle in cycles.cycles)
         raise DataError(
             f"{format_quantity(nominal, 'mm')} was asked for; expected a compression > 0 that the "
-            "seal was "
-            f"pressed to, at most {format_quantity(max_depth, 'mm')}: --compression gives it, "
-            "--file-part cycle=N another cycle"
+            f"seal was pressed to, at most {format_quantity(max_depth, 'mm')}: --compression gives "
+            "it, --file-part cycle=N another cycle"
         )
     delay = Prior(0.0, machine.delay_sd(median(np.diff(get_sample_clock(test)))))
     cycles, (mark_below, middle, mark_above) = _with_delay(

@@ -208,8 +208,7 @@ def robust_to_lower_activation_energy(
         return Finding("The temperature is that of an oven, or above, so this check does not apply")
     return Finding(
         f"An activation energy of {format_quantity(lower, 'kJ/mol', 'g')} below {celsius(coldest)} "
-        "changes "
-        f"the result by {change:.2g} standard errors",
+        f"changes the result by {change:.2g} standard errors",
         change,
         "Many rubbers have so low an energy below the ovens, and these ovens cannot show it",
         "Test an oven at a lower temperature.",

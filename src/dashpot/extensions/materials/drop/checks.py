@@ -51,8 +51,7 @@ def air_escapes(speed: float) -> Finding:
     """The mass is slow enough for the air of a hollow seal to escape."""
     return Finding(
         f"At {format_quantity(speed, 'm/s', '.3g')} the air in a bulb adds force unless it leaves "
-        "at "
-        "open ends or holes",
+        "at open ends or holes",
         speed,
         "It is not part of the elastic law",
         "Leave the ends of the specimen open, or give the vents of a door in its file.",

@@ -122,9 +122,8 @@ def _select_elastic_modes(modes: FreeModes) -> FreeModes | None:
     if zero_frequency_count:
         raise DataError(
             f"{zero_frequency_count} of {len(modes)} modes lie below {_MAX_RIGID_HZ:g} Hz and are "
-            "no "
-            "rigid motions of their points: the axes of shapes and points differ, or the points "
-            "are not those of the shapes; modes of a door that hangs need held = true"
+            "no rigid motions of their points: the axes of shapes and points differ, or the "
+            "points are not those of the shapes; modes of a door that hangs need held = true"
         )
     return modes.only(is_elastic) if is_elastic.any() else None
 

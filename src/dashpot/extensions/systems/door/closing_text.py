@@ -24,9 +24,8 @@ def closing_text(value: ClosingAnalysis) -> Text:
     lines = [
         (
             f"  {format_rounded(value.speed)} m/s at the edge, {format_rounded(value.door.edge)} m "
-            "from the "
-            f"hinges: {format_rounded(value.energy)} J (I = {format_rounded(value.door.inertia)} "
-            "kg m^2)"
+            f"from the hinges: {format_rounded(value.energy)} J (I = "
+            f"{format_rounded(value.door.inertia)} kg m^2)"
         ),
         _format_outcome(value),
         _format_least_speed(value),
@@ -66,15 +65,13 @@ def _format_outcome(closing: ClosingAnalysis) -> str:
         return (
             f"  The door closes in {format_rounded(closing.seconds, digits=3)} s; the last "
             f"{format_rounded(convert_to_unit(closing.sealing, 'ms'), digits=3)} ms compress the "
-            "seal. "
-            f"{format_rounded(closing.remaining_energy, digits=3)} J are left when it latches."
+            f"seal. {format_rounded(closing.remaining_energy, digits=3)} J are left when it "
+            "latches."
         )
     return (
         "  The door does not close. Its edge stops "
         f"{format_rounded(convert_to_unit(closing.stopped_gap or 0.0, 'mm'), digits=3)} mm short "
-        "and "
-        "comes back at "
-        f"{format_rounded(closing.rebound, digits=3)} m/s."
+        f"and comes back at {format_rounded(closing.rebound, digits=3)} m/s."
     )
 
 

@@ -82,8 +82,7 @@ class LeakState:
         if not 0 < self.retained <= 1:
             raise DataError(
                 f"{prefix}a part of {self.retained:g} of the force; expected more than 0 and at "
-                "most "
-                "100 %"
+                "most 100 %"
             )
         if not self.time > 0:
             raise DataError(
@@ -92,8 +91,7 @@ class LeakState:
         if self.time < float("inf") and self.gap == 0:
             raise DataError(
                 f"{prefix}time is that since the gap became wider, and gap is not given: add gap, "
-                "or "
-                "leave time out"
+                "or leave time out"
             )
         if self.aging is not None and self.retained != 1:
             raise DataError(f"{prefix}an aging law and a part of the force say the same; keep one")

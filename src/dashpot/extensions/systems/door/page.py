@@ -253,8 +253,7 @@ def _list_closing_notes(closed: ClosingResult) -> tuple[str, str]:
     )
     return first, (
         f"Gap ±{convert_to_unit(vary.gap, 'mm'):g} mm and force ±{100 * vary.load:g} % (three SD). "
-        "95 % of "
-        f"doors close from {round_to_error(scatter.least_speed_95, digits=3)} m/s; {leaks}."
+        f"95 % of doors close from {round_to_error(scatter.least_speed_95, digits=3)} m/s; {leaks}."
     )
 
 

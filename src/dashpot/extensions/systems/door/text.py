@@ -134,8 +134,7 @@ def _format_line(result: DoorResult) -> list[str]:
         )
         sentences.append(
             f"  compressed by {lowest} to {highest} mm (mean {mean}); {format_rounded(seal.force)} "
-            "N in all "
-            "after relaxation"
+            "N in all after relaxation"
         )
     return sentences
 
