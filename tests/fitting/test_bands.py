@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +23,12 @@ from dashpot.fitting.admissible_spectra import (
     compute_transmissibility_range,
     deviance_limit,
 )
-from dashpot.fitting.prediction_bounds import frf_band, parameter_band, unresolved_arm_band
+from dashpot.fitting.prediction_bounds import (
+    frf_band,
+    off_by_error,
+    parameter_band,
+    unresolved_arm_band,
+)
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.preprocessing.prepare import prepare
@@ -30,7 +36,9 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.workflow.json_archive import from_json
 
+DOCUMENTS = Path(__file__).parents[1] / "data" / "documents_1"
 AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
 
 
@@ -315,6 +323,35 @@ def test_a_seal_that_may_bear_nothing_has_a_loss_factor_all_the_same(broad_fit: 
     low, high = band.loss_factor
     assert (low <= loss_factor).all()
     assert (loss_factor <= high).all()
+
+
+@pytest.mark.parametrize("name", ["fit", "fit-joint", "fit-dma", "fit-temperatures"])
+def test_the_formal_band_is_as_wide_as_the_errors_of_the_fit(name: str) -> None:
+    """Draws that dropped correlations gave 40 % where the fit itself stated 26 %."""
+    item = from_json((DOCUMENTS / f"{name}.json").read_text("utf-8"))
+    for f in np.geomspace(*item.band, 5):
+        band = parameter_band(item, [f])
+        K = complex(item.solid.complex_stiffness(omega=2 * np.pi * f))
+        _, error = item.estimate.errors_of_vibration(item.model, np.array([2j * np.pi * f]))
+        loss_factor = K.imag / K.real
+        assert band.loss_factor[1, 0] == pytest.approx(loss_factor * (1 + 1.96 * error), rel=1e-4)
+        assert band.loss_factor[0, 0] == pytest.approx(
+            loss_factor * max(1 - 1.96 * error, 0.0), rel=1e-4, abs=1e-9
+        )
+
+
+def test_the_formal_band_follows_small_changes_of_the_parameters(broad_fit: Fit) -> None:
+    """Storage and loss move as the solid does that is one standard error off along each axis."""
+    small = replace_fields(broad_fit, covariance=1e-8 * broad_fit.covariance)
+    omega = 2 * np.pi * AT
+    middle = small.solid.complex_stiffness(omega=omega)
+    changes = np.array(
+        [solid.complex_stiffness(omega=omega) - middle for solid in off_by_error(small)]
+    )
+    band = parameter_band(small, AT)
+    for limits, by in ((band.storage, changes.real), (band.loss, changes.imag)):
+        width = 1.96 * np.sqrt((by**2).sum(axis=0))
+        assert np.ptp(limits, axis=0) / 2 == pytest.approx(width, rel=1e-3)
 
 
 def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None:

@@ -13,6 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray, interpolate_quantile, samples
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, get_choice_values
+from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
@@ -114,7 +115,7 @@ def _build_solid(fit: Fit, values: FloatArray, sampled_values: FloatArray) -> So
 
 
 DRAWS = 400
-# what an unidentified ln tau or relative stiffness may do in a draw
+# standard error of a stiffness, as a part of it, and of ln tau, where the fit knows none
 UNKNOWN = 3.0
 # the resonance is sought within this factor of the fit's own
 SEARCH_FACTOR = 5.0
@@ -127,9 +128,15 @@ LINE_FACTOR = 1.5
 
 
 def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -> StiffnessBounds:
-    """Return limits of the stiffness that the standard errors of a fit allow, by seeded draws.
+    r"""Return limits of the stiffness that the standard errors of a fit allow.
 
-    This is the formal band: it knows nothing of arms that the fit does not have.
+    This is the formal band: it knows nothing of arms that the fit does not have. The errors of the
+    parameters p move each value to first order, as they do in a fit's `max_errors_in_band`:
+
+    .. math:: \sigma_y^2 = \frac{\partial y}{\partial p} \operatorname{cov}(p)
+              \frac{\partial y}{\partial p}^T, \qquad y = K',\; K'',\; K''/K'
+
+    Limits are the normal quantiles; none is negative.
 
     Parameters
     ----------
@@ -141,17 +148,22 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     """
     f = _frequencies(frequency)
     _level(level)
-    K = _draw_stiffnesses(fit, 2 * np.pi * f)
-    stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
-    # a draw that bears nothing has no loss factor
-    stiffness_used = np.where(K == 0, stiffness, K)
+    omega = 2 * np.pi * f
+    K = fit.solid.complex_stiffness(omega=omega)
+    errors = _compute_stiffness_errors(fit, omega)
+    loss_factor = K.imag / K.real
+    by_errors = (errors.imag - loss_factor[:, None] * errors.real) / K.real[:, None]
+    quantile = t_quantile(level, np.inf)
+
+    def limits(values: FloatArray, errors: FloatArray) -> FloatArray:
+        width = quantile * np.sqrt((errors**2).sum(axis=1))
+        return np.array([np.maximum(values - width, np.minimum(values, 0.0)), values + width])
+
     return StiffnessBounds(
         f,
-        _quantiles(K.real, stiffness.real, level),
-        _quantiles(K.imag, stiffness.imag, level),
-        _quantiles(
-            stiffness_used.imag / stiffness_used.real, stiffness.imag / stiffness.real, level
-        ),
+        limits(K.real, errors.real),
+        limits(K.imag, errors.imag),
+        limits(loss_factor, by_errors),
         f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
         "fit does not have are not in it",
     )
@@ -345,38 +357,33 @@ def _formal(
     )
 
 
-# -- draws ------------------------------------------------------------------------------------
+# -- errors of the stiffness ------------------------------------------------------------------
+
+
+def _compute_stiffness_errors(fit: Fit, omega: FloatArray) -> ComplexArray:
+    """Return changes of the stiffness by independent standard errors, shape (n, parameters).
+
+    An error that is not known is :data:`UNKNOWN`.
+    """
+    solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
+    slopes = fit.model.arm_slopes(1j * omega)[0]
+    if isinstance(solid, FractionalZener):
+        slopes = slopes @ solid.arm_gradient()
+        sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
+    else:
+        slopes = np.column_stack((slopes, 1j * omega))[:, : len(names)]
+        sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
+    is_undetermined = ~np.isfinite(np.diag(covariance))
+    covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
+    covariance[is_undetermined, is_undetermined] = (UNKNOWN * sizes[is_undetermined]) ** 2
+    return np.asarray(slopes @ compute_covariance_root(covariance))
 
 
 def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
-    """Return complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
-    solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
-    if isinstance(solid, FractionalZener):
-        sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
-        k_inf, k_0, log_tau, alpha = _draws(mean, covariance, UNKNOWN * sizes).T[..., None]
-        k_inf = np.maximum(k_inf, 0.0)
-        power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
-        K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
-        return np.asarray(K + 1j * omega * solid.b)
-    sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
-    draws = _draws(mean, covariance, UNKNOWN * sizes)
-    N = fit.model.arms
-    k = np.maximum(draws[:, 1 : 1 + N], 0.0)
-    x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
-    loss = k[..., None] * x / (1 + x * x)
-    K = np.maximum(draws[:, :1], 0.0) + (loss * x).sum(axis=1) + 1j * loss.sum(axis=1)
-    b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), fit.model.b)
-    return np.asarray(K + 1j * omega * b)
-
-
-def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
-    """Normal draws of parameters, none known worse than `widest`, shape (draws, p)."""
-    variance = np.diag(covariance)
-    is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
-    covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
-    covariance[is_undetermined, is_undetermined] = widest[is_undetermined] ** 2
-    normal = draw_normal(DRAWS, len(mean))
-    return np.asarray(mean + normal @ compute_covariance_root(covariance))
+    """Return complex stiffnesses that the standard errors allow, shape (draws, n)."""
+    errors = _compute_stiffness_errors(fit, omega)
+    K = fit.solid.complex_stiffness(omega=omega) + draw_normal(DRAWS, errors.shape[1]) @ errors.T
+    return np.asarray(np.maximum(K.real, 0.0) + 1j * np.maximum(K.imag, 0.0))
 
 
 def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
