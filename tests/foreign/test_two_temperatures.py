@@ -95,3 +95,27 @@ def test_a_power_law_that_shows_is_used_with_care(family: str) -> None:
     solid = draw_truth(family, 200)
     result = pair(solid, 0)
     assert result.verdict.use == "use with care"
+
+
+def assert_shift_is_honest(family: str, seed: int) -> dp.Fit:
+    """The error of the shift holds the truth to 3 standard errors, or the fit is not for use."""
+    result = pair(draw_truth(family, 300 + seed), seed)
+    true = -6.9437 * (FRIDGE - ROOM) / (129.6 + FRIDGE - ROOM)
+    shift = result.temperatures.shifts[0]
+    assert abs(shift.log10_a_t - true) < 3 * shift.se or result.verdict.use != "use"
+    assert "temperature_steady" not in {check.name for check in result.verdict.failed_checks}
+    return result
+
+
+def test_wide_spectrum_gets_more_arms_than_one_test_would() -> None:
+    """Six arms for a power law at two temperatures named a warming that was not there."""
+    result = assert_shift_is_honest("springpot", 2)
+    assert result.model.arms > 6
+    assert off(result, draw_truth("springpot", 302)) < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", ["fractional", "springpot", "power law"])
+def test_shifts_of_wide_spectra_have_honest_errors(family: str) -> None:
+    for seed in range(4):
+        assert_shift_is_honest(family, seed)

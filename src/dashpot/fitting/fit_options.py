@@ -59,7 +59,7 @@ class FitOptions(SolidOptions):
     Attributes
     ----------
     max_arms : int
-        The most that ``"auto"`` tries.
+        The most that ``"auto"`` tries; at several temperatures three more a decade of shift.
     shift_law, vertical : str
         For tests at several temperatures.
     reference : float, optional

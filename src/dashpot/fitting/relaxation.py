@@ -237,7 +237,7 @@ def fit(
         Which terms are fitted along with the solid: ``"offset"``, ``"drift"`` and, of the recorded
         motion, ``"delay"``.
     max_arms : int
-        The most that ``"auto"`` tries.
+        The most that ``"auto"`` tries; at several temperatures three more a decade of shift.
     law : "auto", "linear" or "nonlinear"
         Elastic law of the seal, F_e(x) in place of x. A linear solid that explains ramp and hold
         to their noise is kept. Any other record is fitted hold first

@@ -23,6 +23,8 @@ from dashpot.numerics.inference.model_order import DECISIVE_BIC, OrderChoice, se
 
 # what is known of how arms shift apart: two temperatures hardly determine it, three do
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
+# arms that are tried beside those of one test, for each decade by which the tests are shifted
+_ARMS_PER_DECADE = 3
 
 
 class ThermalOptimum(NamedTuple):
@@ -74,10 +76,13 @@ def optimum(
 
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
-    arms = options.count
-    max_arm_count = options.max_arms if arms is None else arms
+    arms, log_a = options.count, first_shifts(joint)
+    max_arm_count = arms
+    if max_arm_count is None:
+        decades = float(np.ptp(log_a)) / np.log(10.0)
+        max_arm_count = options.max_arms + int(np.ceil(_ARMS_PER_DECADE * decades))
     order_candidates = candidates(
-        joint, first_shifts(joint), max_arm_count, effective=effective, thorough=options.thorough
+        joint, log_a, max_arm_count, effective=effective, thorough=options.thorough
     )
     choice = _choice(
         joint, order_candidates, is_exhausted=len(order_candidates) - 1 < max_arm_count
