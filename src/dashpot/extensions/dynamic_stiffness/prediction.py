@@ -162,7 +162,7 @@ def predict_stiffness(
     )
     errors = [_compute_relative_error(value) for value in values[2::3]]
     largest = max((error for error in errors if error is not None), default=None)
-    with_hammer = any(check.name == "cables_described" for check in fit.checks)
+    with_hammer = fit.method in ("joint", "frf")
     own_checks = [checks.loss_factor_determined_at(largest, with_hammer=with_hammer)]
     if not records:
         own_checks.insert(0, checks.frequencies_in_valid_band(hertz, fit_here.band))
