@@ -1,4 +1,4 @@
-"""Whether a change of the house leaves its answers as they were.
+"""Compare the answers of dashpot before and after a change of its source.
 
     PYTHONPATH=src python benchmarks/answers.py run [AFTER.json] [--only REGEX]
     python benchmarks/answers.py compare BEFORE.json AFTER.json [--only REGEX]

@@ -124,6 +124,8 @@ def sample(path: Path) -> Path:
 
 @pytest.mark.usefixtures("labkit")
 def test_a_list_imports_nothing() -> None:
+    for name in [name for name in sys.modules if name.startswith("labkit")]:
+        del sys.modules[name]  # another test may have loaded it
     document = run_json("inspect", "--plugins")
     assert [(plugin["group"], plugin["name"]) for plugin in document["plugins"]] == [
         ("formats", "labkit"), ("kinds", "peel"), ("solver_inputs", "labsolver"),
@@ -235,6 +237,14 @@ def test_plugin_format_units_and_blanks_are_checked(
         ('{"numbers": [{"name": "a", "value": 1.0, "error": -1.0}]}', "the standard error -1"),
         ('{"numbers": [{"name": "a", "value": 3.0, "low": 1.0, "high": 2.0}]}', "outside 1 to 2"),
         ('{"numbers": [{"name": "a", "value": 3.0}], "best": 1}', "the key 'best'"),
+        (
+            '{"numbers": [{"name": "a", "value": 3.0, "err": 1.0}]}',
+            "the key 'err' of the number 'a'; expected among name, value",
+        ),
+        (
+            _ONE + '"checks": [{"name": "c", "message": "s", "passed": False, "garde": "stop"}]}',
+            "the key 'garde' of the check 'c'; expected among name, message",
+        ),
         (
             '{"numbers": [{"name": "a", "value": 3.0}], "checks": [{"name": "c"}]}',
             "'message' of type NoneType",

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.denoising import (
     MOST_FLICKER,
+    _estimate_count_noise,
     _without_flicker,
     between_counts,
     denoise_displacement,
@@ -35,6 +36,16 @@ def test_the_staircase_of_an_encoder_is_read_between_its_counts() -> None:
     assert np.abs(read - true).max() < 1.2e-5
     assert read[-1] == counted[-1]
     assert read[0] == counted[0]
+
+
+def test_a_turn_within_a_count_is_doubtful_and_a_steady_motion_is_not() -> None:
+    count, t = 2e-5, np.arange(0, 2.0, 1e-3)
+    counted = np.round(4e-3 * (1 - np.abs(t - 1)) / count) * count
+    noise = _estimate_count_noise(t, counted, count)
+    steady = (np.abs(t - 1) > 0.05) & (np.abs(t - 1) < 0.9)
+    assert noise[steady] == pytest.approx(noise[500], rel=1e-9)
+    # at the turn the velocity changes by 8 mm/s while a reading stays
+    assert noise[1000] > 2 * noise[500]
 
 
 def test_a_constant_reading_stays_constant() -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import json
 import re
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import get_args
 
@@ -284,3 +286,12 @@ def test_every_task_of_a_handler_stands_in_the_table_of_tasks() -> None:
     rows = re.findall(r"^ +(\w[\w ,]*?) {2,}\S", table, re.MULTILINE)
     documented = {task.strip() for row in rows for task in row.split(",")}
     assert documented == {task for extension in EXTENSIONS for task in extension.handlers}
+
+
+def test_module_of_each_file_format_reads() -> None:
+    """A module without `read` was reported to its author as a fault of dashpot."""
+    rows = [row for extension in EXTENSIONS for row in extension.formats]
+    assert len(rows) > 10
+    for row in rows:
+        parameters = list(inspect.signature(import_module(row.module).read).parameters)
+        assert parameters == ["raw", "options"], row.name

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -108,6 +109,17 @@ def test_a_shaken_base_at_ten_times_the_level(place):
     change = high["peak"]["frequency_hz"] / low["peak"]["frequency_hz"]
     assert change == pytest.approx(peak(HIGH)[0] / peak(LOW)[0], rel=2e-3)
     assert change < 0.93
+
+
+def test_text_states_the_change_of_the_peak_from_first_to_last(place):
+    words = ("predict", place / "m.json", "--mass", "400g", "--seals", "2", "--band", "60:160Hz",
+             "--points", "101", "--sweep", place / "strain.csv", *DISC, *BASE)  # fmt: skip
+    done = ran(*words, "--strain-factor", "1")
+    assert done.exit_code == 0, done.output
+    (stated,) = re.findall(r"the peak moves by ([-+][.\d]+) % from first to last", done.output)
+    expected = 100 * (peak(HIGH)[0] / peak(LOW)[0] - 1)
+    assert float(stated) == pytest.approx(expected, abs=0.3)
+    assert expected < -7
 
 
 def test_what_the_strain_measure_leaves_open_holds_either(place):

@@ -10,6 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
+from dashpot.extensions.systems.door.modes import count_free_motions
 from dashpot.extensions.systems.multibody import Body, Mount, Point, System, planar_body, point_mass
 from dashpot.extensions.systems.time_response import complex_modes, newton_modes, respond
 from dashpot.solids import networks as net
@@ -502,3 +503,20 @@ def test_six_degrees_of_freedom_turn_with_the_axes(paper_seal):
 def test_what_is_refused(call, sentence):
     with pytest.raises(DataError, match=sentence):
         call()
+
+
+@pytest.mark.parametrize("grounds", [("car",), ()])
+@pytest.mark.parametrize("missing", [0, 1, 2])
+def test_motions_of_a_door_that_nothing_holds_are_counted(grounds, missing):
+    """Six bars hold a body on another; the six motions of a car that flies are none of the door."""
+    bars = [((0, 0, 0), (1, 0, 0)), ((0, 0, 0), (0, 1, 0)), ((0, 0, 0), (0, 0, 1)),
+            ((1, 0, 0), (0, 1, 0)), ((1, 0, 0), (0, 0, 1)), ((0, 1, 0), (0, 0, 1))]  # fmt: skip
+    solid = GeneralizedMaxwell(1e4, (1e3,), (0.1,))
+    mounts = tuple(
+        Mount(solid, ("door", "car"), at, along=along) for at, along in bars[: 6 - missing]
+    )
+    six = ("x", "y", "z", "rx", "ry", "rz")
+    bodies = [Body("door", 30.0, (1.0, 2.0, 3.0), free=six)]
+    if not grounds:
+        bodies.append(Body("car", 900.0, (300.0, 900.0, 900.0), at=(0.5, 1.0, 0.0), free=six))
+    assert count_free_motions(System(tuple(bodies), mounts, grounds)) == missing

@@ -8,6 +8,22 @@ from typing import Any
 from dashpot.registry.plugins import Plugin, format_plain_line
 
 
+def validate_keys(
+    plugin: Plugin, item: Mapping[str, Any], keys: Sequence[str], place: str = ""
+) -> None:
+    """Refuse a key that the contract does not have: a mistyped one would be ignored.
+
+    `place` names the item in the sentence.
+
+    Raises
+    ------
+    ReadError
+    """
+    unknown_keys = sorted(str(key) for key in item if key not in keys)
+    if unknown_keys:
+        plugin.wrong(f"the key '{unknown_keys[0]}'{place}", f"among {', '.join(keys)}")
+
+
 def get_items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
     """Return a list of dictionaries in what a plug-in returned; empty where the key is not there.
 

@@ -12,14 +12,16 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import sources_of
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.datamodel.checks import caution_checks
-from dashpot.extensions.plugins.contract import get_items, get_text, get_texts
+from dashpot.extensions.plugins.contract import get_items, get_text, get_texts, validate_keys
 from dashpot.extensions.plugins.datamodel import PluggedFit, PluggedTest
 from dashpot.registry.plugins import Plugin, require_plugin
 
 _EXPECTED = (
     "{'numbers': [{'name': ..., 'value': ..., 'unit': ...}, ...], 'checks': [...]}, SI units"
 )
-_KNOWN_KEYS = frozenset({"numbers", "checks", "notes"})
+_KEYS = ("numbers", "checks", "notes")
+_NUMBER_KEYS = ("name", "value", "unit", "error", "low", "high", "words")
+_CHECK_KEYS = ("name", "message", "passed", "grade", "remedy")
 
 
 def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
@@ -55,9 +57,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
-    unknown_keys = sorted(map(str, entries.keys() - _KNOWN_KEYS))
-    if unknown_keys:
-        plugin.wrong(f"the key '{unknown_keys[0]}'", _EXPECTED)
+    validate_keys(plugin, entries, _KEYS)
     reported_values = tuple(
         _make_reported_value(plugin, entry) for entry in get_items(plugin, entries, "numbers")
     )
@@ -73,6 +73,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
 
 def _make_reported_value(plugin: Plugin, item: Mapping[str, Any]) -> ReportedValue:
     name = get_text(plugin, item, "name")
+    validate_keys(plugin, item, _NUMBER_KEYS, f" of the number '{name}'")
     if not name.isidentifier():
         plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")
     unit = get_text(plugin, item, "unit", "")
@@ -104,6 +105,7 @@ def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> flo
 
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
     name, message = (get_text(plugin, item, key) for key in ("name", "message"))
+    validate_keys(plugin, item, _CHECK_KEYS, f" of the check '{name}'")
     passed, grade = item.get("passed"), item.get("grade", "limit")
     if not (passed is None or isinstance(passed, bool)):
         plugin.wrong(f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None")

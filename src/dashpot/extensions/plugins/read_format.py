@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.extensions.plugins.contract import get_items, get_text, get_texts
+from dashpot.extensions.plugins.contract import get_items, get_text, get_texts, validate_keys
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
@@ -22,6 +22,7 @@ API = 1
 _EXPECTED = (
     "{'columns': [{'name': ..., 'unit': ..., 'values': [...]}, ...]}, of one length and of numbers"
 )
+_KEYS, _COLUMN_KEYS = ("columns", "header", "notes"), ("name", "unit", "values")
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -56,6 +57,7 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
         plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
+    validate_keys(plugin, entries, _KEYS)
     columns = get_items(plugin, entries, "columns")
     if not columns:
         plugin.wrong("no columns", _EXPECTED)
@@ -75,6 +77,7 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
 
 def _make_column(plugin: Plugin, item: Mapping[str, Any]) -> Column:
     name = get_text(plugin, item, "name")
+    validate_keys(plugin, item, _COLUMN_KEYS, f" of the column '{name}'")
     unit = item.get("unit")
     return Column(name, get_text(plugin, item, "unit")) if unit else Column(*split_unit(name))
 

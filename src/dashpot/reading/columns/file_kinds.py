@@ -151,6 +151,7 @@ def get_kind_label(kind: str) -> str:
         "not-a-test": "no test",
         "aged": "a predicted aging",
         "slammed": "a predicted drop test",
+        "plugged": "a stored result of a plug-in",
     }
     return test.get(kind, f"a stored {kind.replace('-', ' ')}")
 

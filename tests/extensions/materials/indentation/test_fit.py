@@ -236,6 +236,20 @@ def relaxing(seed, noise=0.003):
     return test, {"k": K, "g": g, "tau": tau, "restitution": e}
 
 
+@pytest.mark.parametrize(("distance", "later"), [(1.1e-3, 0), (4e-3, 1)])
+def test_echo_at_the_foot_of_a_contact_is_no_contact_of_its_own(distance, later):
+    """Half sines of 1 ms: an echo within half a width of the end belongs to the contact."""
+    t = np.arange(0, 20e-3, 1e-5)
+    y = np.zeros_like(t)
+    for start, height in ((8e-3, 1.0), (8e-3 + distance, 0.2)):
+        y += height * np.sin(np.pi * np.clip((t - start) / 1e-3, 0, 1))
+    y += 1e-3 * np.random.default_rng(1).standard_normal(len(t))
+    contact = largest_contact(IndentationTest(t, y, "acceleration", BALL, units="SI"))
+    assert contact.start == pytest.approx(8e-3, abs=1e-4)
+    assert contact.duration == pytest.approx(1e-3, rel=0.1)
+    assert (contact.before, contact.after) == (0, later)
+
+
 def gap(test, starts):
     """By how much chi-squared the best of other starts is lower."""
     solved = fit._fit_law(fit._select_window(test, largest_contact(test)), "hertz-maxwell")
