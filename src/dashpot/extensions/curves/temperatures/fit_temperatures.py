@@ -64,6 +64,7 @@ from dashpot.fitting.fit_construction import (
 )
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import end_stiffnesses
+from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp.linearity import HoldBlocks, assess_linearity
 from dashpot.fitting.order_selection import EXTRA_ARMS, compute_certificate
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
@@ -181,8 +182,9 @@ def fit_thermal(
         return build_point_fit(best, options.vertical, options.shift_law, requested_arms=arms)
     fit = MultiTemperatureFit(best, compute_joint_covariance(best.joint, best.tests, best.point))
     result = _build_fit(fit, options)
-    end = _end_of_hold(fit, result)
-    band, error = _find_loss_factor_band(fit, result)
+    data = _build_test_data(fit, result)
+    end = _end_of_hold(fit, result, data)
+    band, error = _find_loss_factor_band(fit, result, data)
     checks = (*result.checks, hold_long_enough(end), loss_factor_determined(error))
     if arms is not None:
         further = replace(options, arms="auto", max_arms=arms + EXTRA_ARMS)
@@ -247,34 +249,52 @@ def _arms_enough(best: ThermalOptimum, larger: ThermalOptimum) -> Check:
     return arms_enough(arm_shortage, smaller_point.order, unit="sd")
 
 
+def _build_test_data(fit: MultiTemperatureFit, result: Fit) -> list[RelaxationData | None]:
+    """Return the data of each test as limits need them; None for a ramp that is not linear.
+
+    Where one ramp is not, those at the reference temperature alone are built.
+    """
+    tests, joint = fit.best.tests, fit.best.joint
+    has_linear_ramps = all(test.law is None for test in tests)
+    return [
+        build_relaxation_data(test.record, result)
+        if test.law is None and (has_linear_ramps or temperature_index == joint.reference)
+        else None
+        for test, temperature_index in zip(tests, joint.at, strict=True)
+    ]
+
+
 def _find_loss_factor_band(
-    fit: MultiTemperatureFit, result: Fit
+    fit: MultiTemperatureFit, result: Fit, test_data: Sequence[RelaxationData | None]
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band and the errors of stiffness and loss in it, for linear ramps."""
-    tests = fit.best.tests
-    if result.temperatures is None or any(test.law is not None for test in tests):
+    data = [relaxation_data for relaxation_data in test_data if relaxation_data is not None]
+    if result.temperatures is None or len(data) < len(test_data):
         return result.band, None
-    data = [build_relaxation_data(test.record, result) for test in tests]
     spectra = spectra_of_holds(
         data,
-        time=max(test.record.hold_time for test in tests),
+        time=max(test.record.hold_time for test in fit.best.tests),
         model=result.model,
         dof=result.estimate.dof,
     )
     return find_hold_band(spectra, result.model, result.band)
 
 
-def _end_of_hold(fit: MultiTemperatureFit, result: Fit) -> EndOfHold | None:
+def _end_of_hold(
+    fit: MultiTemperatureFit, result: Fit, test_data: Sequence[RelaxationData | None]
+) -> EndOfHold | None:
     """Return the limits at the end of the hold at the reference temperature, for linear ramps."""
-    records = [
-        test.record
-        for test, temperature_index in zip(fit.best.tests, fit.best.joint.at, strict=True)
-        if temperature_index == fit.best.joint.reference and test.law is None
+    tests, joint = fit.best.tests, fit.best.joint
+    reference_tests = [
+        (test.record, relaxation_data)
+        for test, relaxation_data, temperature_index in zip(tests, test_data, joint.at, strict=True)
+        if relaxation_data is not None and temperature_index == joint.reference
     ]
-    if not records:
+    if not reference_tests:
         return None
+    records, data = zip(*reference_tests, strict=True)
     return compute_end_limits(
-        [build_relaxation_data(record, result) for record in records],
+        data,
         time=max(record.hold_time for record in records),
         model=result.model,
         dof=result.estimate.dof,
