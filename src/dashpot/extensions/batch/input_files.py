@@ -23,7 +23,6 @@ from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
 from dashpot.datamodel.machine import Machine
 from dashpot.reading.raw_file import missing, open_raw
-from dashpot.reading.text.dialect import find_encoding
 from dashpot.reading.toml import Section, parsed_toml
 from dashpot.registry import require_handler
 
@@ -458,6 +457,8 @@ def _parse_label_pattern(label_pattern: str) -> tuple[re.Pattern[str], tuple[str
 
 def _parse_rows(content: bytes, *, toml: bool) -> Any:
     """Return the rows of a manifest; numbers between semicolons have points for decimal commas."""
+    from dashpot.reading.text.dialect import find_encoding  # needs NumPy, as --help does not
+
     if toml:
         return parsed_toml(content).get("test")
     # a degree sign alone is no text by which a code page is known
