@@ -846,7 +846,7 @@ SUPERPOSITION = [
     ),
     Case(
         "shifts_determined",
-        lambda x: checks.shifts_determined(np.array([x]), COLD_AND_WARM),
+        lambda x: checks.shifts_determined(np.array([x]), COLD_AND_WARM, np.array([0.0, x])),
         0.299,
         0.301,
     ),

@@ -267,7 +267,6 @@ HITS = st.lists(NAMES.map(lambda name: f"hits [{name}"), max_size=3, unique=True
 SOUND = st.floats(1e-6, 1e6)
 OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("Job", "impact"): HITS,
-    ("Specimen", "length"): st.floats(1e-3, 50), ("Specimen", "height"): st.floats(1e-3, 1),
     ("HammerChoices", "motion"): st.sampled_from(get_choice_values(OverBase)),
     ("LevelJob", "motion"): st.sampled_from(get_choice_values(OverBase)),
     ("ModesJob", "motion"): st.sampled_from(get_choice_values(OverBase)),
@@ -306,6 +305,9 @@ def values(cls: type, field: Field[Any]) -> st.SearchStrategy[Any]:
     single = NAMES if is_path_field(field) else TEXT
     if "unit" in how:
         single = st.floats(100, 550) if how["unit"] == "temperature" else SOUND
+        if "size" in how:
+            least, largest = how["size"].hard
+            single = st.floats(max(least, 1e-6), largest)
     elif isinstance(field.default, float):
         single = SOUND
     return st.lists(single, max_size=3).map(tuple) if isinstance(field.default, tuple) else single

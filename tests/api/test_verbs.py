@@ -131,7 +131,9 @@ WRONG = {
     "compare of a path": (lambda test, hits: dp.compare("fit.json", hits), r"dp\.read\(FILE\)"),
     "predict a path": (lambda test, hits: dp.predict("fit.json", mass="1kg"), r"dp\.read\(FIT\)"),
     "predict a test": (lambda test, hits: dp.predict(test, mass="1kg"), "Fit a test first"),
-    "export a path": (lambda test, hits: dp.export("fit.json", to="abaqus"), r"dp\.read\(FIT\)"),
+    "export a path": (
+        lambda test, hits: dp.export("fit.json", to="abaqus"), r'dp\.read\("fit\.json"\)',
+    ),
     "read nothing": (lambda test, hits: dp.read(None), "None is no file and no table"),
     "inspect a number": (lambda test, hits: dp.inspect(3), "3 is no file and no table"),
     "units as text": (

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import pytest
 
+import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import SIZES, format_quantity_short
+from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.specimen import Specimen
+from dashpot.extensions.batch.batch_options import BatchOptions
+from dashpot.extensions.materials.indentation.indenter import Indenter
+from dashpot.planning.plan_options import HammerPlan, PlannedRamp
 
 ENDS = {
     "travel": (1e-9, 0.5), "force": (1e-13, 2e5), "stiffness": (0.05, 1e9), "ramp": (1e-4, 900),
     "record": (1e-3, 3e7), "amplitude": (1e-12, 0.2), "modulus": (10, 2e9),
     "contact pressure": (0, 2e8), "radius": (1e-9, 1), "part": (1e-4, 30), "door": (0.02, 30),
-    "seal length": (1e-4, 50), "seal height": (1e-4, 1), "sag": (0, 0.2), "resonance": (0.2, 2e4),
+    "seal length": (1e-4, 5), "seal height": (1e-4, 0.5), "sag": (0, 0.2), "resonance": (0.2, 2e4),
     "acceleration": (0, 1e7), "mass": (1e-9, 1e3), "density": (5, 2e4), "shear": (0, 3),
+    "delay": (0, 1),
 }  # fmt: skip
 
 
@@ -49,6 +58,38 @@ def test_real_tests_pass_and_slips_do_not():
     ):  # fmt: skip
         with pytest.raises(DataError, match=r"expected .* to .*Check"):
             SIZES[name].refuse(size)
+
+
+def _list_sized_fields() -> list[tuple[type, str]]:
+    """Return each dataclass with a field that states its row of the table."""
+    return [
+        (kind, field.name)
+        for kind in (Specimen, Machine, PlannedRamp, HammerPlan, BatchOptions, Indenter)
+        for field in fields(kind)
+        if "size" in field.metadata
+    ]
+
+
+@pytest.mark.parametrize(("kind", "name"), _list_sized_fields())
+def test_field_with_a_size_doubts_a_number_without_unit(kind: type, name: str) -> None:
+    """Millimetres, grams or milliseconds that were meant are read as SI, and asked about."""
+    field = next(field for field in fields(kind) if field.name == name)
+    row = field.metadata["size"]
+    several = field.metadata.get("multiple")
+    for size in (row.hard[1] * 1.1, row.hard[1] * 1e3):
+        with pytest.raises(DataError, match=f"expected .* to .*Check the unit of {name}"):
+            kind(**{name: (size,) if several else size})
+
+
+@pytest.mark.parametrize("millimetres", [8, 20, 50, 100])
+def test_length_of_a_specimen_in_millimetres_is_doubted(millimetres: float) -> None:
+    for make in (
+        lambda: dp.Specimen(length=millimetres),
+        lambda: dp.read("seal.csv", specimen={"length": millimetres}),
+    ):
+        with pytest.raises(DataError, match=r"length of the seal is .* m; expected 100 um to 5 m"):
+            make()
+    assert dp.Specimen(length=f"{millimetres}mm").length == pytest.approx(millimetres / 1e3)
 
 
 def test_format_quantity_short_uses_readable_units():

@@ -289,6 +289,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "test_verdict.py::test_a_noise_free_perfect_pair_fails_nothing": 0,
     "test_verdict.py::test_a_prediction_that_nothing_has_tested_is_used_with_care": 0,
     "test_verdict.py::test_tests_that_disagree_have_not_converged": 0,  # fitting/test_explanations.py::test_intervals_hold_the_doubt_of_which_is_right
+    "api/test_wrong_arguments.py::test_option_of_any_type_is_answered": 24,
     "api/test_verbs.py::test_a_file_is_read_and_fitted_as_what_it_is": 3,
     "api/test_verbs.py::test_fit_of_hits_and_frf_under_a_mass_agree": 0,
     "vibration/test_comparison.py::test_a_curve_agrees_with_itself": 0,

@@ -19,7 +19,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.option_fields import iterate_option_fields
-from dashpot.registry import load_object
+from dashpot.registry import call_handler, load_object
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -132,18 +132,34 @@ def show_typed_keywords(keywords: type) -> Callable[[F], F]:
 
 def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
     """Let a function refuse a keyword that it does not have in a sentence, as a decorator."""
+    own_signature = signature(function)
     names = [
-        item.name for item in signature(function).parameters.values()
+        item.name for item in own_signature.parameters.values()
         if item.kind in {Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD}
     ]  # fmt: skip
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
         refuse_unknown_option(kwargs, names, f"dp.{function.__name__}")
+        given_arguments = own_signature.bind(*args, **kwargs).arguments
+        refuse_wrong_types(own_signature, given_arguments)
         options: Any = {name: convert_option(name, value) for name, value in kwargs.items()}
         return function(*args, **options)
 
     return call
+
+
+def refuse_wrong_types(
+    parameters: Signature, arguments: Mapping[str, Any], error: type[DashpotError] = DataError
+) -> None:
+    """Refuse an argument that is not of the type that a function states.
+
+    Raises
+    ------
+    DashpotError
+        Of the type `error`.
+    """
+    call_handler("check arguments", "Python", parameters, arguments, error, default=None)
 
 
 def refuse_unknown_option(
@@ -217,4 +233,5 @@ def call_with_options(
     ]
     if missing:
         raise error(f"{subject} needs {missing[0]}=: it was not given")
+    refuse_wrong_types(signature(function), options, error)
     return function(*args, **{name: convert_option(name, options[name]) for name in options})

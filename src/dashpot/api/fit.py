@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 from dashpot.api import call_with_options, show_stub_signature
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.option_fields import FamilyOption
+from dashpot.base.option_fields import FamilyOption, ShiftLaw, VerticalAsked
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -179,8 +179,8 @@ def fit_bench_tests(
     machine: Machine | None = None,
     cycle: int | None = None,
     reference: Quantity | None = None,
-    shift: Any = "auto",
-    vertical: Any = "auto",
+    shift: ShiftLaw = "auto",
+    vertical: VerticalAsked = "auto",
     temperature: Quantity | None = None,
 ) -> Fit:
     """Fit the solid of tests on a bench."""
@@ -226,7 +226,9 @@ def fit_jointly(
     hammer: HammerChoices | None = None,
 ) -> Fit:
     """Fit the solid of vibration under a mass, alone or with tests on a bench."""
-    (block,) = mass if isinstance(mass, list | tuple) else (mass,)
+    block, *others = mass if isinstance(mass, list | tuple) else (mass,)
+    if others:
+        raise FitError(f"{len(others) + 1} masses are given for one measurement; give one mass=")
     kilograms, hertz = convert_to_si(block, "mass"), si_range(band, "frequency")
     bench = machine and machine.on_bench
     tests = [prepare_ramp_hold(record, bench) for record in records if kind_of(record) in BENCH]

@@ -10,6 +10,7 @@ from dashpot.api import refuse_unknown_option, refuse_wrong_options
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.fit import Fit, get_temperature_law
 from dashpot.datamodel.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -149,6 +150,7 @@ def simulate(
     if what not in _TESTS:
         raise DataError(f"'{what}' is not simulated; expected one of {', '.join(_TESTS)}")
     instrument, words = _TESTS[what]
+    require_nonnegative(seed=seed)
     stated_options = {
         "depth": depth, "load": load, "ramp": ramp, "hold": hold, "mass": mass, "seals": seals,
         "hits": hits, "hit_length": hit_length,

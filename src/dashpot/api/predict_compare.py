@@ -7,13 +7,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dashpot.api import call_with_options, refuse_wrong_options, show_stub_signature
-from dashpot.api.fit import Arms, Vibration, frf_of, kind_of, prepare_ramp_hold, shape_words
+from dashpot.api.fit import (
+    Arms,
+    Vibration,
+    frf_of,
+    kind_of,
+    prepare_ramp_hold,
+    shape_words,
+)
 from dashpot.api.read_save import Place
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import Method
+from dashpot.base.option_fields import FamilyOption, Method, RampLawOption
 from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
-from dashpot.base.value_ranges import SIZES
+from dashpot.base.value_ranges import SIZES, require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
@@ -28,6 +35,7 @@ from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, LevelChoices, PartChoices, TimeLimits
 
 if TYPE_CHECKING:
+    from dashpot.datamodel.seal_line import Shear, Stations
     from dashpot.solids.maxwell import Solid
     from dashpot.solids.part_geometry import Geometry
     from dashpot.vibration.comparison.comparison_result import Comparison
@@ -124,6 +132,7 @@ def _predict_solid_frf(
 
     from dashpot.vibration.mass_on_seals import predict_frf
 
+    require_positive(lines=lines)
     hertz = np.linspace(*(si_range(band, "frequency") or BAND), lines)
     kilograms = convert_to_si(mass, "mass")
     SIZES["mass"].refuse(kilograms)
@@ -281,8 +290,8 @@ def report(
     seals: float = 1.0,
     arms: Arms = "auto",
     method: Method = "full",
-    model: Any = "maxwell",
-    elastic: Any = "auto",
+    model: FamilyOption = "maxwell",
+    elastic: RampLawOption = "auto",
     band: Range | None = None,
     filter: str | None = None,
     time_limits: TimeLimits | None = None,
@@ -374,8 +383,8 @@ def export(
     mass: Quantity | None = None,
     tolerance: float | None = None,
     nominal: Quantity | None = None,
-    line: Any = None,
-    shear: Any = None,
+    line: Stations | None = None,
+    shear: Shear | None = None,
     first_id: int | None = None,
     first_tag: int | None = None,
     modulus: Quantity | None = None,

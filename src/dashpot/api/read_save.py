@@ -95,7 +95,7 @@ _CONVERTERS: Mapping[str, Callable[[Any], Any]] = {
 @refuse_wrong_options
 @show_typed_keywords(ReadOptionKeywords)
 def read(
-    path: Place | Sequence[Place],
+    path: Any,
     *,
     kind: str | None = None,
     **keywords: Any,
@@ -304,7 +304,7 @@ def inspect(
     from dashpot.workflow.inspections import inspect_files
 
     keywords = _drop_unset(keywords)
-    inspect_frame = None if isinstance(path, str | Path) else find_handler("inspect", path)
+    inspect_frame = None if isinstance(path, str | PathLike) else find_handler("inspect", path)
     if inspect_frame is not None:
         result: InspectedFile = inspect_frame(path, kind=kind, **keywords)
         return result

@@ -16,7 +16,16 @@ import numpy.typing as npt
 
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import FIXED_VALUE
-from dashpot.base.units import Dimension, Unit, find_unit, from_unit, get_default_unit, si_unit
+from dashpot.base.units import (
+    Dimension,
+    Quantity,
+    Unit,
+    find_unit,
+    from_unit,
+    get_default_unit,
+    parse_quantity,
+    si_unit,
+)
 
 # Read-only finite arrays.
 
@@ -109,6 +118,31 @@ def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray
         If the values are not numbers, not one-dimensional, fewer than `minimum`, or not finite.
     """
     return _validate_array(name, values, np.dtype(np.float64), minimum)
+
+
+def convert_numbers_to_si(
+    name: str, values: Quantity | npt.ArrayLike, dimension: Dimension | None = None
+) -> FloatArray:
+    """Return numbers of any shape in SI units; with a dimension, texts are quantities of it.
+
+    Raises
+    ------
+    DataError
+        If they are neither numbers nor such texts, or a text is no quantity.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind in "iuf" or (array.dtype.kind == "O" and None not in array.flat):
+            return np.asarray(array, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        array = np.array(None)
+    if array.dtype.kind == "U" and dimension is not None:
+        numbers = [parse_quantity(str(text), dimension) for text in array.flat]
+        return np.array(numbers).reshape(array.shape)
+    texts = "" if dimension is None else f", or texts with a unit of {dimension}"
+    raise DataError(
+        f"{name} is of the type {type(values).__name__}; expected numbers in SI units{texts}"
+    )
 
 
 def complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:
@@ -340,7 +374,7 @@ def _validate_array(
 ) -> npt.NDArray[Any]:
     try:
         array = _copy_if_writable(values, dtype)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise DataError(f"{name} must hold numbers: {error}") from None
     if array.ndim != 1:
         raise DataError(f"{name} must be one-dimensional, found shape {array.shape}")

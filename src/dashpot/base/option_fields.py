@@ -72,14 +72,14 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     """Return a dataclass's field that says how users are asked for it.
 
     `how` holds ``metavar``, ``multiple`` and ``is_flag`` as click knows them; ``unit``, the
-    dimension of a quantity, and ``ends`` where two of them make a range; ``choices``, a type of
-    this module; ``least``, of a whole number; ``above``, of any; ``word``, what stands for no
-    number; ``parse``, from what click passes on to what the field takes, and ``typed`` back to
-    texts; ``flag``, the option's name where it is not the field's; ``former``, its
-    name in the edition before; ``under``, the option that
-    takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and ``sign`` in
-    place of "="; ``argument``, the place of what is typed without an option; ``decides``, what a
-    job needs it for first.
+    dimension of a quantity, and ``ends`` where two of them make a range; ``size``, its row of
+    ``SIZES``; ``choices``, a type of this module; ``least``, of a
+    whole number; ``above``, of any; ``word``, what stands for no number; ``parse``, from what
+    click passes on to what the field takes, and ``typed`` back to texts; ``flag``, the option's
+    name where it is not the field's; ``former``, its name in the edition before; ``under``, the
+    option that takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and
+    ``sign`` in place of "="; ``argument``, the place of what is typed without an option;
+    ``decides``, what a job needs it for first.
     """
     if "choices" in how:
         how["choices"] = get_choice_values(how["choices"])

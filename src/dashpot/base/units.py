@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from functools import lru_cache
+from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
@@ -456,17 +457,36 @@ def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
     Raises
     ------
     DataError
-        If a text is no quantity of that dimension.
+        If a text is no quantity of that dimension, or it is neither a text nor a number.
     """
-    return parse_quantity(value, dimension) if isinstance(value, str) else value
+    if isinstance(value, str):
+        return parse_quantity(value, dimension)
+    if value is not None and getattr(value, "ndim", not isinstance(value, Real)):
+        raise DataError(
+            f"{value!r} is no quantity; expected a number in SI units, or a text with a unit of "
+            f"{dimension}"
+        )
+    return value
 
 
 def si_fields(result: Any) -> None:
-    """Convert fields of a frozen dataclass to SI that state their unit and hold a text."""
+    """Convert fields of a frozen dataclass to SI that state their unit and hold a text.
+
+    Raises
+    ------
+    DataError
+        If a text is no quantity, or a value lies outside the ``size`` that its field states.
+    """
     for field in fields(result):
-        if "unit" in field.metadata:
-            value = convert_to_si(getattr(result, field.name), field.metadata["unit"])
-            object.__setattr__(result, field.name, value)
+        if "unit" not in field.metadata:
+            continue
+        value, dimension = getattr(result, field.name), field.metadata["unit"]
+        several = value if isinstance(value, tuple | list) else (value,)
+        converted = tuple(convert_to_si(item, dimension) for item in several)
+        size: Any = field.metadata.get("size")
+        for item in () if size is None else converted:
+            size.refuse(item or 0.0, remedy=f"Check the unit of {field.name}.")
+        object.__setattr__(result, field.name, converted if several is value else converted[0])
 
 
 @overload
@@ -488,6 +508,11 @@ def si_range(value: Range | None, dimension: Dimension) -> tuple[float, float] |
         return None
     if isinstance(value, str):
         return parse_range(value, dimension)
+    if not hasattr(value, "__len__") or len(value) != 2:
+        raise DataError(
+            f"{value!r} is no range; expected (low, high) in SI units, or a text 'low:high' with "
+            f"a unit of {dimension}"
+        )
     low, high = value
     return convert_to_si(low, dimension), convert_to_si(high, dimension)
 

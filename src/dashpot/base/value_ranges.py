@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from numbers import Real
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -41,8 +42,9 @@ def require_positive(
     """
     for name, value in values.items():
         given_value: Any = value
+        is_number = isinstance(given_value, Real)
         if not (optional and given_value is None) and not (
-            math.isfinite(given_value) and given_value > 0
+            is_number and math.isfinite(given_value) and given_value > 0
         ):
             raise DataError(f"{owner}{name} = {given_value!r}{unit}; expected {expected}")
 
@@ -137,9 +139,10 @@ SIZES = MappingProxyType(
         "contact pressure": PlausibleRange("the mean pressure", "Pa", (0.0, 5e7), (0.0, 2e8)),
         "radius": PlausibleRange("the radius", "m", (1e-7, 0.1), (1e-9, 1.0)),
         "part": PlausibleRange("the length of the part", "m", (1e-3, 3.0), (1e-4, 30.0)),
+        "delay": PlausibleRange("the delay", "s", (1e-6, 0.1), (0.0, 1.0)),
         "door": PlausibleRange("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
-        "seal length": PlausibleRange("the length of the seal", "m", (1e-3, 5.0), (1e-4, 50.0)),
-        "seal height": PlausibleRange("the height of the seal", "m", (1e-3, 0.1), (1e-4, 1.0)),
+        "seal length": PlausibleRange("the length of the seal", "m", (1e-3, 1.0), (1e-4, 5.0)),
+        "seal height": PlausibleRange("the height of the seal", "m", (1e-3, 0.1), (1e-4, 0.5)),
         "shear": PlausibleRange(
             "stiffness sideways over that where it is pressed", "", (0.0, 1.5), (0.0, 3.0)
         ),

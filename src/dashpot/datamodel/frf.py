@@ -24,6 +24,7 @@ from dashpot.base.arrays import (
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.option_fields import require_choice
 from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
@@ -43,6 +44,10 @@ class Kind(StrEnum):
     DYNAMIC_STIFFNESS = "dynamic_stiffness"  # F / x, N/m
     TRANSMISSIBILITY = "transmissibility"  # x / x of the base, both absolute
     RELATIVE_TRANSMISSIBILITY = "relative_transmissibility"  # (x - x of the base) / x of the base
+
+    @classmethod
+    def _missing_(cls, value: object) -> None:
+        require_choice("the kind of an FRF", value, cls)
 
     @property
     def over_base(self) -> bool:

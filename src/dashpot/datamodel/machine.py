@@ -12,7 +12,12 @@ from dashpot.base.errors import DataError
 from dashpot.base.option_fields import iterate_option_fields, key_of, option
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import si_fields
-from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
+from dashpot.base.value_ranges import (
+    SIZES,
+    require_nonnegative,
+    require_positive,
+    select_fields,
+)
 
 # two channels of one clock are together to this part of a sample
 _ONE_CLOCK = 0.01
@@ -172,7 +177,7 @@ class Machine(Serialisable):
 
     sync: float | None = option(
         None, "Uncertainty of the delay between force and displacement.", unit="time",
-        under="machine",
+        under="machine", size=SIZES["delay"],
     )  # fmt: skip
     drift: float | None = option(
         None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate", under="machine"

@@ -11,8 +11,6 @@ from dashpot.base.option_fields import option
 from dashpot.base.units import convert_to_unit, format_quantity, si_fields
 from dashpot.base.value_ranges import SIZES, require_positive, select_fields
 
-# around all doors of a car, and across the widest profile
-_SIZES = {"length": SIZES["seal length"], "height": SIZES["seal height"]}
 # K; no elastomer is tested beyond
 _COLDEST, _HOTTEST = 100.0, 550.0
 
@@ -51,8 +49,12 @@ class Specimen:
     296.15
     """
 
-    length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")
-    height: float | None = option(None, "Free height of the section.", unit="length")
+    length: float | None = option(
+        None, "Contact length of the seal, e.g. 50mm.", unit="length", size=SIZES["seal length"]
+    )
+    height: float | None = option(
+        None, "Free height of the section.", unit="length", size=SIZES["seal height"]
+    )
     temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
     notes: str = option("", "Material, fixing, load history.", under="label")
     name: str = option("", "What the specimen is called.", under="label")
@@ -79,11 +81,8 @@ class Specimen:
                 ) from None
         if self.temperature is not None:
             tested_at("specimen temperature", self.temperature)
-        sizes = select_fields(self, *_SIZES)
+        sizes = select_fields(self, "length", "height")
         require_positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
-        for name, size in _SIZES.items():
-            value = sizes[name] or 0.0
-            size.refuse(value, f"specimen {name} = {value:g} m", remedy="Check its unit: mm or m?")
 
 
 def tested_at(name: str, *temperatures: float) -> None:

@@ -321,13 +321,24 @@ class Deck:
         Raises
         ------
         ExportError
-            If the instantaneous modulus G_0, Pa, is not given: a part's stiffness shows none.
+            If the instantaneous modulus G_0, Pa, is not given: a part's stiffness shows none, and
+            a material's fit does not say whether its modulus is of shear.
         """
         if modulus is None or not modulus > 0:
+            advice = (
+                "which does not follow from the stiffness of a part (found modulus = "
+                f"{modulus!r}); give --modulus 1MPa, the true one"
+            )
+            if self.material:
+                tensile, third = self.model.k_0 / 1e6, self.model.k_0 / 3e6
+                advice = (
+                    f"and the fit does not say of what its modulus of {tensile:.4g} MPa is; give "
+                    f"--modulus {tensile:.4g}MPa if it was measured in shear, a third of it, "
+                    f"--modulus {third:.4g}MPa, if in tension or compression"
+                )
             raise ExportError(
-                f"a {target} material needs the instantaneous shear modulus of the rubber, which "
-                f"does not follow from the stiffness of a part (found modulus = {modulus!r}); give "
-                "--modulus 1MPa, the true one (Python: modulus=, Pa)"
+                f"a {target} material needs the instantaneous shear modulus of the rubber, "
+                f"{advice} (Python: modulus=, Pa)"
             )
         G_0 = self.units.stress(modulus)
         terms = [(g * G_0, 1 / tau) for g, tau in self.prony]

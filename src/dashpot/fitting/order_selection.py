@@ -14,7 +14,12 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
-from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_independent
+from dashpot.fitting.checks.solid import (
+    CORRELATED,
+    arms_enough,
+    optimum_found,
+    samples_independent,
+)
 from dashpot.fitting.data_blocks import (
     FitData,
     InitialFit,
@@ -249,16 +254,18 @@ class SelectedModel:
     def shortage(self) -> Shortage | None:
         """The arms that the rules take, where fewer were asked for; None if those are enough.
 
+        Of a number that the rules chose the same, where it is the most that they tried and the
+        residual is still correlated: the spectrum is wider than those arms.
+
         More are tried only where a spectrum with any number of arms leaves less by what one arm
         must gain.
         """
         solution = self.solution
         rounding_sse = solution.samples * rounding_rms(self.data.peak) ** 2
-        if (
-            self.requested_arms is None
-            or solution.order < self.requested_arms
-            or solution.sse <= rounding_sse
-        ):
+        chosen = self.requested_arms is None
+        if chosen and not self._is_wider_than_tried:
+            return None
+        if solution.order < (self.requested_arms or 0) or solution.sse <= rounding_sse:
             return None
         gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
         if gain < 2 * float(np.log(solution.samples)):
@@ -269,11 +276,17 @@ class SelectedModel:
             return None
         return Shortage(solution.order, supported, self.estimate.rms, larger_selection.estimate.rms)
 
+    @property
+    def _is_wider_than_tried(self) -> bool:
+        """Whether the most arms that were tried were taken, and leave a correlated residual."""
+        choice, kappa = self.choice, self.estimate.kappa
+        return choice is not None and choice.capped and kappa > CORRELATED
+
     def check_arm_count(self, unit: str) -> tuple[Check, ...]:
         """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
         estimate = self.estimate
         all_checks = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
-        if self.requested_arms is None:
+        if self.requested_arms is None and not self._is_wider_than_tried:
             return all_checks
         return (arms_enough(self.shortage, self.solution.order, unit=unit), *all_checks)
 

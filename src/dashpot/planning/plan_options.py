@@ -8,7 +8,7 @@ from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, option, require_choice
 from dashpot.base.units import si_fields
-from dashpot.base.value_ranges import require_positive
+from dashpot.base.value_ranges import SIZES, require_positive
 
 IN_SI = "a number > 0 in SI units"
 
@@ -19,7 +19,7 @@ class PlannedRamp:
     SI.
     """
 
-    depth: float = option("8mm", "Compression.", unit="length")
+    depth: float = option("8mm", "Compression.", unit="length", size=SIZES["travel"])
     ramp_time: float = option("1s", "Ramp time.", unit="time", flag="ramp")
     hold_time: float = option("40s", "Hold time.", unit="time", flag="hold")
     rate: float = option("1kHz", "Sampling rate.", unit="frequency")
@@ -66,7 +66,9 @@ class HammerPlan:
         If a number is not positive, or the coherence not below 1.
     """
 
-    mass: float | None = option(None, "Test mass (that which resonates there).", unit="mass")
+    mass: float | None = option(
+        None, "Test mass (that which resonates there).", unit="mass", size=SIZES["mass"]
+    )
     seals: float = option(1.0, "Seals in parallel.")
     record: float | None = option(None, "Record after a hit.", unit="time", flag="hit-length")
     pulse: float | None = option(None, "Hammer pulse; soft tips give 10 to 20 ms.", unit="time")

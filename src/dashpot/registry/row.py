@@ -280,6 +280,7 @@ class Extension(NamedTuple):
         suggest                         words that a user may have meant, by command
         suggest key                     what to give for an unknown key of an option, by flag
         choice                          advice on a word that an option does not take, by the word
+        check arguments                 refusal of arguments of a wrong type, by language
         install command                 command that installs an extra in this installation
         keep                            job and report saved in a folder
         fit records                     fit of bench tests, one of the type

@@ -28,7 +28,14 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    FloatArray,
+    convert_numbers_to_si,
+    increasing,
+    same_length,
+    samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive
@@ -323,7 +330,7 @@ class FractionalZener(Solid, Serialisable):
 
         The parallel dashpot's impulse at t = 0 is not in it.
         """
-        t = np.asarray(t, dtype=float)
+        t = convert_numbers_to_si("t", t, "time")
         return self._select_time_arms(t).relaxation(t)
 
     def creep(self, t: npt.ArrayLike) -> FloatArray:
@@ -336,7 +343,7 @@ class FractionalZener(Solid, Serialisable):
         and :math:`\bigl(1 + (t/\tau)^\alpha/\Gamma(1+\alpha)\bigr)/k_0` without equilibrium
         stiffness. With a parallel dashpot it is that of the arms.
         """
-        t = np.asarray(t, dtype=float)
+        t = convert_numbers_to_si("t", t, "time")
         if self.b > 0:
             return self._select_time_arms(t).creep(t)
         if self.k_0 == 0:
@@ -349,7 +356,7 @@ class FractionalZener(Solid, Serialisable):
 
     def ramp_hold_force(self, t: npt.ArrayLike, *, depth: float, ramp_time: float) -> FloatArray:
         """Force, N, under a ramp of `ramp_time` s to `depth` m that is then held."""
-        t = np.asarray(t, dtype=float)
+        t = convert_numbers_to_si("t", t, "time")
         return self._select_time_arms(t).ramp_hold_force(t, depth=depth, ramp_time=ramp_time)
 
     def force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, convert_numbers_to_si
 from dashpot.base.errors import DataError
 
 _EQUAL_POLES = 1e-8
@@ -54,7 +54,7 @@ class CreepSpectrum:
 
     def compliance(self, t: npt.ArrayLike) -> FloatArray:
         """Creep compliance D(t), m/N, for t > 0 in s."""
-        t = np.asarray(t, dtype=float)
+        t = convert_numbers_to_si("t", t, "time")
         relaxed_part = -np.expm1(-t[..., None] / np.array(self.lam, dtype=float))
         return np.asarray(self.glass + self.flow * t + relaxed_part @ np.array(self.d, dtype=float))
 

@@ -11,10 +11,17 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    FloatArray,
+    convert_numbers_to_si,
+    increasing,
+    same_length,
+    samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.base.units import Quantity, convert_to_si
+from dashpot.base.units import Quantity
 from dashpot.base.value_ranges import require_positive
 
 if TYPE_CHECKING:
@@ -41,9 +48,8 @@ def angular(
     if positional or (frequency is None) == (omega is None):
         raise TypeError("say frequency= in Hz or omega= in rad/s")
     if frequency is None:
-        return np.asarray(omega, dtype=float)
-    hertz = convert_to_si(frequency, "frequency") if isinstance(frequency, str) else frequency
-    return 2 * np.pi * np.asarray(hertz, dtype=float)
+        return convert_numbers_to_si("omega", omega)
+    return 2 * np.pi * convert_numbers_to_si("frequency", frequency, "frequency")
 
 
 class Solid(ABC):
@@ -311,7 +317,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
 
         The parallel dashpot's impulse at t = 0 is not in it.
         """
-        t = np.asarray(t, dtype=float)
+        t = convert_numbers_to_si("t", t, "time")
         k, tau = self._arms()
         return np.asarray(self.k_inf + np.exp(-t[..., None] / tau) @ k)
 
@@ -339,7 +345,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
         exp(c/tau), which overflows for tau < c/709; this form cannot.
         """
         require_positive(ramp_time=ramp_time, unit=" s", expected="a time > 0")
-        t = np.asarray(t, dtype=float)
+        t = convert_numbers_to_si("t", t, "time")
         k, tau = self._arms()
         b = k * tau
         loading = np.clip(t, 0.0, ramp_time)[..., None]

@@ -18,7 +18,7 @@ from dashpot.base.option_fields import PartMode
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.base.value_ranges import SIZES
+from dashpot.base.value_ranges import SIZES, require_positive
 from dashpot.datamodel.bounds import FRFBounds
 from dashpot.datamodel.checks import temperature_tested
 from dashpot.datamodel.fit import Fit
@@ -494,6 +494,7 @@ def prediction(
     """
     mass, seals = block.weighed_mass, block.seals
     SIZES["mass"].refuse(mass)
+    require_positive(lines=lines)
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
     band, predictor = band or BAND, _level_predictor(at_level, swept)
     moving, mass_checks = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
@@ -577,7 +578,7 @@ def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
             "--relative is of a mass over a base that moves: add --base (Python: base=True)"
         )
     if not base:
-        return Kind(kind or Kind.ACCELERANCE)
+        return Kind.ACCELERANCE if kind is None else Kind(kind)
     return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
 
 

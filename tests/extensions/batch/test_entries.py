@@ -83,10 +83,34 @@ def test_a_manifest_adds_its_files_and_its_labels_win(working_folder, monkeypatc
     assert not any(entry.file.endswith(name) for entry in entries)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize(
+    "names", ["file,lot,part,temperature,mass", "Filename,Batch,Part No.,Temp,Mass",
+              "path, lot ,Serial-Number,temperature,mass"],
+)  # fmt: skip
+def test_manifest_is_read_as_spreadsheets_write_it(
+    working_folder: Path, names: str, delimiter: str, encoding: str
+) -> None:
+    """Delimiters, decimal commas, encodings and names of columns."""
+    temperature, mass = ("23.5 °C", "104.5g") if delimiter == "," else ("23,5 °C", "104,5g")
+    lines = [names.split(","), ["b.csv", "A", "4711-B", temperature, mass]]
+    text = "".join(f"{delimiter.join(line)}\r\n" for line in lines)
+    for first in ("",) if delimiter == "," else ("", f"sep={delimiter}\r\n"):
+        Path("m.csv").write_bytes((first + text).encode(encoding))
+        (item,) = find_entries([], manifest="m.csv", output_folder=Path("lot"))
+        assert item == Entry(
+            "b.csv", "A", "4711-B", "", pytest.approx(296.65), pytest.approx(0.1045)
+        )
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "is empty"),
+        ("file;part;seal\nb.csv;1;2\n", "test 1: 'part' and 'seal' are both the seal"),
+        ("file;lot\nb.csv;A;2;3\n", "test 1: more cells than the first line has names: 2, 3"),
+        ("file;mass\nb.csv;104\n", "test 1: mass:"),
         ("file,lot\n", "lists no test"),
         ("file,lott\nb.csv,A\n", "test 1: 'lott' is unknown; known are file, lot"),
         ("file,lot\n,A\n", "test 1: it names no file"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from dashpot.extensions.solver_inputs.cards.lsdyna_cards import read_lsdyna_card
 from dashpot.extensions.solver_inputs.cards.nastran_cards import parse_bulk_data
 from dashpot.extensions.solver_inputs.cards.read_cards import (
     read_cards,
+    read_stated_modulus,
     read_stated_units,
     select_card,
 )
@@ -533,3 +535,36 @@ def test_springs_of_a_structure_leave_its_card_as_it_is():
     bush = "PBUSH,1,K,200.\n,B,3.\n"
     elements = "CELAS2,1,2.0,1,1,2,1\nCDAMP2,2,3.0,2,1,3,1\n"
     assert read_card(bush + elements) == read_card(bush)
+
+
+MATERIAL = GeneralizedMaxwell(2e6, (4e5, 1.2e6), (0.02, 0.5))
+
+
+@pytest.mark.parametrize("units", ["SI", "mm-t-s", "mm-kg-ms", "in-lbf-s"])
+@pytest.mark.parametrize("target", ["abaqus", "ansys", "optistruct"])
+def test_deck_of_a_material_is_imported_with_the_modulus_of_its_comments(
+    target: str, units: str, tmp_path: Path
+) -> None:
+    fit = a_fit(MATERIAL, unit="Pa")
+    deck = TARGETS[target](fit, form="prony", units=units, allow=("all",))
+    path = tmp_path / "deck.inp"
+    path.write_text(str(deck))
+    assert read_stated_modulus(str(deck)) == pytest.approx(MATERIAL.k_0, rel=1e-8)
+    did("import", path, "-o", tmp_path / "model.json")
+    assert dp.read(tmp_path / "model.json").model.k_0 == pytest.approx(MATERIAL.k_0, rel=1e-8)
+    # a part, two decks in one file, and a deck of somebody else state none
+    part = TARGETS[target](a_fit(TABLE_1), form="prony", units=units, allow=("all",))
+    assert read_stated_modulus(str(part)) is None
+    assert read_stated_modulus(f"{deck}\n{deck}") is None
+    assert read_stated_modulus(ABAQUS) is None
+
+
+@pytest.mark.parametrize("target", ["lsdyna", "radioss", "felupe", "comsol"])
+def test_material_deck_without_a_shear_modulus_says_which_follow_from_the_fit(target: str) -> None:
+    choices: dict[str, Any] = {"form": "prony", "units": "mm-t-s", "allow": ("all",)}
+    message = r"modulus of 3\.6 MPa.*1\.2MPa, if in tension"
+    with pytest.raises(dp.ExportError, match=message) as found:
+        TARGETS[target](a_fit(MATERIAL, unit="Pa"), **choices)
+    assert "part" not in str(found.value)
+    with pytest.raises(dp.ExportError, match="from the stiffness of a part"):
+        TARGETS[target](a_fit(TABLE_1), **choices)

@@ -262,7 +262,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
 
 def _get_peak_forces(levels: Sequence[Quantity], tests: int) -> list[float]:
     """Peak forces that are said of so many hammer tests, N."""
-    if levels and len(levels) != tests:
+    if len(levels) not in {0, tests}:
         raise ReadError(
             f"{tests} hammer files and {len(levels)} amplitudes; expected the peak force of the "
             "hits of each file, in their order, or none (--amplitude): hits show how hard they are"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from inspect import signature
 from pathlib import Path
 from types import SimpleNamespace
@@ -111,7 +111,8 @@ def batch(what: Any, /, **options: Any) -> Any:
     """
     if "time" in options:
         return call_with_options(_fit_arrays, what, options=options, subject="a batch of arrays")
-    paths = [what] if isinstance(what, str) or hasattr(what, "__fspath__") else list(what)
+    alone = isinstance(what, str) or not isinstance(what, Iterable)
+    paths = [what] if alone else list(what)
     if not all(isinstance(path, str) or hasattr(path, "__fspath__") for path in paths):
         raise DataError(
             'a batch is of files, dp.batch("tests/", to="lot"), or of arrays on one clock: '

@@ -13,6 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, copy_option, make_nested_options, option
 from dashpot.base.units import Dimension, Quantity, convert_to_si, si_fields
+from dashpot.base.value_ranges import SIZES
 from dashpot.datamodel.machine import Machine, MachineCalibration
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.reading.raw_file import open_raw
@@ -97,12 +98,17 @@ class BatchOptions:
     compression: tuple[float, ...] = option(
         (),
         "Compression for these results (as tested).",
-        unit="length", multiple=True,
+        unit="length", multiple=True, size=SIZES["travel"],
     )  # fmt: skip
     length: float | None = option(
-        None, "Contact length of each specimen, e.g. 100mm.", unit="length"
+        None,
+        "Contact length of each specimen, e.g. 100mm.",
+        unit="length",
+        size=SIZES["seal length"],
     )
-    radius: float | None = option(None, "Radius of an indenter's tip.", unit="length")
+    radius: float | None = option(
+        None, "Radius of an indenter's tip.", unit="length", size=SIZES["radius"]
+    )
     machine: Machine = make_nested_options(Machine)
 
     def __post_init__(self) -> None:

@@ -39,6 +39,16 @@ _MANIFEST_COLUMNS = (
     "hammer_temperature",
     "machine",
 )
+_COLUMN_SYNONYMS: Mapping[str, str] = {
+    "filename": "file", "file_name": "file", "path": "file", "batch": "lot",
+    **dict.fromkeys(
+        ("part", "part_no", "part_number", "specimen", "sample", "serial", "serial_number"), "seal"
+    ),
+    "test_date": "date", "temp": "temperature", "tester": "operator",
+}  # fmt: skip
+"""Column of a manifest by another name, in lower case with underscores."""
+_DELIMITERS = ",;\t"
+_DECIMAL_COMMA = re.compile(r"(\s*[-+]?\d+),(\d+\s*[^\d\s,].*)")
 _MAX_MANIFEST_BYTES = 1 << 26
 """Bytes of the largest manifest."""
 _HEAD_BYTES = 1 << 12
@@ -446,9 +456,48 @@ def _parse_label_pattern(label_pattern: str) -> tuple[re.Pattern[str], tuple[str
 
 
 def _parse_rows(content: bytes, *, toml: bool) -> Any:
+    """Return the rows of a manifest; numbers between semicolons have points for decimal commas."""
+    from dashpot.reading.text.dialect import find_encoding  # needs NumPy, as --help does not
+
     if toml:
         return parsed_toml(content).get("test")
-    return list(csv.DictReader(content.decode("utf-8-sig").splitlines()))
+    # a degree sign alone is no text by which a code page is known
+    signs_alone = {byte for byte in content if byte > 127} <= set("°µ".encode("cp1252"))
+    encoding = "cp1252" if signs_alone else find_encoding(content)
+    first, *rest = content.decode(encoding).splitlines() or [""]
+    if first.lower().startswith("sep="):  # as Excel writes it
+        first, *rest = rest or [""]
+    delimiter = max(_DELIMITERS, key=first.count)
+    rows = list(csv.DictReader([first, *rest], delimiter=delimiter))
+    if delimiter == ",":
+        return rows
+    return [
+        {
+            name: _DECIMAL_COMMA.sub(r"\1.\2", cell) if isinstance(cell, str) else cell
+            for name, cell in row.items()
+        }
+        for row in rows
+    ]
+
+
+def _name_columns(location: str, row: Any) -> Any:
+    """Return a row of a manifest with the usual names of its columns.
+
+    Raises
+    ------
+    ReadError
+        If two columns mean the same.
+    """
+    if not isinstance(row, Mapping):
+        return row
+    names: dict[str, str] = {}
+    for name in row:
+        word = re.sub(r"[\s.-]+", "_", str(name).strip().lower()).strip("_")
+        usual = _COLUMN_SYNONYMS.get(word, word if word in _MANIFEST_COLUMNS else name)
+        if usual in names:
+            raise ReadError(f"{location}: '{names[usual]}' and '{name}' are both the {usual}")
+        names[usual] = name
+    return {usual: row[name] for usual, name in names.items()}
 
 
 def _read_manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:
@@ -484,7 +533,7 @@ def _parse_manifest_row(location: str, row: Any) -> tuple[str, dict[str, Any]]:
         raise ReadError(
             f"{location}: more cells than the first line has names: {', '.join(row[None])}"
         )
-    entries = Section(location, row, _MANIFEST_COLUMNS).entries
+    entries = Section(location, _name_columns(location, row), _MANIFEST_COLUMNS).entries
     values: dict[str, Any] = {
         name: str(value).strip() for name, value in entries.items() if value not in (None, "")
     }

@@ -223,16 +223,21 @@ def fit_shift_law(
 
 
 def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftOutlier | None:
-    """Return the temperature without which a law follows the shifts that it fails with it."""
+    """Return the temperature without which a law follows the shifts that it fails with it.
+
+    None if a law follows them all within their errors, however few shifts it has to spare.
+    """
     pairs: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)
     for kind, lay in _LAID.items():
         dof = n - len(_PARAMETERS[kind])
-        if dof < _LEAST_LEFT or (solution := lay(shifts)) is None:
+        if dof < 1 or (solution := lay(shifts)) is None:
             continue
         deviance = solution.optimum.sse
         if not is_significant_fall(deviance, dof):
             return None
+        if dof < _LEAST_LEFT:
+            continue
         for i in range(n):
             other_indices = np.delete(np.arange(n), i)
             part = _Shifts(

@@ -27,7 +27,7 @@ EXTENSION = Extension(
         "inspect": {
             **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
             "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
-            **dict.fromkeys(_NO_TABLES, "dashpot.extensions.formats.frames:refuse_value"),
+            "builtins:object": "dashpot.extensions.formats.frames:refuse_value",
         },
         "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray", "builtins:list"), "dashpot.extensions.formats.frames:make_records"),
         "write frf": {

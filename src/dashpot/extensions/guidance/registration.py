@@ -13,6 +13,9 @@ EXTENSION = Extension(
         "suggest key": {
             "--machine": "dashpot.extensions.guidance.machine_keys:suggest_machine_key",
         },
+        "check arguments": {
+            "Python": "dashpot.extensions.guidance.argument_types:refuse_wrong_types",
+        },
         "install command": {
             "extra": "dashpot.extensions.guidance.install_command:format_install_command",
         },

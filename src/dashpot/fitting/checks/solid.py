@@ -27,6 +27,8 @@ FAR_OFF = 1.0
 FREEDOM = 5.0
 # residuals of which no more say the same are as good as white
 SAME_TIME_FACTOR = 10.0
+# residuals of which more say the same hold a part of the curve
+CORRELATED = 20.0
 
 
 @criterion(
@@ -154,7 +156,11 @@ def tau_inside_window(
 
 
 @criterion(
-    "samples that count as one", "<=", 20.0, "our choice: white residuals give 1", grade="note"
+    "samples that count as one",
+    "<=",
+    CORRELATED,
+    "our choice: white residuals give 1",
+    grade="note",
 )
 def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Finding:
     """The residuals are noise, without a systematic curve.

@@ -39,6 +39,7 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     downsample,
     tau_bounds,
 )
+from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.fitting.parameter_errors import ParameterCovariance
 from dashpot.numerics.design_matrices.recorded_motion import arm_columns
 from dashpot.numerics.inference.correlated_noise import noise_of
@@ -313,14 +314,16 @@ def select_elastic_law(
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
     """Return the arms that the holds of some tests support, where a fit to them has fewer.
 
+    More than a fit chooses by itself are tried, too.
+
     Parameters
     ----------
     tests : sequence of RampHold
     hold : Hold
-        The holds by the number of arms that was asked for.
+        The holds by the number of arms that was asked for, or by the most that a fit chooses.
     """
     arms = len(hold.log_tau)
-    hold_only = fit_hold_only(downsample(tests))
+    hold_only = fit_hold_only(downsample(tests), max_arms=max(MAX_ARMS, arms + EXTRA_ARMS))
     supported = len(hold_only.log_tau)
     if supported <= arms:
         return None

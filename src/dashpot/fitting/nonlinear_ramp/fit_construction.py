@@ -82,8 +82,8 @@ def build_ramp_fit(
         band, error = find_hold_band(spectra, model, band)
     record_checks = [check for test in tests for check in test.checks]
     all_checks = (
-        *law_checks(tests, law, end),
         *checks,
+        *law_checks(tests, law, end),
         valid_band_exists(band),
         loss_factor_determined(error),
     )

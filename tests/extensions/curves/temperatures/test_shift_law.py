@@ -5,6 +5,7 @@ import pytest
 
 import dashpot as dp
 from dashpot.extensions.curves.shift_law_fit import fit_shift_law
+from dashpot.extensions.curves.superposition import checks
 
 REFERENCE = 293.15
 TEMPERATURES = REFERENCE + np.arange(-40.0, 41.0, 10.0)
@@ -147,3 +148,33 @@ def test_fit_shift_law_names_no_outlier_of_a_general_misfit():
         ).outlier
         is None
     )
+
+
+@pytest.mark.parametrize("temperatures", [(0, 23, 50, 80), (-10, 23, 60, 90), (0, 23, 40, 60, 90)])
+@pytest.mark.parametrize("sigmas", [-1.8, -1.0, 1.0, 1.8])
+def test_uncertain_shift_of_a_hot_test_blames_no_other_temperature(temperatures, sigmas):
+    """A seal that relaxes within the ramp leaves its own shift open, not that of the others."""
+    kelvin = 273.15 + np.array(temperatures, dtype=float)
+    law = dp.solids.WLF(8.0, 110.0, kelvin[1])
+    error = np.where(kelvin == kelvin[1], 0.0, 0.008)
+    error[-1] = 0.13
+    shifts = law.log10_a_t(kelvin) + sigmas * error * (kelvin == kelvin[-1])
+    covariance = np.diag(error**2)
+    assert fit_shift_law(kelvin, shifts, covariance, reference=kelvin[1]).outlier is None
+    if len(kelvin) > 4:  # one that is known, and off, is named beside it
+        shifts[0] += 0.3
+        found = fit_shift_law(kelvin, shifts, covariance, reference=kelvin[1]).outlier
+        assert found is None or found.temperature != kelvin[-1]
+
+
+@pytest.mark.parametrize(
+    ("steps", "totals", "named"),
+    [((0.01, 0.8), (0.02, 0.0, 0.8), "80 degC"), ((0.9, 0.01), (0.9, 0.0, 0.01), "0 degC"),
+     ((2.9, 0.1), (0.0, 2.9, 2.9), "23 degC")],
+)  # fmt: skip
+def test_step_that_is_not_determined_names_the_flat_curve(steps, totals, named):
+    check = checks.shifts_determined(
+        np.array(steps), np.array([273.15, 296.15, 353.15]), np.array(totals)
+    )
+    assert check.failed
+    assert f"The curve at {named} is flat and fits anywhere" in check.message

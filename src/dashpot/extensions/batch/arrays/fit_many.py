@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray, FrozenArrays, increasing, samples
+from dashpot.base.arrays import FloatArray, FrozenArrays, convert_numbers_to_si, increasing, samples
 from dashpot.base.checks import select_fit_status
 from dashpot.base.errors import DataError, Status
 from dashpot.base.option_fields import Method
@@ -145,7 +145,7 @@ def fit_many(
     True
     """
     clock = increasing("time", samples("time", time, minimum=8))
-    records = np.atleast_2d(np.asarray(forces, dtype=float))
+    records = np.atleast_2d(convert_numbers_to_si("forces", forces))
     if records.ndim != 2 or records.shape[1] != len(clock):
         raise DataError(
             f"forces have shape {np.shape(forces)}; expected (records, {len(clock)}), "

@@ -57,19 +57,22 @@ def isotherms_overlap(
 
 
 @criterion("SE of a step, decades", "<=", MAX_STEP_SE, "our choice: a factor 2 in time")
-def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
+def shifts_determined(
+    error: FloatArray, temperature: FloatArray, total_error: FloatArray
+) -> Finding:
     """The data determine the shift between neighbouring temperatures.
 
-    `error` is of each step of log10 a_T, shape (n - 1,).
+    `error` is of each step of log10 a_T, shape (n - 1,), `total_error` of each log10 a_T, (n,).
     """
     i = int(np.argmax(error))
+    flat = celsius(temperature[i + int(np.argmax(total_error[i : i + 2]))])
     return Finding(
         f"The step from {celsius(temperature[i])} to {celsius(temperature[i + 1])} is known to "
         f"±{error[i]:.2g} decades, the least certain of all",
         float(error[i]),
-        "The curves are flat there, as those of a glass or of rubber at rest, and flat curves "
-        "fit anywhere",
-        Remedy("Leave the outer temperature out, or use the law alone.", "at-temperature"),
+        f"The curve at {flat} is flat and fits anywhere. So is that of a glass, of rubber at rest, "
+        "and of a seal that relaxes within the ramp",
+        Remedy("Leave that temperature out, or use the law alone.", "at-temperature"),
     )
 
 
@@ -268,7 +271,7 @@ def collect_shift_checks(
     variances = np.diag(difference_matrix @ covariance[:n, :n] @ difference_matrix.T)
     error = np.sqrt(np.maximum(variances, 0.0))
     return (
-        shifts_determined(error, temperature),
+        shifts_determined(error, temperature, np.sqrt(np.maximum(np.diag(covariance)[:n], 0.0))),
         shift_monotone(step, error, temperature),
         *collect_law_checks(law_fit, float(temperature[0]), is_requested=is_requested),
     )

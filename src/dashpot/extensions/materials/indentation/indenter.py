@@ -31,9 +31,11 @@ class Indenter:
     """
 
     mass: float | None = option(
-        None, "Mass of all that moves with the indenter, e.g. 5g.", unit="mass"
+        None, "Mass of all that moves with the indenter, e.g. 5g.", unit="mass", size=SIZES["mass"]
     )
-    radius: float | None = option(None, "Radius of the spherical tip, e.g. 5mm.", unit="length")
+    radius: float | None = option(
+        None, "Radius of the spherical tip, e.g. 5mm.", unit="length", size=SIZES["radius"]
+    )
     radius_error: float = option(0.025, "Error of the radius, e.g. 1%.", unit="strain")
     drop_height: float | None = option(
         None, "Height from rest to the surface, e.g. 50mm.", unit="length"
@@ -50,8 +52,6 @@ class Indenter:
             raise DataError(
                 f"radius_error = {self.radius_error:g}; expected a part from 0 to below 1"
             )
-        SIZES["mass"].refuse(self.mass or 0.0)
-        SIZES["radius"].refuse(self.radius or 0.0)
 
     @property
     def pull(self) -> float:

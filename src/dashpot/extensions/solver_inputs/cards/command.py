@@ -64,6 +64,7 @@ def command(
     from dashpot.extensions.solver_inputs.cards.imported_model import import_card
     from dashpot.extensions.solver_inputs.cards.read_cards import (
         read_cards,
+        read_stated_modulus,
         read_stated_units,
         select_card,
     )
@@ -80,6 +81,7 @@ def command(
     result = import_card(
         selected_card, system, Source(raw.name, raw.sha256, reader=selected_card.keyword),
         test=Bench(**terms), relative_noise=relative_noise, modulus=modulus, specimen=specimen,
+        stated_modulus=read_stated_modulus(text),
     )  # fmt: skip
     if output:
         write_output(output, format_json(result.fit) + "\n")

@@ -12,6 +12,7 @@ from dashpot.base.errors import FitError, ReadError
 from dashpot.base.number_format import format_band
 from dashpot.base.provenance import Source, Step
 from dashpot.base.serialisation import Key, Serialisable
+from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
@@ -106,6 +107,7 @@ def import_card(
     test: Bench,
     relative_noise: float | None = None,
     modulus: float | None = None,
+    stated_modulus: float | None = None,
     specimen: Specimen | None = None,
 ) -> ImportedModel:
     """Return the model of a card as a fit, and what a test could have determined of it.
@@ -119,6 +121,9 @@ def import_card(
         Its noise is replaced where `relative_noise` is given, in parts of the largest force.
     modulus : float, optional
         Instantaneous Young's modulus, Pa, of a card that has none.
+    stated_modulus : float, optional
+        The instantaneous modulus in the comments of the file, Pa, which is taken where there is no
+        other.
     specimen : Specimen, optional
 
     Raises
@@ -129,6 +134,10 @@ def import_card(
     require_positive(relative_noise=relative_noise, optional=True)
     error = None
     if card.table is None:
+        if card.is_material and card.modulus is None and modulus is None and stated_modulus:
+            modulus = stated_modulus
+            note = f"the modulus of {format_quantity(modulus, 'MPa')} is that of the comments"
+            card = replace(card, notes=(*card.notes, note))
         model = card.convert_to_model(units, modulus)
     else:
         model, error = _fit_table(card.table, card.name)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from dashpot.base.errors import ExportError, ReadError
+from dashpot.base.units import dimensions, parse_quantity
 from dashpot.export.unit_systems import UNIT_SYSTEMS, UnitSystem, unit_system
 from dashpot.extensions.solver_inputs.cards.abaqus_cards import read_abaqus_cards
 from dashpot.extensions.solver_inputs.cards.ansys_cards import read_ansys_cards
@@ -50,6 +51,19 @@ def read_stated_units(text: str, name: str, units: str | None) -> UnitSystem:
             "Leave it out, or take the line out of the file"
         )
     return system
+
+
+def read_stated_modulus(text: str) -> float | None:
+    """Return the instantaneous modulus, Pa, that dashpot wrote into the comments of a material.
+
+    None without such comments, of a part, and of a file that joins several decks.
+    """
+    if len(re.findall(r"(?m)^\W*model: k_inf = ", text)) != 1:
+        return None
+    moduli = re.findall(r"(?m)^\W*(?:model: k_inf|arm \d+: k) = ([^\s,]+) ([^\s,]+)", text)
+    if not all("stress" in dimensions(unit) for _, unit in moduli):
+        return None
+    return sum(parse_quantity(f"{number}{unit}", "stress") for number, unit in moduli)
 
 
 def read_cards(
