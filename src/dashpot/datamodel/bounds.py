@@ -174,17 +174,17 @@ class EndOfHold(Serialisable):
         return self._limits(unit, self._subject(unit))
 
     def _limits(self, unit: str, subject: str) -> str:
-        word = get_display_unit(unit)
-        low, high = (convert_to_unit(end, word) for end in self.k_end)
+        display_unit = get_display_unit(unit)
+        low, high = (convert_to_unit(end, display_unit) for end in self.k_end)
         text, width = "", high - low
         if not math.isnan(self.k_10end[0]):
-            later = [convert_to_unit(end, word) for end in self.k_10end]
-            text = f", at {self._format_end(10)} {interval(*later)} {word}"
-            width = later[1] - later[0]
-        upper_text = round_to_error(convert_to_unit(self.k_inf[1], word), width / 2)
+            later_limits = [convert_to_unit(end, display_unit) for end in self.k_10end]
+            text = f", at {self._format_end(10)} {interval(*later_limits)} {display_unit}"
+            width = later_limits[1] - later_limits[0]
+        upper_text = round_to_error(convert_to_unit(self.k_inf[1], display_unit), width / 2)
         return (
-            f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{text}. It may "
-            f"fall further, to at most {upper_text} {word}"
+            f"At {self._format_end(1)} {subject} is {interval(low, high)} {display_unit}{text}. It "
+            f"may fall further, to at most {upper_text} {display_unit}"
         )
 
     def _format_end(self, times: float) -> str:
@@ -222,10 +222,14 @@ class EndOfHold(Serialisable):
 
     def fact(self, solid: Solid, unit: str) -> ReportedValue:
         """Return the stiffness of a solid at the end of the test, between these limits."""
-        at = self._format_end(1) if self.is_frequency else duration(self.end_time)
+        condition = self._format_end(1) if self.is_frequency else duration(self.end_time)
         symbol = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.test_kind, "k")
         return ReportedValue(
-            "k_end", self.compute_stiffness(solid), *self.k_end, unit, words=f"{symbol}({at})"
+            "k_end",
+            self.compute_stiffness(solid),
+            *self.k_end,
+            unit,
+            words=f"{symbol}({condition})",
         )
 
     def __mul__(self, count: float) -> EndOfHold:

@@ -240,10 +240,14 @@ class Fit(EqualByValue, Plottable, Serialisable):
         require_positive(temperature=kelvin, unit=" K")
         if self.temperatures is not None:
             return self.temperatures.shift_model(self.model, kelvin)
-        tested = self.specimen.temperature
-        if tested is not None and abs(kelvin - tested) <= SAME_TEMPERATURE:
+        tested_temperature = self.specimen.temperature
+        if tested_temperature is not None and abs(kelvin - tested_temperature) <= SAME_TEMPERATURE:
             return self.model
-        name = "a temperature that nobody noted" if tested is None else celsius(tested)
+        name = (
+            "a temperature that nobody noted"
+            if tested_temperature is None
+            else celsius(tested_temperature)
+        )
         raise DataError(
             f"the fit is of tests at {name}, and nothing says how the model shifts to "
             f"{celsius(kelvin)}: fit tests at several temperatures together"
@@ -421,11 +425,11 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def _bound_k_inf_from_above(self, fitted: ReportedValue) -> ReportedValue:
         """Return k_inf as every table has it: its upper limit in place of its fitted interval."""
         end = self.evidence.end_of_hold
-        high = fitted.high if end is None else end.k_inf[1]
-        if self._has_given_k_inf or not np.isfinite(high):
+        upper_limit = fitted.high if end is None else end.k_inf[1]
+        if self._has_given_k_inf or not np.isfinite(upper_limit):
             return fitted
-        words = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
-        return replace(fitted, low=np.nan, high=high, error=None, words=words)
+        source_note = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
+        return replace(fitted, low=np.nan, high=upper_limit, error=None, words=source_note)
 
     @property
     def _document_intervals(self) -> Intervals:

@@ -227,10 +227,10 @@ class DepthStiffness:
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
         """Each stiffness with its error; an arm that is nothing here is one of other depths."""
-        rest = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
+        equilibrium_value = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
         names = (f"k_{j}" for j in range(1, len(self.k) + 1))
         pairs = zip(names, self.k, self.k_se, strict=True)
-        return rest, *(
+        return equilibrium_value, *(
             ReportedValue(name, value, unit=unit, error=error) for name, value, error in pairs
         )
 

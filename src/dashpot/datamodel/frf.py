@@ -273,7 +273,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
-        top = int(size.argmax())
+        peak = int(size.argmax())
         text = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
         files = ", ".join(source.file for source in self.source)
         return (
@@ -282,7 +282,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
                 f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
                 f"{text}{f', {files}' if files else ''}"
             ),
-            f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
+            f"highest line: {size[peak]:.5g} {self.unit} at {self.frequency[peak]:.6g} Hz",
         )
 
     @property
@@ -344,15 +344,19 @@ class FRF(EqualByValue, Plottable, Serialisable):
             return replace(self, value=self.value + add, quantity=kind, sd=self.line_scatter)
         if kind.over_base or self.quantity.over_base:
             return self._over_base(kind, mass)
-        old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
-        if old.quantity in _POWERS:
-            receptance = old.value / old.s ** _POWERS[old.quantity]
+        nonzero_frf = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
+        if nonzero_frf.quantity in _POWERS:
+            receptance = nonzero_frf.value / nonzero_frf.s ** _POWERS[nonzero_frf.quantity]
         else:
-            receptance = 1 / old.value
-        value = _as_kind(receptance, old.s, kind)
+            receptance = 1 / nonzero_frf.value
+        value = _as_kind(receptance, nonzero_frf.s, kind)
         # a relative error is the same for every kind
-        sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
-        return replace(old, value=value, quantity=kind, sd=sd)
+        sd = (
+            None
+            if nonzero_frf.sd is None
+            else nonzero_frf.sd * np.abs(value) / np.abs(nonzero_frf.value)
+        )
+        return replace(nonzero_frf, value=value, quantity=kind, sd=sd)
 
     def _over_base(self, kind: Kind, mass: float | None) -> FRF:
         """Return the same to or from the motion of a mass over a base; see :meth:`to`."""
@@ -469,9 +473,9 @@ class FRF(EqualByValue, Plottable, Serialisable):
         FitError
             If the lines cannot support the method: fewer than 5 in the half-power band.
         """
-        measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
+        accelerance = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
         find_modes = load_function("vibration.modal.modal_methods", "find_modes")
-        modes: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
+        modes: tuple[Mode, ...] = find_modes(accelerance, method=method, band=band, count=count)
         if self.shift_sd == 0:
             return modes
         # a window that decays faster leaves less to the structure

@@ -161,11 +161,11 @@ class Hum:
     def force(self, time: FloatArray) -> FloatArray:
         """Return the line at times, s."""
         omega, step = 2 * np.pi * self.frequency, uniform_step(time)
-        size = complex(self.cosine, -self.sine)
+        complex_amplitude = complex(self.cosine, -self.sine)
         if step is not None:
             at_first = np.exp(1j * omega * (time[0] - self.origin))
-            return make_cosine_sequence(len(time), omega * step, size * at_first)
-        return np.asarray((size * np.exp(1j * omega * (time - self.origin))).real)
+            return make_cosine_sequence(len(time), omega * step, complex_amplitude * at_first)
+        return np.asarray((complex_amplitude * np.exp(1j * omega * (time - self.origin))).real)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -349,11 +349,11 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             loaded_indices = np.flatnonzero(
                 self.plate[:stop] >= self.displacement[:stop] - self._contact_clearance
             )
-            first = int(loaded_indices[-1]) + 1 if loaded_indices.size else 0
+            first_free = int(loaded_indices[-1]) + 1 if loaded_indices.size else 0
             # the last of them feel the face already
-            stop = first + 9 * (stop - first) // 10
-            if stop - first >= FEWEST_UNLOADED:
-                return slice(first, stop)
+            stop = first_free + 9 * (stop - first_free) // 10
+            if stop - first_free >= FEWEST_UNLOADED:
+                return slice(first_free, stop)
         indices = np.flatnonzero(self.displacement != 0)
         return slice(0, int(indices[0]) if indices.size else 0)
 
@@ -416,9 +416,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """
         x, t = self.displacement[self.hold], self.time[self.hold] - self.ramp_end
         edges = np.searchsorted(t, np.geomspace(SETTLING * self.ramp_time, t[-1], 13))
-        last = float(x[-max(1, len(x) // 10) :].mean())
+        final_position = float(x[-max(1, len(x) // 10) :].mean())
         means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
-        changes = [last - float(mean) for mean in means]
+        changes = [final_position - float(mean) for mean in means]
         return max(changes, key=abs, default=0.0) / self.depth
 
     @cached_property
@@ -437,7 +437,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def settled_samples(self) -> slice:
         """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
         hold = self.hold
-        early = slice(
+        early_hold = slice(
             hold.start, int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time))
         )
         tolerance = max(
@@ -445,10 +445,10 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             0.5 * self.displacement_quantum,
             5 * self.displacement_noise,
         )
-        unsettled = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > tolerance)
+        unsettled = np.flatnonzero(np.abs(self.displacement[early_hold] - self.depth) > tolerance)
         # what is left of the swing dies away in as long again
         first_settled = 2 * (int(unsettled[-1]) + 1) if unsettled.size else 0
-        return slice(min(hold.start + first_settled, early.stop), hold.stop)
+        return slice(min(hold.start + first_settled, early_hold.stop), hold.stop)
 
 
 # samples of one speed that are a stretch, and of its ends those that a ramp does not fill
@@ -463,18 +463,20 @@ def quantum(values: FloatArray) -> float:
     Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
     """
     levels = np.sort(values)
-    gaps = np.diff(levels)
-    gaps = gaps[gaps > 0]
-    if not 1 <= len(gaps) <= 0.5 * len(values) - 1:
+    level_differences = np.diff(levels)
+    level_differences = level_differences[level_differences > 0]
+    if not 1 <= len(level_differences) <= 0.5 * len(values) - 1:
         return 0.0
     # what arithmetic leaves between two equal readings is no quantum
-    gaps = gaps[gaps > 1e-9 * max(abs(levels[0]), abs(levels[-1]))]
-    if len(gaps) == 0:
+    level_differences = level_differences[
+        level_differences > 1e-9 * max(abs(levels[0]), abs(levels[-1]))
+    ]
+    if len(level_differences) == 0:
         return 0.0
-    step = float(gaps.min())
-    counts = np.round(gaps / step)
-    count_errors = np.abs(gaps / step - counts) / counts
-    step = float(gaps.sum() / counts.sum())
+    step = float(level_differences.min())
+    counts = np.round(level_differences / step)
+    count_errors = np.abs(level_differences / step - counts) / counts
+    step = float(level_differences.sum() / counts.sum())
     return 0.0 if np.mean(count_errors < 0.02) < 0.98 or _evenly_climbed(values, step) else step
 
 
@@ -484,8 +486,8 @@ def _evenly_climbed(values: FloatArray, step: float) -> bool:
     moving = magnitude > 0.5 * step
     # a converter that counts a ramp in single steps also pauses on it
     lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
-    single = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
-    if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
+    is_single_stepped = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
+    if is_single_stepped and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
         return True
     # counts finer than that are distinguished from a continuous path, and cost nothing
     return step > COARSE * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)

@@ -218,25 +218,30 @@ class SealSection:
         DataError
             If the seal is not linear, or rubs, and its compression is not stated.
         """
-        pieces, depths = stations.length * stations.factor, stations.compression
-        share = pieces
+        station_lengths, depths = stations.length * stations.factor, stations.compression
+        direction_lengths = station_lengths
         if depths is not None:
-            share, pieces = (share * self.factor(depths), np.where(depths < 0, 0.0, pieces))
+            direction_lengths, station_lengths = (
+                direction_lengths * self.factor(depths),
+                np.where(depths < 0, 0.0, station_lengths),
+            )
         elif self.law is not None and self.law.kind != "linear":
             raise DataError(
                 "the seal is not linear and how far it is pressed along the line is not stated; "
                 "give its compression, or gap and height"
             )
-        directions = [LineDirection(self.solid, share, stations.normal)]
+        directions = [LineDirection(self.solid, direction_lengths, stations.normal)]
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
             solid, rubs = getattr(self.shear, name), None
             if self.friction is not None:
-                slip_force = getattr(self.friction, name) * self.solid.k_inf * share
+                slip_force = getattr(self.friction, name) * self.solid.k_inf * direction_lengths
                 rubs = (slip_force, self._slip(stations))
             if isinstance(solid, Solid):
-                directions.append(LineDirection(solid, pieces, direction, rubs))
+                directions.append(LineDirection(solid, station_lengths, direction, rubs))
             else:
-                directions.append(LineDirection(self.solid, solid * share, direction, rubs))
+                directions.append(
+                    LineDirection(self.solid, solid * direction_lengths, direction, rubs)
+                )
         return tuple(directions)
 
     def _slip(self, stations: Stations) -> FloatArray:

@@ -111,8 +111,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
             if values.size != rows * rows:
                 raise DataError(f"{name} has {values.size} values, expected {rows} x {rows}")
             object.__setattr__(self, name, frozen(values.reshape(rows, rows)))
-        cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
-        object.__setattr__(self, "cross", frozen(cross))
+        cross_covariance = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
+        object.__setattr__(self, "cross", frozen(cross_covariance))
         temperatures = [shift.temperature for shift in self.shifts]
         if temperatures != sorted(set(temperatures)) or self.law.reference not in temperatures:
             raise DataError(
@@ -130,9 +130,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """Constants of the shift law with their errors."""
         errors = self.law_covariance.diagonal() ** 0.5
         return tuple(
-            ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
+            ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=label)
             for name, error in zip(self.law_parameters, errors, strict=True)
-            for words, unit in [_CONSTANTS[name]]
+            for label, unit in [_CONSTANTS[name]]
         )
 
     @property
@@ -179,11 +179,11 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def error(self, temperature: float) -> tuple[float, float]:
         """Return standard errors of ln a_T and of ln b_T at T, K."""
         gradient = self._gradient(temperature)
-        part = self.covariance[: len(self.shifts), : len(self.shifts)]
+        shift_covariance = self.covariance[: len(self.shifts), : len(self.shifts)]
         if self.law_parameters:
-            part = self.law_covariance
+            shift_covariance = self.law_covariance
         variance = (
-            float(propagate_covariance(gradient[None], part)[0, 0])
+            float(propagate_covariance(gradient[None], shift_covariance)[0, 0])
             + self._compute_bend_limit(temperature) ** 2
         )
         se = float(np.sqrt(max(variance, 0.0)))
@@ -200,9 +200,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
         ):
             return 0.0
         i = int(np.searchsorted(temperatures, temperature, side="right")) - 1
-        part = (temperature - temperatures[i]) / (temperatures[i + 1] - temperatures[i])
+        fraction = (temperature - temperatures[i]) / (temperatures[i + 1] - temperatures[i])
         step = self.shifts[i].log10_a_t - self.shifts[i + 1].log10_a_t
-        return float(4 * part * (1 - part) * _BEND * abs(step))
+        return float(4 * fraction * (1 - fraction) * _BEND * abs(step))
 
     def covariance_at(
         self,
@@ -237,25 +237,34 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
-        size, count = len(covariance), len(self.shifts)
+        parameter_count, count = len(covariance), len(self.shifts)
         of_a, of_b = self.error(temperature)
-        full_covariance = np.zeros((size + 3, size + 3))
-        full_covariance[:size, :size] = covariance
-        full_covariance[size, size], full_covariance[size + 1, size + 1] = of_a**2, of_b**2
-        if len(self.cross) == size + 1:
+        full_covariance = np.zeros((parameter_count + 3, parameter_count + 3))
+        full_covariance[:parameter_count, :parameter_count] = covariance
+        (
+            full_covariance[parameter_count, parameter_count],
+            full_covariance[parameter_count + 1, parameter_count + 1],
+        ) = of_a**2, of_b**2
+        if len(self.cross) == parameter_count + 1:
             temperatures = [shift.temperature for shift in self.shifts]
             weights = np.array(
                 [np.interp(temperature, temperatures, values) for values in np.eye(count)]
             )
-            other = np.column_stack(
+            cross_rows = np.column_stack(
                 (
                     self.cross[:, :count] @ weights * _LN10,
                     self.cross[:, count:-1] @ weights,
                     self.cross[:, -1],
                 )
             )
-            full_covariance[:size, size:], full_covariance[size:, :size] = other[:-1], other[:-1].T
-            full_covariance[-1, size:], full_covariance[size:, -1] = other[-1], other[-1]
+            (
+                full_covariance[:parameter_count, parameter_count:],
+                full_covariance[parameter_count:, :parameter_count],
+            ) = cross_rows[:-1], cross_rows[:-1].T
+            full_covariance[-1, parameter_count:], full_covariance[parameter_count:, -1] = (
+                cross_rows[-1],
+                cross_rows[-1],
+            )
         return full_covariance
 
     def rates(self, temperature: float) -> tuple[float, float]:
@@ -312,16 +321,16 @@ class TemperatureShifts(EqualByValue, Serialisable):
             for i, kelvin in enumerate(grid.tolist())
         )
         law, jacobian_of_law = self._law_from(temperature, shifts, scale)
-        cross = np.zeros((1, 2 * len(grid) + 1))
+        cross_covariance = np.zeros((1, 2 * len(grid) + 1))
         if len(self.cross):
-            cross[-1, -1] = self.cross[-1, -1]
+            cross_covariance[-1, -1] = self.cross[-1, -1]
         return replace(
             self,
             law=law,
             shifts=shifts,
             covariance=covariance,
             law_covariance=jacobian_of_law @ self.law_covariance @ jacobian_of_law.T,
-            cross=cross,
+            cross=cross_covariance,
             untested=tuple(
                 sorted({*grid.tolist()} - {shift.temperature for shift in self.tested_shifts})
             )

@@ -81,9 +81,11 @@ class Specimen:
             tested_at("specimen temperature", self.temperature)
         sizes = select_fields(self, *_SIZES)
         require_positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
-        for name, size in _SIZES.items():
+        for name, dimension in _SIZES.items():
             value = sizes[name] or 0.0
-            size.refuse(value, f"specimen {name} = {value:g} m", remedy="Check its unit: mm or m?")
+            dimension.refuse(
+                value, f"specimen {name} = {value:g} m", remedy="Check its unit: mm or m?"
+            )
 
 
 def tested_at(name: str, *temperatures: float) -> None:

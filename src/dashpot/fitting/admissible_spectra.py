@@ -130,15 +130,15 @@ class AdmissibleSpectra:
         remainder, weight = np.inf, np.zeros(len(log_tau) + 2)
         weight[0], weight[2 + np.searchsorted(log_tau, logs)] = 1.0, 1.0
         for _ in range(ROUNDS):
-            before, remainder = remainder, self._solve_on_grid(tests, log_tau, weight)
-            finer = _refine_grid(log_tau, self.best[2:] > 0)
-            if before - remainder < GAIN or len(finer) == len(log_tau):
+            previous_sse, remainder = remainder, self._solve_on_grid(tests, log_tau, weight)
+            refined_grid = _refine_grid(log_tau, self.best[2:] > 0)
+            if previous_sse - remainder < GAIN or len(refined_grid) == len(log_tau):
                 break
-            weight = np.zeros(len(finer) + 2)
-            weight[:2], weight[2 + np.searchsorted(finer, log_tau)] = np.split(
+            weight = np.zeros(len(refined_grid) + 2)
+            weight[:2], weight[2 + np.searchsorted(refined_grid, log_tau)] = np.split(
                 self.best / self.scale, [2]
             )
-            log_tau = finer
+            log_tau = refined_grid
         # all of one convex set: whatever is asked next, the best of them for it is a start
         self.met = deque([self.best], maxlen=REMEMBERED)
 
@@ -147,13 +147,15 @@ class AdmissibleSpectra:
     ) -> float:
         """Take a grid, find the best spectrum on it from a start, N/m; return what it leaves."""
         order = _spread(len(log_tau))
-        parts = []
+        all_rows = []
         for test in tests:
-            part = test.rows(log_tau[order], slopes=False)
-            arms = np.empty_like(part.arms)
-            arms[:, order] = part.arms
-            parts.append(np.column_stack((part.target, part.spring, part.dashpot, arms)))
-        rows = np.vstack(parts)
+            test_rows = test.rows(log_tau[order], slopes=False)
+            arms = np.empty_like(test_rows.arms)
+            arms[:, order] = test_rows.arms
+            all_rows.append(
+                np.column_stack((test_rows.target, test_rows.spring, test_rows.dashpot, arms))
+            )
+        rows = np.vstack(all_rows)
         self.tau = np.exp(log_tau)
         norm = np.linalg.norm(rows[:, 1:], axis=0)
         # what the record does not show at all is limited by nothing
@@ -254,15 +256,19 @@ class AdmissibleSpectra:
 
     def find_extreme_spectrum(self, v: FloatArray) -> FloatArray:
         """Return the spectrum of the largest v . k, N/m, shape (m,)."""
-        target_row, on = v / self.scale, self.shown
+        target_row, is_shown = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ target_row).argmax())]
         values = np.zeros(len(target_row))
-        values[on] = self._ball.find_farthest_point(
-            target_row[on], self.least + self.limit, start[on]
+        values[is_shown] = self._ball.find_farthest_point(
+            target_row[is_shown], self.least + self.limit, start[is_shown]
         )
         self.met.append(values)
         stiffness = values / self.scale
-        return stiffness if on.all() else np.where(~on & (target_row > 0), np.inf, stiffness)
+        return (
+            stiffness
+            if is_shown.all()
+            else np.where(~is_shown & (target_row > 0), np.inf, stiffness)
+        )
 
     def limit_functional(self, v: FloatArray) -> tuple[float, float]:
         """Return smallest and largest v . k that the tests do not reject."""
@@ -298,8 +304,8 @@ class AdmissibleSpectra:
 
 def _project_spectrum(v: FloatArray, spectrum: FloatArray) -> float:
     """V . k, of what v asks for."""
-    request = v != 0
-    return float(v[request] @ spectrum[request])
+    is_requested = v != 0
+    return float(v[is_requested] @ spectrum[is_requested])
 
 
 def _spread(count: int) -> IndexArray:
@@ -317,8 +323,8 @@ def _spread(count: int) -> IndexArray:
 
 def _merge_grids(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return the points of both grids; `numpy.union1d` says the same and imports masked arrays."""
-    merged = np.sort(np.concatenate((first, second)))
-    return np.asarray(merged[np.append(True, np.diff(merged) > 0)])
+    points = np.sort(np.concatenate((first, second)))
+    return np.asarray(points[np.append(True, np.diff(points) > 0)])
 
 
 def _refine_grid(log_tau: FloatArray, active: BoolArray) -> FloatArray:
@@ -487,19 +493,19 @@ def compute_transmissibility_range(
     base = inertia + coupled
     while True:
         outer = [_find_extreme_ratio(stiffness_set.corners(), base, sign) for sign in (1, -1)]
-        inner = [_find_extreme_ratio(stiffness_set.points, base, sign) for sign in (1, -1)]
+        inner_extremes = [_find_extreme_ratio(stiffness_set.points, base, sign) for sign in (1, -1)]
         (largest, _), (smallest, _) = outer
         # where nothing limits a ratio nothing more can be felt
-        gaps = [
-            0.0 if inner[0][0] == largest else 1 - inner[0][0] / largest,
-            0.0 if inner[1][0] == smallest else 1 - smallest / inner[1][0],
+        gap_sizes = [
+            0.0 if inner_extremes[0][0] == largest else 1 - inner_extremes[0][0] / largest,
+            0.0 if inner_extremes[1][0] == smallest else 1 - smallest / inner_extremes[1][0],
         ]
-        worst_index = int(np.argmax(gaps))
-        if gaps[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MOST_DIRECTIONS:
+        worst_index = int(np.argmax(gap_sizes))
+        if gap_sizes[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MOST_DIRECTIONS:
             return smallest, largest
         sign, disc = ((1, largest > 1), (-1, smallest < 1))[worst_index]
-        at = (inner if disc else outer)[worst_index][1]
-        stiffness_set.add_direction(complex(*(sign * _find_steepest_direction(at, base))))
+        frequency = (inner_extremes if disc else outer)[worst_index][1]
+        stiffness_set.add_direction(complex(*(sign * _find_steepest_direction(frequency, base))))
 
 
 class StiffnessSet:
@@ -529,13 +535,13 @@ class StiffnessSet:
         open_ended = np.isinf(spectrum)
         if open_ended.any():
             # as good as without end, and still a point
-            end = AS_GOOD_AS_INFINITE * self._inertia / np.hypot(storage, loss)
-            spectrum = np.where(open_ended, end, spectrum)
+            support_limit = AS_GOOD_AS_INFINITE * self._inertia / np.hypot(storage, loss)
+            spectrum = np.where(open_ended, support_limit, spectrum)
         farthest_point = complex(*(self._columns @ spectrum).tolist())
-        at = bisect(self._angles, angle := phase(unit))
-        self._angles.insert(at, angle)
-        self._directions.insert(at, unit)
-        self.points.insert(at, farthest_point - self._inertia)
+        place = bisect(self._angles, angle := phase(unit))
+        self._angles.insert(place, angle)
+        self._directions.insert(place, unit)
+        self.points.insert(place, farthest_point - self._inertia)
 
     @property
     def _supports(self) -> list[float]:
@@ -565,9 +571,9 @@ class StiffnessSet:
         """Corners of the polygon that the support lines enclose, in their order."""
         lines = [*zip(self._directions, self._supports, strict=True)]
         return [
-            complex(h * v.imag - g * u.imag, g * u.real - h * v.real) / cross
+            complex(h * v.imag - g * u.imag, g * u.real - h * v.real) / cross_product
             for (u, h), (v, g) in pairwise((*lines, lines[0]))
-            if (cross := (u.conjugate() * v).imag) > 1e-9
+            if (cross_product := (u.conjugate() * v).imag) > 1e-9
         ]
 
 
@@ -579,8 +585,8 @@ def _find_nearest_point(start: complex, end: complex) -> complex:
     """Return the point nearest to the origin of the way from one to another."""
     edge = end - start
     length = _dot(edge, edge)
-    part = -_dot(start, edge) / length if length > 0 else 0.0
-    return start + min(max(part, 0.0), 1.0) * edge
+    fraction = -_dot(start, edge) / length if length > 0 else 0.0
+    return start + min(max(fraction, 0.0), 1.0) * edge
 
 
 def _find_extreme_ratio(
@@ -607,8 +613,8 @@ def _find_extreme_ratio(
         ratio = np.linalg.norm(points + np.array([offset, 0.0]), axis=1) / np.linalg.norm(
             points, axis=1
         )
-    best = int(np.argmax(sign * ratio))
-    return float(ratio[best]), points[best]
+    best_index = int(np.argmax(sign * ratio))
+    return float(ratio[best_index]), points[best_index]
 
 
 def _contains_origin(start: FloatArray, edges: FloatArray) -> bool:

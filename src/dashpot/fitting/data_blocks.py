@@ -93,8 +93,8 @@ def block_of(
     tau_range : (float, float), optional
         Relaxation times that are asked about, s, where the window of the record is not enough.
     """
-    at = "" if index is None else f"@{index}"
-    offset, drift = (f"{name}{at}" if name in terms else None for name in ("offset", "drift"))
+    suffix = "" if index is None else f"@{index}"
+    offset, drift = (f"{name}{suffix}" if name in terms else None for name in ("offset", "drift"))
     if method == "hold":
         return hold_block(
             np.maximum(test.time[test.settled_samples] - test.ramp_end, 0.0),
@@ -137,14 +137,14 @@ def build_delay_blocks(
     degrees_left = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rows = [*blocks, *build_prior_rows(tests, blocks, design)]
     rough_arms = _ROUGH if log_tau_start is None else len(log_tau_start)
-    rough = solve(
+    rough_solution = solve(
         rows,
         max(min(rough_arms, degrees_left), 0),
         log_tau_start=log_tau_start,
         negligible=bic_penalty_per_arm(rows),
     )
     return tuple(
-        block.with_delay(f"delay@{i}", _build_delayed_force(test, block, rough))
+        block.with_delay(f"delay@{i}", _build_delayed_force(test, block, rough_solution))
         for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
     )
 
@@ -418,10 +418,10 @@ def fit_all_orders(
     noises = tuple(
         noise_of(residual_series, rounding=rounding_rms(data.peak)) for residual_series in series
     )
-    spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
-    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
+    noise_sds = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
+    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(noise_sds, data.units, strict=False)):
         return InitialFit(data, solutions, series, noises, solutions[-1])
-    data = data.weight_priors(spreads)
+    data = data.weight_priors(noise_sds)
     return InitialFit(data, solve_once(), series, noises, solutions[-1])
 
 

@@ -190,8 +190,8 @@ def nuisances(
     for name in labels:
         kind, _, test = name.partition("@")
         title = f"{kind} of test {int(test) + 1}" if has_several_records else kind
-        before = None if prior_sds is None else prior_sds.get(name)
-        terms.append(Nuisance(title, value(name), error(name), units[kind], before))
+        prior_sd = None if prior_sds is None else prior_sds.get(name)
+        terms.append(Nuisance(title, value(name), error(name), units[kind], prior_sd))
     return tuple(terms)
 
 

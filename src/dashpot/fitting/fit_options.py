@@ -75,7 +75,7 @@ class FitOptions(SolidOptions):
     def choices(self) -> dict[str, Any]:
         """Options that differ from the defaults, by name."""
         return {
-            name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
+            name: value for name, value in vars(self).items() if value != getattr(FitOptions, name)
         }
 
     @property

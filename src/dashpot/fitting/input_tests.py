@@ -69,7 +69,10 @@ def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     )
     records: list[RampHold] = []
     for ramp_hold in sorted(cycle_records, key=lambda record: -record.hold_time):
-        if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
+        if all(
+            abs(ramp_hold.depth / earlier_record.depth - 1) > SAME_DEPTH
+            for earlier_record in records
+        ):
             records.append(ramp_hold)
     if len(records) < 2:
         return (chosen_record,)
@@ -87,15 +90,15 @@ def _isolate_loading(record: RampHold) -> RampHold:
     if record.loading_start is None:
         return record
     contact_index = int(np.searchsorted(record.time, record.onset))
-    last = record.last_loading
-    if last.plate is None:
+    last_loading = record.last_loading
+    if last_loading.plate is None:
         ratio = float(record.force[max(contact_index - 1, 0)]) / float(record.force.max())
     else:
-        face = float(record.displacement[max(contact_index - 1, 0)])
-        ratio = face / record.depth
-        compression = np.maximum(last.plate - face, 0.0) / (1 - ratio)
-        last = replace(last, displacement=compression, plate=None)
-    return replace(last, checks=(*record.checks, earlier_loading_negligible(ratio)))
+        contact_displacement = float(record.displacement[max(contact_index - 1, 0)])
+        ratio = contact_displacement / record.depth
+        compression = np.maximum(last_loading.plate - contact_displacement, 0.0) / (1 - ratio)
+        last_loading = replace(last_loading, displacement=compression, plate=None)
+    return replace(last_loading, checks=(*record.checks, earlier_loading_negligible(ratio)))
 
 
 def _prepare_test(test: object) -> RampHold:
@@ -148,11 +151,11 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
     values = [record.specimen.temperature for record in records]
     ramp_holds = [record for record in records if record.specimen.temperature]
     if ramp_holds and None in values:
-        first = ramp_holds[0].specimen.temperature or 0.0
+        kelvin = ramp_holds[0].specimen.temperature or 0.0
         raise FitError(
             f"test {values.index(None) + 1} of {len(values)} has no temperature, where test "
-            f"{values.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
-            "order, such as --temperature 23degC --temperature 0degC, or one for all of them "
+            f"{values.index(kelvin) + 1} is of {celsius(kelvin)}: give one for every file, in "
+            "their order, such as --temperature 23degC --temperature 0degC, or one for all of them "
             "(Python: Specimen(temperature=...))"
         )
     temperatures = temperatures_of(records)
@@ -221,8 +224,8 @@ def refuse_copies(records: Sequence[RampHold]) -> None:
         If two records are of one part of one file, hold equal samples, or scatter alike: the
         noise of two tests is not correlated, whatever the seal.
     """
-    for (i, record), (j, other) in combinations(enumerate(records, start=1), 2):
-        reason = _describe_copy(record, other)
+    for (i, record), (j, other_record) in combinations(enumerate(records, start=1), 2):
+        reason = _describe_copy(record, other_record)
         if reason:
             raise FitError(
                 f"tests {i} and {j} are one record, {reason}: counted twice it would make every "
@@ -263,23 +266,23 @@ def noise_correlation(ramp_hold: RampHold, other_hold: RampHold) -> float:
     edges = np.arange(start, stop, step)
     residuals = [_compute_means_off_course(record, edges) for record in (ramp_hold, other_hold)]
     if any(
-        part.std() > _COURSE * record.force_noise
-        for part, record in zip(residuals, (ramp_hold, other_hold), strict=True)
+        residual.std() > _COURSE * record.force_noise
+        for residual, record in zip(residuals, (ramp_hold, other_hold), strict=True)
     ):
         return 0.0
-    first, second = (_clipped_spectrum(part) for part in residuals)
+    first, second = (_clipped_spectrum(residual) for residual in residuals)
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
-    cross, pair, other_pairs = np.fft.irfft(products)
+    cross_correlation, pair, other_pairs = np.fft.irfft(products)
     power = float(np.sqrt(pair[0] * other_pairs[0]))
-    near_zero_lag = np.concatenate((cross[: _LAGS + 1], cross[-_LAGS:]))
+    near_zero_lag = np.concatenate((cross_correlation[: _LAGS + 1], cross_correlation[-_LAGS:]))
     return float(near_zero_lag.max()) / power if power > 0 else 0.0
 
 
 def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray:
     """Return means of the force between edges, s after the onset, less their running mean."""
     sums = np.concatenate(([0.0], np.cumsum(record.force)))
-    at = np.searchsorted(record.time - record.onset, edges)
-    means = np.diff(sums[at]) / np.maximum(np.diff(at), 1)
+    edge_indices = np.searchsorted(record.time - record.onset, edges)
+    means = np.diff(sums[edge_indices]) / np.maximum(np.diff(edge_indices), 1)
     course = np.convolve(means, np.full(_SMOOTH, 1 / _SMOOTH), mode="same")
     inner = slice(_SMOOTH, -_SMOOTH)
     return np.asarray(means[inner] - course[inner])
@@ -288,9 +291,9 @@ def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray
 def _clipped_spectrum(values: FloatArray) -> ComplexArray:
     # tapered, so that a line of hum stays within a few lines
     spectrum = np.fft.rfft(values * np.hanning(len(values)))
-    size = np.abs(spectrum)
-    ceiling = _CLIPPED * median(size)
-    return np.asarray(spectrum * np.minimum(1.0, ceiling / np.maximum(size, 1e-300)))
+    magnitude = np.abs(spectrum)
+    ceiling = _CLIPPED * median(magnitude)
+    return np.asarray(spectrum * np.minimum(1.0, ceiling / np.maximum(magnitude, 1e-300)))
 
 
 def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
@@ -307,19 +310,19 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
 
 def _end_stiffness(record: RampHold, time: float) -> EndStiffness:
     time_since_ramp = record.time - record.ramp_end
-    last = (time_since_ramp >= 0.95 * time) & (time_since_ramp <= time)
-    last[int(np.searchsorted(time_since_ramp, time)) - 1] = True
+    is_last = (time_since_ramp >= 0.95 * time) & (time_since_ramp <= time)
+    is_last[int(np.searchsorted(time_since_ramp, time)) - 1] = True
     cell_priors = build_load_cell_priors(record)
     time_to_end = record.ramp_end + 0.975 * time - record.time[0] - cell_priors.offset_time
     force = (
-        float(record.force[last].mean())
+        float(record.force[is_last].mean())
         - cell_priors.offset.mean
         - cell_priors.drift.mean * time_to_end
     )
     relative_error = (
         cell_priors.offset.sd,
         cell_priors.drift.sd * time_to_end,
-        record.force_noise / np.sqrt(last.sum()),
+        record.force_noise / np.sqrt(is_last.sum()),
     )
     depth = float(np.hypot(record.depth_error, record.contact_error / record.depth))
     value = force / record.depth

@@ -103,9 +103,9 @@ class UnmeasuredEffects(NamedTuple):
     def but(self, *names: str) -> UnmeasuredEffects:
         """Return the terms without these."""
         is_retained = [name not in names for name in self.names]
-        remaining = tuple(name for name in self.names if name not in names)
+        kept_names = tuple(name for name in self.names if name not in names)
         return UnmeasuredEffects(
-            remaining, self.log_tau, self.fixed[:, is_retained], self.arms[:, is_retained]
+            kept_names, self.log_tau, self.fixed[:, is_retained], self.arms[:, is_retained]
         )
 
     def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
@@ -252,12 +252,12 @@ class RelaxationData:
         )
         b_t = float(np.exp(shift.log_b))
         sentences = {*SOLID, *self.terms.priors, *extra_priors}
-        free = [kind not in sentences for kind in kinds]
+        is_free = [kind not in sentences for kind in kinds]
         differences = replace(self.terms, priors=extra_priors).build_prior_columns(
             evaluation.fixed, self.block.fixed_names
         )[0]
         all_columns = np.column_stack((columns, of_shift, of_answer * (self.delay, self.size)))
-        white = marginal(evaluation.fixed[:, free], self.weight * all_columns)
+        white = marginal(evaluation.fixed[:, is_free], self.weight * all_columns)
         dashpot = evaluation.fixed[:, kinds.index("b")] if "b" in kinds else fast_column
         return RelaxationRows(
             target=white(self.weight * (evaluation.target - mean)),

@@ -245,8 +245,10 @@ def estimate_hold_noise(record: RampHold) -> float:
 
 def _compute_hold_noise(time: FloatArray, values: FloatArray) -> Noise:
     """Return the noise of a hold about a plateau, a drift and a dozen arms fitted to it."""
-    end, sample_count = float(time[-1]), len(time)
-    arms = np.exp(-time[:, None] / np.geomspace(end / (2 * sample_count), 3 * end, _HOLD_ARMS))
+    duration, sample_count = float(time[-1]), len(time)
+    arms = np.exp(
+        -time[:, None] / np.geomspace(duration / (2 * sample_count), 3 * duration, _HOLD_ARMS)
+    )
     basis = np.linalg.qr(np.column_stack((np.ones(sample_count), time, arms)))[0]
     return noise_of(values - basis @ (basis.T @ values), basis)
 

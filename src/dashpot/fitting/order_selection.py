@@ -106,19 +106,19 @@ def score_in_noise_metric(
     # where a further arm with k > 0 does not help, the residual is that of the last number
     refitted += [refitted[-1]] * (len(solutions) - len(refitted))
     effective = sum(noise.effective for noise in noises)
-    size = [_parameters(solution) for solution in solutions]
-    sse_falls = [before.sse - with_arm.sse for before, with_arm in pairwise(refitted)]
+    parameter_counts = [_parameters(solution) for solution in solutions]
+    sse_falls = [previous.sse - with_arm.sse for previous, with_arm in pairwise(refitted)]
     significant = [
         True,
         *(
             is_significant_fall(f, b - a)
-            for f, (a, b) in zip(sse_falls, pairwise(size), strict=True)
+            for f, (a, b) in zip(sse_falls, pairwise(parameter_counts), strict=True)
         ),
     ]
     return tuple(
         Score(solution, bic_of_deviance(best.sse, effective=effective, parameters=count), is_clear)
         for solution, best, count, is_clear in zip(
-            solutions, refitted, size, significant, strict=True
+            solutions, refitted, parameter_counts, significant, strict=True
         )
     )
 
@@ -319,13 +319,13 @@ class SelectedModel:
         `rig_sensitivity`, shape (p, d), is the change of the parameters by one standard deviation
         of each unknown of the rig. It widens intervals; checks against the noise do not use it.
         """
-        steady = self.data.in_time and self.certificate.gap < _MISFIT
+        is_adequate = self.data.in_time and self.certificate.gap < _MISFIT
         estimate = ParameterEstimate(
             self.parameters,
             self.covariance,
             self.estimate.dof,
             residual,
-            self.profiles(in_order_of_time=steady),
+            self.profiles(in_order_of_time=is_adequate),
             nuisance,
         )
         if rig_sensitivity is not None:

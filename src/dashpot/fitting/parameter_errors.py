@@ -428,10 +428,10 @@ def score_solution(
 
 
 def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
-    first, arms = len(solution.fixed_names), solution.order
+    fixed_count, arms = len(solution.fixed_names), solution.order
     error = np.sqrt(np.diag(covariance))
-    k, se_k = solution.arms.ravel(), error[first : first + arms]
-    return significant(k, se_k, error[first + arms :])
+    k, se_k = solution.arms.ravel(), error[fixed_count : fixed_count + arms]
+    return significant(k, se_k, error[fixed_count + arms :])
 
 
 # Profile likelihoods where standard errors are inadequate.
@@ -623,11 +623,17 @@ def compute_rig_sensitivity(
     shared = np.arange(total_count - parameter_count + own_count, total_count)
     column_count = total_count + sum(column.private.shape[1] for column in all_columns)
     jacobians, next_column = [], total_count
-    for i, item in enumerate(all_columns):
-        rows, own_columns = len(item.solid), slice(next_column, next_column + item.private.shape[1])
-        J = np.zeros((rows + len(item.prior), column_count))
-        J[:rows, np.r_[i * own_count : (i + 1) * own_count, shared]] = item.solid
-        J[:rows, own_columns], J[rows:, own_columns] = item.private, item.prior
+    for i, columns_of_test in enumerate(all_columns):
+        rows, own_columns = (
+            len(columns_of_test.solid),
+            slice(next_column, next_column + columns_of_test.private.shape[1]),
+        )
+        J = np.zeros((rows + len(columns_of_test.prior), column_count))
+        J[:rows, np.r_[i * own_count : (i + 1) * own_count, shared]] = columns_of_test.solid
+        J[:rows, own_columns], J[rows:, own_columns] = (
+            columns_of_test.private,
+            columns_of_test.prior,
+        )
         jacobians.append(J)
         next_column = own_columns.stop
     information = make_directions(jacobians)
@@ -665,21 +671,21 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     matrix[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
         np.zeros(0)
     ).fixed
-    unmeasured = np.zeros((len(columns), 0))
+    effect_columns = np.zeros((len(columns), 0))
     if rig_effects is not None:
-        unmeasured = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
+        effect_columns = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
         # the part of the drift that the prior of the fit excludes
         remaining_drift = data.terms.priors["drift"].compute_remainder(data.drift)
         drift = replace(data.terms, priors={"drift": remaining_drift})
-        unmeasured = np.hstack(
-            (unmeasured, drift.build_prior_columns(evaluation.fixed, data.block.fixed_names)[0])
+        effect_columns = np.hstack(
+            (effect_columns, drift.build_prior_columns(evaluation.fixed, data.block.fixed_names)[0])
         )
     return _TestColumns(
         data.weight * columns,
         data.weight * evaluation.fixed[:, private],
         data.weight * matrix[:, private],
-        data.weight * unmeasured,
+        data.weight * effect_columns,
     )
 
 

@@ -73,17 +73,19 @@ def compute_covariance_axes(covariance: FloatArray) -> FloatArray:
 
     The sign of an axis is that of its first part that is not small: no library chooses it.
     """
-    size, turn = np.linalg.eigh(covariance)
-    rows = (turn * np.sqrt(np.maximum(size, 0.0))).T
-    parts = np.abs(turn.T)
-    first = np.argmax(parts > 0.5 * parts.max(axis=1, keepdims=True), axis=1)
-    return np.asarray(rows * np.sign(turn.T[np.arange(len(first)), first])[:, None])
+    eigenvalues, eigenvectors = np.linalg.eigh(covariance)
+    rows = (eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))).T
+    magnitudes = np.abs(eigenvectors.T)
+    first_large = np.argmax(magnitudes > 0.5 * magnitudes.max(axis=1, keepdims=True), axis=1)
+    return np.asarray(
+        rows * np.sign(eigenvectors.T[np.arange(len(first_large)), first_large])[:, None]
+    )
 
 
 def compute_covariance_root(covariance: FloatArray) -> FloatArray:
     """Return the symmetric square root of a covariance, shape (p, p), which is the only one."""
-    size, turn = np.linalg.eigh(covariance)
-    return np.asarray((turn * np.sqrt(np.maximum(size, 0.0))) @ turn.T)
+    eigenvalues, eigenvectors = np.linalg.eigh(covariance)
+    return np.asarray((eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))) @ eigenvectors.T)
 
 
 def off_by_error(fit: Fit) -> tuple[Solid, ...]:
@@ -250,24 +252,28 @@ def frf_band(
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        stiffness_ranges = np.transpose([predicted.reach(spectra, item) for item in omega])
+        stiffness_ranges = np.transpose(
+            [predicted.reach(spectra, angular_frequency) for angular_frequency in omega]
+        )
         return _widen_to_contain(
             stiffness_ranges, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
         )
 
-    unmeasured = limits(f)
+    spectrum_limits = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
     height = None
     if peak is not None and np.isfinite(peak[1]):
         band_at_peak = limits(np.linspace(*peak, PEAK_LINES))
         is_near_peak = (f > peak[0] / LINE_FACTOR) & (f < peak[1] * LINE_FACTOR)
-        low, high = np.concatenate((band_at_peak, unmeasured[:, is_near_peak]), axis=1).max(axis=1)
+        low, high = np.concatenate((band_at_peak, spectrum_limits[:, is_near_peak]), axis=1).max(
+            axis=1
+        )
         height = (float(low), float(high))
     return FRFBounds(
         frequency=f,
         magnitude=values,
         parameter=formal,
-        unmeasured=unmeasured,
+        unmeasured=spectrum_limits,
         peak_frequency=peak,
         peak_height=height,
         kind=kind,
@@ -461,13 +467,13 @@ def _crossing(excess: Callable[[float], float], low: float, high: float) -> floa
         # between the middle, which never fails, and a straight line, which is quick
         middle = float(np.sqrt(low * high))
         line = low * (high / low) ** (at_low / (at_low - at_high))
-        for at in (line, middle):
-            if low < at < high:
-                value = excess(at)
+        for trial_frequency in (line, middle):
+            if low < trial_frequency < high:
+                value = excess(trial_frequency)
                 if value > 0:
-                    low, at_low = at, value
+                    low, at_low = trial_frequency, value
                 else:
-                    high, at_high = at, value
+                    high, at_high = trial_frequency, value
     return float(np.sqrt(low * high))
 
 

@@ -355,8 +355,8 @@ def _record_law_option(fit: Fit, law: RampLawOption) -> Fit:
     """Return a fit whose last step names the requested elastic law, if any."""
     if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
         return fit
-    *earlier_steps, last = fit.steps
-    step = replace(last, parameters=(*last.parameters, ("elastic", law)))
+    *earlier_steps, last_step = fit.steps
+    step = replace(last_step, parameters=(*last_step.parameters, ("elastic", law)))
     return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 

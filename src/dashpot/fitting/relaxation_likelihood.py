@@ -305,10 +305,10 @@ def build_fitted_data(
     What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
     ramp's corners is not in it, so it serves no question about fast arms.
     """
-    size = float(np.hypot(test.depth_error, test.contact_error / test.depth))
-    size = float(np.hypot(size, estimate_set_sd(test, model)))
+    depth_sd = float(np.hypot(test.depth_error, test.contact_error / test.depth))
+    depth_sd = float(np.hypot(depth_sd, estimate_set_sd(test, model)))
     time, x, _ = motion(test)
-    relaxation_data = _weight_block(test, block, block, model, residual, size=size)
+    relaxation_data = _weight_block(test, block, block, model, residual, size=depth_sd)
     relaxation_data = _add_rig_columns(
         relaxation_data, test, (time, x), start=float(time[first_sample(test)])
     )
@@ -329,7 +329,9 @@ def _add_rig_columns(
     The motion that is answered is `time_and_motion`, s and m; the rows begin at `start`, s, and
     their drift counts from `reference_time`, s, all from the first sample on.
     """
-    time, x = (part[select_motion_samples(test, time_and_motion[0])] for part in time_and_motion)
+    time, x = (
+        values[select_motion_samples(test, time_and_motion[0])] for values in time_and_motion
+    )
     rig_effects = compute_unmeasured_effects(test, time, x, data.model)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, DOUBT_TIMES)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - reference_time}
@@ -502,13 +504,13 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     late_samples = np.searchsorted(
         time, corner + np.geomspace(test.ramp_time, time[-1], DOUBT_SAMPLES)
     )
-    early = np.arange(
+    early_samples = np.arange(
         test.start, ramp_stop, max((ramp_stop - test.start) // (3 * DOUBT_SAMPLES), 1)
     )
     # of earlier loadings the solid remembers the way, whose corners count
     history_samples = np.arange(0, test.start, max(test.start // MAX_HISTORY_SAMPLES, 1))
     indices = np.concatenate(
-        (history_samples, early, np.minimum(late_samples, len(time) - 1), [len(time) - 1])
+        (history_samples, early_samples, np.minimum(late_samples, len(time) - 1), [len(time) - 1])
     )
     indices.sort()
     return np.asarray(indices[np.append(True, np.diff(indices) > 0)])

@@ -61,10 +61,10 @@ def find_loss_factor_band(
             return band, _build_band_error(all_errors)
     first, last = max(known_runs, key=lambda run: frequencies[run[1]] / frequencies[run[0]])
     band_ends = []
-    for inside_index, outside in ((first, first - 1), (last, last + 1)):
+    for inside_index, outside_index in ((first, first - 1), (last, last + 1)):
         end = float(frequencies[inside_index])
-        if 0 <= outside < len(frequencies):
-            end = _find_band_end(errors, all_errors, end, float(frequencies[outside]))
+        if 0 <= outside_index < len(frequencies):
+            end = _find_band_end(errors, all_errors, end, float(frequencies[outside_index]))
         band_ends.append(end)
     low, high = band_ends
     return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
@@ -84,12 +84,12 @@ def _find_band_end(
             exponent = float(np.log(WELL_KNOWN / known_error) / np.log(unknown_error / known_error))
         # the error rises faster than this power law towards the end: the crossing lies farther out
         exponent = min(max(exponent, 0.5 if iteration else 0.1), 0.98)
-        middle = known_line * (unknown_line / known_line) ** exponent
-        all_errors[middle] = errors(middle)
-        if all_errors[middle][1] <= WELL_KNOWN:
-            known_line = middle
+        trial_frequency = known_line * (unknown_line / known_line) ** exponent
+        all_errors[trial_frequency] = errors(trial_frequency)
+        if all_errors[trial_frequency][1] <= WELL_KNOWN:
+            known_line = trial_frequency
         else:
-            unknown_line = middle
+            unknown_line = trial_frequency
         if (
             all_errors[known_line][1] > END_ERROR_RATIO * WELL_KNOWN
             or abs(np.log(unknown_line / known_line)) < END_TOLERANCE

@@ -177,15 +177,17 @@ class ArmInsertion:
         if not self.best:
             self.best.append(LocalOptimum(_without_arms(self.stack, signed=self.signed), 1, True))
         while self.largest_order < arms:
-            last, count = self.best[-1].point, self.largest_order + 1
-            if last.sse <= self.stack.nothing:
+            last_point, count = self.best[-1].point, self.largest_order + 1
+            if last_point.sse <= self.stack.nothing:
                 return
             gains_little = self._leaves_less_than(negligible)
             if gains_little:
                 optimum = self._best_with(count, starts=self._insert_arm(count=1))
             else:
                 optimum = self._find_certain_optimum(count) or self._best_with(count)
-            attainable_gain = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
+            attainable_gain = (
+                last_point.sse - 1e-10 * (self.stack.floor + last_point.sse) - self.stack.nothing
+            )
             if optimum is None or optimum.point.sse >= attainable_gain:
                 return
             self.best.append(optimum)
@@ -196,12 +198,12 @@ class ArmInsertion:
         """Return whether no positive spectrum gains so many noise variances on the last order."""
         if self.signed or self.thorough or negligible <= 0:
             return False
-        last = self.best[-1].point
-        dof = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
-        variance_limit = negligible * (self.stack.floor + last.sse) / dof
+        last_point = self.best[-1].point
+        dof = max(self.stack.samples - len(last_point.beta) - len(last_point.log_tau), 1)
+        variance_limit = negligible * (self.stack.floor + last_point.sse) / dof
         return bool(
-            last.sse - self.grid.residual_sse < variance_limit
-            and last.sse - self._any() < variance_limit
+            last_point.sse - self.grid.residual_sse < variance_limit
+            and last_point.sse - self._any() < variance_limit
         )
 
     def _any(self) -> float:
@@ -529,18 +531,18 @@ def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     The inverse of J'J times the noise variance is the covariance for white noise.
     """
     stack, arms, q = Stack(blocks), solution.order, len(solution.fixed_names)
-    parts = [block.evaluate(solution.log_tau) for block in blocks]
-    target = np.concatenate([part.target for part in parts])
+    rows_of_blocks = [block.evaluate(solution.log_tau) for block in blocks]
+    target = np.concatenate([block_rows.target for block_rows in rows_of_blocks])
     first, by_tau = 0, q + solution.arms.size
     # columns stand as contiguous rows, turned
     matrix = np.zeros((by_tau + arms, len(target)))
-    for block, part in zip(blocks, parts, strict=True):
-        rows = slice(first, first + len(part.target))
+    for block, block_rows in zip(blocks, rows_of_blocks, strict=True):
+        rows = slice(first, first + len(block_rows.target))
         index = solution.groups.index(block.arm_group)
-        for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
+        for name, column in zip(block.fixed_names, block_rows.fixed.T, strict=True):
             matrix[stack.names.index(name), rows] = column
-        matrix[q + index * arms : q + (index + 1) * arms, rows] = part.arms.T
-        np.multiply(solution.arms[index][:, None], part.d_arms.T, out=matrix[by_tau:, rows])
+        matrix[q + index * arms : q + (index + 1) * arms, rows] = block_rows.arms.T
+        np.multiply(solution.arms[index][:, None], block_rows.d_arms.T, out=matrix[by_tau:, rows])
         first = rows.stop
     names = list(solution.fixed_names)
     for group in solution.groups:
@@ -596,12 +598,12 @@ def _resolve_exactly(
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
     if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
         return stack, local
-    exact = Stack([block.exact for block in stack.blocks])
+    exact_stack = Stack([block.exact for block in stack.blocks])
     is_zero = local.point.beta == 0
     if not len(local.point.log_tau) or is_zero.any():
         return stack, local
-    finer = descend(exact, local.point.log_tau)
-    return (stack, local) if finer is None else (exact, finer)
+    exact_optimum = descend(exact_stack, local.point.log_tau)
+    return (stack, local) if exact_optimum is None else (exact_stack, exact_optimum)
 
 
 def _solution(
@@ -679,7 +681,7 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     # k_inf resting at zero is no free direction: its column then is not swept out
     is_free = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
     grid, support = np.linspace(*stack.bounds, CERTIFICATE_GRID), solution.log_tau
-    best, remainder, dual_gradient, best_log_tau = np.inf, 0.0, -np.inf, 0.0
+    best_sse, remainder, dual_gradient, best_log_tau = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(CERTIFICATE_ROUNDS):
         log_tau = np.concatenate((solution.log_tau, grid))
         is_support = np.append(np.ones(solution.order, bool), np.isin(grid, support))
@@ -695,19 +697,19 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
                 float(group_gradient.max()),
                 float(log_tau[np.argmax(group_gradient)]),
             )
-        best = min(best, offered.residual_sse)
+        best_sse = min(best_sse, offered.residual_sse)
         weight = offered.spectrum.sum(axis=0)
         support = log_tau[weight > 0]
         grid = _make_refined_grid(support, round_, stack.bounds)
     sse = stack.floor + remainder
     # of a gap that is seen a few digits will do
-    cost_tolerance = 1e-3 * max(CERTAIN, (remainder - best) / sse if sse > 0 else 0.0)
-    best = min(best, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
-    gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best) / sse
-    optimal = gap <= CERTAIN
+    cost_tolerance = 1e-3 * max(CERTAIN, (remainder - best_sse) / sse if sse > 0 else 0.0)
+    best_sse = min(best_sse, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
+    optimality_gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best_sse) / sse
+    optimal = optimality_gap <= CERTAIN
     return OptimalityCertificate(
         optimal=optimal,
-        gap=float(gap),
+        gap=float(optimality_gap),
         dual_gradient=float(dual_gradient / np.sqrt(sse)) if sse > 0 else 0.0,
         tau=None if optimal else float(np.exp(best_log_tau)),
     )

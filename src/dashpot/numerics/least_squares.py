@@ -152,7 +152,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     if current.sse == np.inf:
         return None
     hessian_correction: FloatArray | None = None
-    last, wrong, refused_change, is_cautious = np.inf, 0, np.inf, False
+    last, wrong_steps, refused_change, is_cautious = np.inf, 0, np.inf, False
     for count in range(2, limit + 2):
         trial = _trial(current, hessian_correction, damping, bounds)
         step = trial - current.theta
@@ -178,7 +178,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 change = max(map(abs, step.tolist()))
         if is_step_acceptable(new.sse, current.sse, change, rounding):
             promised = -float(step @ (2 * current.gradient + current.curvature @ step))
-            short = is_cautious and current.sse - new.sse < GAINED * promised
+            is_short = is_cautious and current.sse - new.sse < GAINED * promised
             is_reliable = change < TAIL or _foretold(hessian_correction, current, new, step)
             hessian_correction = (
                 _update_hessian_correction(hessian_correction, current, new, change, last)
@@ -186,17 +186,17 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 else None
             )
             last, current = change, new
-            wrong = (
-                wrong + 1
+            wrong_steps = (
+                wrong_steps + 1
                 if expected_positive is not None and (current.beta[expected_positive] < 0).any()
                 else 0
             )
-            damping *= (1.0 if short else EASED if is_cautious else 0.1) * (change >= TAIL)
+            damping *= (1.0 if is_short else EASED if is_cautious else 0.1) * (change >= TAIL)
         elif (change < TAIL and damping == 0.0) or expected_fall <= UNCHANGED * sse:
             return LocalOptimum(current, count, True)
         else:
             damping, refused_change, is_cautious = 10 * max(damping, 1e-6), change, True
-        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_SIGN_STEPS:
+        if current.sse <= rounding or damping > 1e9 or wrong_steps > MAX_WRONG_SIGN_STEPS:
             return LocalOptimum(current, count, current.sse <= rounding)
         if is_known_optimum is not None and is_known_optimum(current.theta):
             return None
@@ -239,7 +239,7 @@ def _trial(
     bounds: tuple[list[float], list[float]],
 ) -> FloatArray:
     """Return the end of the damped step; parameters at a bound or without effect are held."""
-    gradient, curvature, at = point.gradient, point.curvature, point.theta
+    gradient, curvature, theta = point.gradient, point.curvature, point.theta
     scale = curvature.diagonal()
     # an estimate that would turn the step uphill is no Hessian
     if hessian_correction is not None:
@@ -247,18 +247,18 @@ def _trial(
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
     ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
-    if _is_within_bounds(at, bounds, allow_ends=False) and all(scale.tolist()):
+    if _is_within_bounds(theta, bounds, allow_ends=False) and all(scale.tolist()):
         step = _solve_damped_step(curvature, gradient, ridge)
     else:
         low, high = map(np.array, bounds)
-        at_bounds = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
+        at_bounds = ((theta <= low) & (gradient > 0)) | ((theta >= high) & (gradient < 0))
         index = np.flatnonzero((scale > 0) & ~at_bounds)
         step = np.zeros(len(gradient))
-        part = curvature[index[:, None], index]
-        step[index] = _solve_damped_step(part, gradient[index], ridge[index])
+        active_curvature = curvature[index[:, None], index]
+        step[index] = _solve_damped_step(active_curvature, gradient[index], ridge[index])
     longest = max(map(abs, step.tolist()), default=0.0)
     step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
-    trial = at + step
+    trial = theta + step
     return trial if _is_within_bounds(trial, bounds, allow_ends=True) else np.clip(trial, *bounds)
 
 
@@ -459,7 +459,7 @@ class Problem:
 
     def fix_parameter(self, index: int, value: float) -> Problem:
         """Return the problem with one theta held."""
-        rest = [parameter for i, parameter in enumerate(self.parameters) if i != index]
+        other_parameters = [parameter for i, parameter in enumerate(self.parameters) if i != index]
 
         def model(theta: FloatArray) -> Rows:
             rows = self.model(np.insert(theta, index, value))
@@ -467,7 +467,7 @@ class Problem:
                 return rows
             return rows._replace(slope=lambda beta: np.delete(slope(beta), index, axis=1))
 
-        return replace(self, model=model, parameters=rest, gauge=None)
+        return replace(self, model=model, parameters=other_parameters, gauge=None)
 
     def _run_descent(
         self,
@@ -480,14 +480,14 @@ class Problem:
         """Return the optimum of a descent from one start, in scaled parameters; None if known."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
-        first = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
+        first_trial = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
         objective = Objective(
-            lambda theta, last: first if last is None else self._evaluate_trial(theta, last),
-            low, high, rounding=first.rounding,
+            lambda theta, last: first_trial if last is None else self._evaluate_trial(theta, last),
+            low, high, rounding=first_trial.rounding,
         )  # fmt: skip
         return descend(
             objective,
-            first.theta,
+            first_trial.theta,
             is_known_optimum=is_known_optimum,
             limit=max_steps,
             step_tolerance=step_tolerance,
@@ -647,13 +647,13 @@ class Optimum:
         if self.rows.slope is not None and len(self.theta):
             return np.asarray(self.rows.slope(self.beta))
         slopes = np.empty((len(self.all_residuals), len(self.theta)))
-        for i, (step_down, up) in enumerate(self.steps[: len(self.theta)]):
+        for i, (step_down, step_up) in enumerate(self.steps[: len(self.theta)]):
             if central:
                 slopes[:, i] = (
-                    self._evaluate_shifted(i, up) - self._evaluate_shifted(i, step_down)
-                ) / (up - step_down)
+                    self._evaluate_shifted(i, step_up) - self._evaluate_shifted(i, step_down)
+                ) / (step_up - step_down)
             else:
-                change = up if up > -step_down else step_down
+                change = step_up if step_up > -step_down else step_down
                 slopes[:, i] = (self._evaluate_shifted(i, change) + self.all_residuals) / change
         return slopes
 

@@ -101,20 +101,27 @@ class Stack:
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
         """Return the stacked design matrix, slopes if asked for, and target."""
-        parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
+        rows_of_blocks = [block.evaluate(log_tau, derivative) for block in self.blocks]
         arms, q = len(log_tau), len(self.names)
         column_count = arms * len(self.groups)
         slopes = column_count if derivative else 0
-        columns = np.zeros((q + column_count + slopes + 1, sum(len(part.target) for part in parts)))
+        columns = np.zeros(
+            (
+                q + column_count + slopes + 1,
+                sum(len(block_rows.target) for block_rows in rows_of_blocks),
+            )
+        )
         first = 0
-        for (indices, group), part in zip(self._places, parts, strict=True):
-            rows = slice(first, first + len(part.target))
-            at = q + group * arms
-            columns[indices, rows] = part.fixed.T
-            columns[at : at + arms, rows] = part.arms.T
+        for (indices, group), block_rows in zip(self._places, rows_of_blocks, strict=True):
+            rows = slice(first, first + len(block_rows.target))
+            slope_column = q + group * arms
+            columns[indices, rows] = block_rows.fixed.T
+            columns[slope_column : slope_column + arms, rows] = block_rows.arms.T
             if derivative:
-                columns[at + column_count : at + column_count + arms, rows] = part.d_arms.T
-            columns[-1, rows] = part.target
+                columns[slope_column + column_count : slope_column + column_count + arms, rows] = (
+                    block_rows.d_arms.T
+                )
+            columns[-1, rows] = block_rows.target
             first = rows.stop
         return StackRows(columns, q + column_count)
 
@@ -179,20 +186,20 @@ class StackTrial(NamedTuple):
             beta, coefficients, inverse_rows = (
                 _spread(active, values) for values in (beta, coefficients, inverse)
             )
-        residual, outside = factor[..., p:, -1], factor[..., p:, p:-1]
+        residual, upper_block = factor[..., p:, -1], factor[..., p:, p:-1]
         k = beta[..., fixed:]
-        outward = (residual[..., None, :] @ outside)[..., 0, :]
+        outward = (residual[..., None, :] @ upper_block)[..., 0, :]
         projected = inverse_rows[..., fixed:, :] * outward[..., None]
         scale = k[..., None, :]
-        outside, coefficients = outside * scale, coefficients * scale
+        upper_block, coefficients = upper_block * scale, coefficients * scale
         gradient = -k * outward
         if k.shape[-1] > arms:
             gradient = gradient.reshape(-1, arms).sum(axis=0)
             projected = projected.reshape(-1, arms, p).sum(axis=0)
-            outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
+            upper_block = upper_block.reshape(len(upper_block), -1, arms).sum(axis=1)
             coefficients = coefficients.reshape(len(coefficients), -1, arms).sum(axis=1)
         transposed = projected.swapaxes(-1, -2)
-        curvature = outside.swapaxes(-1, -2) @ outside + projected @ transposed
+        curvature = upper_block.swapaxes(-1, -2) @ upper_block + projected @ transposed
         # a Python number is compared faster
         sse = np.vecdot(residual, residual) if residual.ndim > 1 else float(residual @ residual)
         return cls(
@@ -206,12 +213,12 @@ class StackTrial(NamedTuple):
 
     def take(self, index: IndexArray | BoolArray) -> StackTrial:
         """Copies of some records."""
-        return StackTrial(*(part[index] for part in self))
+        return StackTrial(*(array[index] for array in self))
 
     def put(self, index: IndexArray, new: StackTrial) -> None:
         """Write some records anew."""
-        for old, updated in zip(self, new, strict=True):
-            old[index] = updated
+        for record, updated in zip(self, new, strict=True):
+            record[index] = updated
 
 
 def point_at(
@@ -224,10 +231,10 @@ def point_at(
     """
     stack.trials += 1
     rows = stack.evaluate(log_tau)
-    free = _point(log_tau, rows)
+    point = _point(log_tau, rows)
     # the free optimum, where it is allowed
-    if restricted is None or (free.sse < np.inf and (free.beta[restricted] > 0).all()):
-        return free
+    if restricted is None or (point.sse < np.inf and (point.beta[restricted] > 0).all()):
+        return point
     return _point(log_tau, rows, nonnegative_columns(rows.phi, rows.target, restricted))
 
 
@@ -437,8 +444,8 @@ class Grid:
     @cached_property
     def residual_sse(self) -> float:
         """Sum of squares that the best spectrum leaves."""
-        rest = self.aim - self.columns @ self.spectrum.ravel()
-        return float(rest @ rest)
+        residual = self.aim - self.columns @ self.spectrum.ravel()
+        return float(residual @ residual)
 
     def dual_gradient(self, point: StackTrial, *, signed: bool) -> FloatArray:
         r"""Return the gain of one more arm at each grid point, shape (m,).
@@ -459,10 +466,12 @@ class Grid:
         )
         if signed:
             return np.asarray(np.sqrt((dual_gradient * dual_gradient).sum(axis=0)))
-        push = np.maximum(dual_gradient, 0.0)
+        positive_gradient = np.maximum(dual_gradient, 0.0)
         return np.asarray(
             np.where(
-                push.any(axis=0), np.sqrt((push * push).sum(axis=0)), dual_gradient.max(axis=0)
+                positive_gradient.any(axis=0),
+                np.sqrt((positive_gradient * positive_gradient).sum(axis=0)),
+                dual_gradient.max(axis=0),
             )
         )
 
@@ -485,8 +494,8 @@ class Grid:
 
 def single(grid: Grid) -> FloatArray | None:
     """Return the grid point whose column, with a positive coefficient, fits best; for one group."""
-    best = int(np.argmax(grid.moment))
-    return grid.log_tau[best : best + 1] if grid.moment[best] > 0 else None
+    best_index = int(np.argmax(grid.moment))
+    return grid.log_tau[best_index : best_index + 1] if grid.moment[best_index] > 0 else None
 
 
 def find_best_pair(grid: Grid) -> FloatArray | None:
@@ -522,13 +531,17 @@ def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
     if not 0 < i < j - 2 < len(gain) - 3:
         return no_shift
     (a, b, c), (d, e, f), (g, h, k) = gain[i - 1 : i + 2, j - 1 : j + 2].tolist()
-    curvature_down, curvature_across, mixed = b - 2 * e + h, d - 2 * e + f, (a - c - g + k) / 4
-    determinant = curvature_down * curvature_across - mixed * mixed
+    curvature_down, curvature_across, mixed_derivative = (
+        b - 2 * e + h,
+        d - 2 * e + f,
+        (a - c - g + k) / 4,
+    )
+    determinant = curvature_down * curvature_across - mixed_derivative * mixed_derivative
     if min(a, b, c, d, f, g, h, k) <= 0 or curvature_down >= 0 or determinant <= 0:
         return no_shift
     by_row, by_column = (h - b) / 2, (f - d) / 2
-    row = (mixed * by_column - curvature_across * by_row) / determinant
-    column = (mixed * by_row - curvature_down * by_column) / determinant
+    row = (mixed_derivative * by_column - curvature_across * by_row) / determinant
+    column = (mixed_derivative * by_row - curvature_down * by_column) / determinant
     return np.array([max(-1.0, min(1.0, row)), max(-1.0, min(1.0, column))])
 
 
@@ -540,12 +553,14 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
     last = len(grid.log_tau) - 1
     sets = _triples(1 + last // COARSE)
     gain = _triple_gain(grid, sets)
-    best = int(np.argmax(gain))
-    if gain[best] <= 0:
+    best_index = int(np.argmax(gain))
+    if gain[best_index] <= 0:
         return None
-    around = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
-    finer = np.clip(around + np.array([[values[best]] for values in sets]), 0, last)
-    return np.asarray(grid.log_tau[finer[:, int(np.argmax(_triple_gain(grid, finer)))]])
+    offsets = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
+    finer_triples = np.clip(offsets + np.array([[values[best_index]] for values in sets]), 0, last)
+    return np.asarray(
+        grid.log_tau[finer_triples[:, int(np.argmax(_triple_gain(grid, finer_triples)))]]
+    )
 
 
 def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
@@ -579,12 +594,14 @@ def make_insertion_starts(
 ) -> list[FloatArray]:
     """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
     dual_gradient = grid.dual_gradient(point, signed=signed)
-    padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
+    padded_gradient = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
     peaks = np.flatnonzero(
-        (dual_gradient >= padded[:-2]) & (dual_gradient > padded[2:]) & (dual_gradient > 0)
+        (dual_gradient >= padded_gradient[:-2])
+        & (dual_gradient > padded_gradient[2:])
+        & (dual_gradient > 0)
     )
-    best = peaks[np.argsort(-dual_gradient[peaks], kind="stable")][:count]
-    return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in best]
+    highest_peaks = peaks[np.argsort(-dual_gradient[peaks], kind="stable")][:count]
+    return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in highest_peaks]
 
 
 def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
@@ -612,8 +629,8 @@ def make_partition_starts(
     total = np.concatenate(([0.0], np.cumsum(mass)))
     step = grid.log_tau[1] - grid.log_tau[0]
     for cuts in combinations(range(1, m), arms - 1):
-        edge = np.array((0, *cuts, m))
-        start = np.diff(weighted_sums[edge]) / np.diff(total[edge])
+        group_edges = np.array((0, *cuts, m))
+        start = np.diff(weighted_sums[group_edges]) / np.diff(total[group_edges])
         candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
     for indices in combinations(range(m), arms):
         start = log_tau[list(indices)]

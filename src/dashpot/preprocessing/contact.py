@@ -55,15 +55,15 @@ class Baseline(NamedTuple):
 
 def estimate_baseline(time: FloatArray, force: FloatArray) -> Baseline:
     """Return the baseline of the force from samples before contact, at least one."""
-    middle, level = float(time.mean()), float(force.mean())
-    t = time - middle
+    mean_time, mean_force = float(time.mean()), float(force.mean())
+    t = time - mean_time
     power = float(t @ t)
     sloped = len(force) >= MIN_BASELINE and power > 0
     slope = float(t @ force) / power if sloped else 0.0
     free = len(force) - 2 * sloped
-    noise = float(np.sqrt(np.sum((force - level - slope * t) ** 2) / free))
+    noise = float(np.sqrt(np.sum((force - mean_force - slope * t) ** 2) / free))
     error = noise / power**0.5 if sloped else np.inf
-    return Baseline(len(force), float(np.ptp(time)), level, noise, slope, error, middle)
+    return Baseline(len(force), float(np.ptp(time)), mean_force, noise, slope, error, mean_time)
 
 
 def subtract_tare(
@@ -188,8 +188,10 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
 def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
     """Return what is fitted to the force, shape (trials, n, 3)."""
     compression = np.maximum(x - contact[:, None], 0.0)
-    part = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
-    return np.stack((np.ones_like(part), part, part**2), axis=2)
+    relative_compression = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
+    return np.stack(
+        (np.ones_like(relative_compression), relative_compression, relative_compression**2), axis=2
+    )
 
 
 def _compute_misfits(
@@ -275,10 +277,10 @@ def find_first_contact(
     contact = find_contact(displacement, force, noise=noise)
     if contact is None or (not rested and contact.sample < 20):
         return Touch(rest_position, 0.0)
-    gap = contact.displacement - rest_position
-    if not max(least_gap, 3 * contact.standard_error) < gap < 0.9 * (level - rest_position):
+    air_gap = contact.displacement - rest_position
+    if not max(least_gap, 3 * contact.standard_error) < air_gap < 0.9 * (level - rest_position):
         return Touch(rest_position, 0.0)
-    return Touch(contact.displacement, gap, contact.standard_error)
+    return Touch(contact.displacement, air_gap, contact.standard_error)
 
 
 # Delay of the force: by an air gap or by its clock.

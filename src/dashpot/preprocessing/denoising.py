@@ -97,13 +97,19 @@ def between_samples(
     motion_errors[time > test.ramp_end + test.ramp_time] = 0.0
     # rows before are not fitted
     motion_errors[: max(test.start - 1, 0)] = 0.0
-    size, peak = np.abs(motion_errors), float(np.abs(test.force).max())
+    error_magnitude, peak = np.abs(motion_errors), float(np.abs(test.force).max())
     noise = max(test.force_noise, 1e-3 * peak)
-    if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST_FORCE * noise:
+    if (
+        len(x) < 4 * CORNERS
+        or peak / test.depth * but_corners(error_magnitude) <= LOST_FORCE * noise
+    ):
         return np.zeros(len(x))
     signs = np.sign(motion_errors)
     run = np.cumsum(np.append(True, signs[1:] != signs[:-1])) - 1
-    return np.asarray(SHARED_ERROR_SAMPLES * np.sqrt(size * np.bincount(run, weights=size)[run]))
+    return np.asarray(
+        SHARED_ERROR_SAMPLES
+        * np.sqrt(error_magnitude * np.bincount(run, weights=error_magnitude)[run])
+    )
 
 
 def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray) -> FloatArray:
@@ -157,17 +163,19 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     change = np.flatnonzero(np.diff(displacement))
     if len(change) < 2:
         return displacement
-    at = 0.5 * (time[change] + time[change + 1])
+    change_times = 0.5 * (time[change] + time[change + 1])
     half_way = 0.5 * (displacement[change] + displacement[change + 1])
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
-    start, stop, before, stay_after = _stays(at)
-    is_long = stop - start > REST_FACTOR * np.maximum(before, stay_after)
+    start, stop, stay_before, stay_after = _stays(change_times)
+    is_long = stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)
     # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
-    rest_ends = np.concatenate(((start + before / 2)[is_long], (stop - stay_after / 2)[is_long]))
-    inner = np.isfinite(rest_ends)
-    knots = np.concatenate((at, rest_ends[inner]))
-    values = np.concatenate((half_way, np.tile(level[is_long], 2)[inner]))
+    rest_ends = np.concatenate(
+        ((start + stay_before / 2)[is_long], (stop - stay_after / 2)[is_long])
+    )
+    is_finite = np.isfinite(rest_ends)
+    knots = np.concatenate((change_times, rest_ends[is_finite]))
+    values = np.concatenate((half_way, np.tile(level[is_long], 2)[is_finite]))
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     interpolated = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
@@ -203,8 +211,8 @@ def rests(
     change = np.flatnonzero(np.diff(_without_flicker(displacement, count)))
     if len(change) < 2:
         return ((-np.inf, np.inf),)
-    start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
-    is_long = stop - start > REST_FACTOR * np.maximum(before, stay_after)
+    start, stop, stay_before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    is_long = stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)
     return tuple(zip(start[is_long].tolist(), stop[is_long].tolist(), strict=True))
 
 
@@ -222,7 +230,7 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     change = np.flatnonzero(np.diff(_without_flicker(displacement, step)))
     if len(change) < 2:
         return np.zeros(len(time))
-    start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    start, stop, stay_before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
     signed_steps = np.sign(displacement[change + 1] - displacement[change]) * step
     # velocity over the readings before and after each one; those at rest do not count
     speed = np.divide(signed_steps[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
@@ -232,7 +240,7 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     count_errors = np.minimum(step / 2, stay_times * turns_per_stay)
     equal_samples = 2 * np.maximum(stay_times / float(np.mean(np.diff(time))), BEAT_SAMPLES)
     residual = np.hypot(LEFT_OF_A_COUNT * step, count_errors) * np.sqrt(equal_samples)
-    residual[stop - start > REST_FACTOR * np.maximum(before, stay_after)] = 0.0
+    residual[stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))
     return np.asarray(residual[reading])
 
@@ -241,9 +249,9 @@ def _stays(change_times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray
     """Begin and end of every reading, and how long the ones before and after it stay."""
     stay_times = np.diff(change_times)
     start, stop = np.append(-np.inf, change_times), np.append(change_times, np.inf)
-    before = np.concatenate((stay_times[:1], stay_times[:1], stay_times))
+    stay_before = np.concatenate((stay_times[:1], stay_times[:1], stay_times))
     stay_after = np.concatenate((stay_times, stay_times[-1:], stay_times[-1:]))
-    return start, stop, before, stay_after
+    return start, stop, stay_before, stay_after
 
 
 def _without_flicker(values: FloatArray, count: float) -> FloatArray:
@@ -251,12 +259,12 @@ def _without_flicker(values: FloatArray, count: float) -> FloatArray:
 
     It leaves a rising staircase as it is.
     """
-    padded = np.pad(values, FLICKER // 2, mode="edge")
-    ranked = list(np.lib.stride_tricks.sliding_window_view(padded, FLICKER).T)
+    padded_values = np.pad(values, FLICKER // 2, mode="edge")
+    ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER).T)
     for i, j in TO_MEDIAN:
         ranked[i], ranked[j] = np.minimum(ranked[i], ranked[j]), np.maximum(ranked[i], ranked[j])
-    middle = ranked[FLICKER // 2]
-    return np.where(np.abs(middle - values) < MOST_FLICKER * count, middle, values)
+    running_median = ranked[FLICKER // 2]
+    return np.where(np.abs(running_median - values) < MOST_FLICKER * count, running_median, values)
 
 
 def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
@@ -288,15 +296,15 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
         if i < stop:
             sums = total[i + width + 1 : stop + width + 1] - total[i - width : stop - width]
             widen(slice(i, stop), sums, 2 * width + 1)
-    at, half_width = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
+    index, half_width = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
     # nearer to an end than the widest window, the last one is as wide as the samples allow
     edge_count = min(HALF_WIDTHS[-1], n)
     for edge in (slice(0, edge_count), slice(max(edge_count, n - edge_count), n)):
-        edge_indices = at[edge]
+        edge_indices = index[edge]
         w = np.minimum(edge_indices, n - 1 - edge_indices)
         widen(edge, total[edge_indices + w + 1] - total[edge_indices - w], 2 * w + 1)
         half_width[edge] = np.where(open_still[edge], w, half_width[edge])
     counts = 2 * half_width + 1
     # taken once, of the window that each sample ended with
-    best = values[-1] + (total[at + half_width + 1] - total[at - half_width]) / counts
+    best = values[-1] + (total[index + half_width + 1] - total[index - half_width]) / counts
     return best, noise / np.sqrt(counts)

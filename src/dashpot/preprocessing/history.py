@@ -82,11 +82,11 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     if plate is None:
         solid, _ = _solid_of(record, MOST_ARMS[0])
         return record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=True)
-    first = replace(record, displacement=_first_face(record, plate))
+    first_record = replace(record, displacement=_first_face(record, plate))
     candidates: list[tuple[float, RampHold, EarlierLoadings]] = []
     for arms in MOST_ARMS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
-        remainder, ramp_hold, earlier_loadings = _fit_alternately(first, plate, arms)
+        remainder, ramp_hold, earlier_loadings = _fit_alternately(first_record, plate, arms)
         noise = max(record.force_noise, ROUNDING * float(record.force.max()))
         excess = max(remainder / noise - AS_NOISE, 0.0)
         candidates.append((excess + earlier_loadings.misfit, ramp_hold, earlier_loadings))
@@ -158,14 +158,16 @@ def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
     time, force = record.time[:stop] - record.time[0], record.force[:stop]
     if stop < 8:
         return 0.0
-    answer = solid.force(time, x - x[0])
+    response = solid.force(time, x - x[0])
     force_limit = PRESSED_PART * float(record.force.max())
-    worst = 0.0
-    for a, b in find_true_runs(answer > max(force_limit, PRESSED * record.force_noise)).tolist():
-        size = float(np.sqrt(np.mean(answer[a : b + 1] ** 2)))
-        if b - a < 4 or size < 0.05 * float(record.force.max()):
+    largest_misfit = 0.0
+    for a, b in find_true_runs(response > max(force_limit, PRESSED * record.force_noise)).tolist():
+        response_rms = float(np.sqrt(np.mean(response[a : b + 1] ** 2)))
+        if b - a < 4 or response_rms < 0.05 * float(record.force.max()):
             continue
         # scatter is no misfit
-        excess = float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
-        worst = max(worst, float(np.sqrt(max(excess, 0.0))) / size)
-    return worst
+        excess = (
+            float(np.mean((force[a : b + 1] - response[a : b + 1]) ** 2)) - record.force_noise**2
+        )
+        largest_misfit = max(largest_misfit, float(np.sqrt(max(excess, 0.0))) / response_rms)
+    return largest_misfit

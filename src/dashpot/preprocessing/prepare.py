@@ -334,7 +334,11 @@ def _find_earlier_loading(
         + 1
         + int(np.argmax(x[first_motion.departure + 1 :] > first_touch.displacement))
     )
-    levels = [rest.level for rest in (baseline, last_baseline) if rest.long_enough]
+    levels = [
+        baseline_result.level
+        for baseline_result in (baseline, last_baseline)
+        if baseline_result.long_enough
+    ]
     tare = [*levels, 0.0][0]
     earlier_samples = slice(first_sample, motion.departure + 1)
     pulls_back = is_bonded(
@@ -407,10 +411,10 @@ def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[floa
     """Return the largest change of the force in the ramps, and its change in the hold."""
     ramp_force = force[motion.start : motion.cycle.hold.first + 1]
     hold_force = force[: motion.stop + 1]
-    first = median(force[motion.start : motion.departure + 1])
-    extreme_force = float(ramp_force[np.argmax(np.abs(ramp_force - first))])
-    last = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
-    return extreme_force - first, last - extreme_force
+    initial_force = median(force[motion.start : motion.departure + 1])
+    extreme_force = float(ramp_force[np.argmax(np.abs(ramp_force - initial_force))])
+    final_force = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
+    return extreme_force - initial_force, final_force - extreme_force
 
 
 def _determine_force_sign(force: FloatArray, motion: PlateMotion) -> int:
@@ -770,10 +774,10 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
         ("force_filter_hz", machine.force_filter,
          "first-order low-pass of the force at {:.4g} Hz, also applied to the fitted motion"),
     )  # fmt: skip
-    items = [(name, value, words) for name, value, words in effects if value is not None]
+    items = [(name, value, effect) for name, value, effect in effects if value is not None]
     if not items:
         return ()
-    message = "; ".join(words.format(value) for _, value, words in items)
+    message = "; ".join(effect.format(value) for _, value, effect in items)
     if machine.calibration:
         message = f"{machine.calibration.source}: {message}"
     return (Step("machine", tuple((name, repr(value)) for name, value, _ in items), message),)

@@ -101,8 +101,8 @@ def parse_filter(text: str) -> Filter:
     DataError
         If it names none.
     """
-    kind, _, rest = text.strip().partition(":")
-    value, _, mode = rest.partition(":")
+    kind, _, arguments = text.strip().partition(":")
+    value, _, mode = arguments.partition(":")
     if (
         kind == "median"
         and not mode
@@ -158,12 +158,12 @@ def _cutoff(text: str, value: str) -> float:
 def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
     steps = np.diff(time)
     usual_step = median(steps)
-    worst = int(np.argmax(np.abs(steps - usual_step)))
-    if abs(steps[worst] - usual_step) > 0.2 * usual_step:
+    step_index = int(np.argmax(np.abs(steps - usual_step)))
+    if abs(steps[step_index] - usual_step) > 0.2 * usual_step:
         raise DataError(
-            f"{chosen_filter} needs even sampling, but the step after t = {time[worst]:.6g} s is "
-            f"{steps[worst]:.4g} s where {usual_step:.4g} s is usual; fit the raw record, or use a "
-            "median"
+            f"{chosen_filter} needs even sampling, but the step after t = {time[step_index]:.6g} s "
+            f"is {steps[step_index]:.4g} s where {usual_step:.4g} s is usual; fit the raw record, "
+            "or use a median"
         )
     rate = (len(time) - 1) / (time[-1] - time[0])
     if chosen_filter.cutoff >= rate / 2:
@@ -357,14 +357,14 @@ def _plate_amplitude(
     windowed = window * change
     bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
-    at = round(frequency * bins * step)
-    low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
+    peak_bin = round(frequency * bins * step)
+    low, high = max(peak_bin - _NEIGHBOURS, 1), peak_bin + _NEIGHBOURS + 1
     level = median(power[low:high]) / np.log(2)
-    size = abs(_transform(windowed, step, frequency))
+    magnitude = abs(_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
     rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
-    stands_out = size**2 > _PLATE_STANDS_OUT * level and size > rounding
-    return float(2 * size / window.sum()) if stands_out else 0.0
+    stands_out = magnitude**2 > _PLATE_STANDS_OUT * level and magnitude > rounding
+    return float(2 * magnitude / window.sum()) if stands_out else 0.0
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
@@ -402,10 +402,10 @@ def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> f
     half_length = len(remainder) // 2
     taper = _hann(half_length)
     for _ in range(3):
-        first = _transform(taper * remainder[:half_length], step, frequency)
-        second = _transform(taper * remainder[half_length : 2 * half_length], step, frequency)
+        first_half = _transform(taper * remainder[:half_length], step, frequency)
+        second_half = _transform(taper * remainder[half_length : 2 * half_length], step, frequency)
         phase_advance = np.angle(
-            second * np.conj(first) * np.exp(-2j * np.pi * frequency * half_length * step)
+            second_half * np.conj(first_half) * np.exp(-2j * np.pi * frequency * half_length * step)
         )
         frequency += float(phase_advance) / (2 * np.pi * half_length * step)
     return float(frequency)

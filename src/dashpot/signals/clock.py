@@ -39,10 +39,10 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
         return []
     smaller_neighbour = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
     longest = np.flatnonzero(steps > JUMP_RATIO * smaller_neighbour)[:_MOST_STEPS]
-    leaps = (
+    jumps = (
         ClockJump(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist()
     )
-    return [leap for leap in leaps if leap.step > JUMP_RATIO * leap.expected_step]
+    return [jump for jump in jumps if jump.step > JUMP_RATIO * jump.expected_step]
 
 
 def find_rate_change(time: FloatArray) -> ClockJump | None:
@@ -78,10 +78,10 @@ def has_few_pauses(time: FloatArray) -> bool:
     steps = np.diff(time)
     if len(steps) < 2 * NEIGHBOUR_STEPS:
         return False
-    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
-    around = around[:: max(1, len(around) // _MOST_STEPS)]
-    usual_step = np.partition(around, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
-    is_pause = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual_step
+    neighbour_steps = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
+    neighbour_steps = neighbour_steps[:: max(1, len(neighbour_steps) // _MOST_STEPS)]
+    usual_step = np.partition(neighbour_steps, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
+    is_pause = neighbour_steps[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual_step
     return bool(np.mean(is_pause) <= _MOST_PAUSES)
 
 

@@ -38,9 +38,9 @@ def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
 
 def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
     """Return residuals of samples from the line between their neighbours, of variance sigma^2."""
-    before, middle, right = (slice(i, len(values) - 2 + i, count) for i in range(3))
-    w = (time[right] - time[middle]) / (time[right] - time[before])
-    r = values[middle] - w * values[before] - (1 - w) * values[right]
+    before, middle, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
+    w = (time[after] - time[middle]) / (time[after] - time[before])
+    r = values[middle] - w * values[before] - (1 - w) * values[after]
     return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
 
 
@@ -66,8 +66,8 @@ def median_of_three(values: FloatArray) -> FloatArray:
     """Removes a lone glitch, keeps every edge where it is."""
     result = values.copy()
     inner = result[1:-1]  # in place: new memory takes most of the time
-    high = np.maximum(values[:-2], inner)
-    np.minimum(high, values[2:], out=high)
+    larger = np.maximum(values[:-2], inner)
+    np.minimum(larger, values[2:], out=larger)
     np.minimum(values[:-2], inner, out=inner)
-    np.maximum(inner, high, out=inner)
+    np.maximum(inner, larger, out=inner)
     return result

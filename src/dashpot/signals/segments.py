@@ -131,15 +131,15 @@ def _find_corners(time: FloatArray, x: FloatArray, tolerance: float) -> list[int
     """
     corners = {0, len(x) - 1}
     stack = [(0, len(x) - 1)]
-    remaining = _MOST_VISITS * len(x)
+    visits_left = _MOST_VISITS * len(x)
     while stack:
         a, b = stack.pop()
         if b - a < 2:
             continue
-        remaining -= b - a
+        visits_left -= b - a
         farthest_index, distance = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
         if distance > tolerance:
-            corner = a + farthest_index if remaining > 0 or b - a < _SHORT_SPAN else (a + b) // 2
+            corner = a + farthest_index if visits_left > 0 or b - a < _SHORT_SPAN else (a + b) // 2
             corners.add(corner)
             stack += [(a, corner), (corner, b)]
     return sorted(corners)
@@ -197,25 +197,25 @@ def _merge_small_moves(
     )
     bridged = list(sides)
     for i in range(1, len(sides) - 1):
-        (before, start, _), (kind, first, last), (kind_after, _, end) = sides[i - 1 : i + 2]
+        (kind_before, start, _), (kind, first, last), (kind_after, _, end) = sides[i - 1 : i + 2]
         is_brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
-        if kind == "hold" and is_brief and before == kind_after:
-            bridged[i] = (before, first, last)
+        if kind == "hold" and is_brief and kind_before == kind_after:
+            bridged[i] = (kind_before, first, last)
     return _merge_neighbours(bridged)
 
 
 def _merge_steps(sides: list[_Side], time: FloatArray) -> list[_Side]:
     """Return the sides with the short stops of a stepping axis as parts of its ramp."""
-    longest = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
+    longest_hold = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
     merged = list(sides)
     for i in range(1, len(sides) - 1):
-        before, (kind, first, last), kind_after = sides[i - 1][0], sides[i], sides[i + 1][0]
+        kind_before, (kind, first, last), kind_after = sides[i - 1][0], sides[i], sides[i + 1][0]
         if (
             kind == "hold"
-            and time[last] - time[first] <= _LEAST_STOP * longest
-            and before == kind_after
+            and time[last] - time[first] <= _LEAST_STOP * longest_hold
+            and kind_before == kind_after
         ):
-            merged[i] = (before, first, last)
+            merged[i] = (kind_before, first, last)
     return merged
 
 
@@ -279,22 +279,22 @@ def find_cycles(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...
     plate may leave the seal, and no linear solid describes what follows.
     """
     cycles: list[RampHoldCycle] = []
-    rest: MotionSegment | None = None
+    rest_segment: MotionSegment | None = None
     loading: list[MotionSegment] = []
-    top = 0.0
+    top_level = 0.0
     for segment in segments:
         if not loading:
             if segment.kind == "load":
-                loading, top = [segment], segment.level
+                loading, top_level = [segment], segment.level
             else:
-                rest = segment if segment.kind == "hold" else None
+                rest_segment = segment if segment.kind == "hold" else None
             continue
         loading.append(segment)
-        start, top = loading[0].origin, max(top, segment.level)
-        if segment.kind == "unload" and segment.level <= start + 0.1 * (top - start):
-            cycles += _close_loading(rest, loading)
-            loading, rest = [], None
-    return tuple(cycles + _close_loading(rest, loading))
+        start, top_level = loading[0].origin, max(top_level, segment.level)
+        if segment.kind == "unload" and segment.level <= start + 0.1 * (top_level - start):
+            cycles += _close_loading(rest_segment, loading)
+            loading, rest_segment = [], None
+    return tuple(cycles + _close_loading(rest_segment, loading))
 
 
 def choose_cycle(
@@ -328,11 +328,11 @@ def choose_cycle(
 
 def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
     """Return the loadings of a record as text, numbered."""
-    parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
-    if len(parts) > _MOST_LISTED:
-        parts = [*parts[: _MOST_LISTED - 1], "...", parts[-1]]
+    lines = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
+    if len(lines) > _MOST_LISTED:
+        lines = [*lines[: _MOST_LISTED - 1], "...", lines[-1]]
     count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
-    return f"{count} ({'; '.join(parts)})"
+    return f"{count} ({'; '.join(lines)})"
 
 
 def explain_missing_hold(segments: tuple[MotionSegment, ...], name: str, advice: str) -> str:
@@ -374,8 +374,8 @@ def _close_loading(
 ) -> list[RampHoldCycle]:
     """Return a loading up to its last hold, if it has one."""
     for stop in range(len(segments), 1, -1):
-        hold, before = segments[stop - 1], segments[stop - 2]
-        is_long = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
+        hold, loading = segments[stop - 1], segments[stop - 2]
+        is_long = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * loading.duration
         if hold.kind == "hold" and is_long:
             return [RampHoldCycle(rest_segment, tuple(segments[:stop]))]
     return []

@@ -76,16 +76,18 @@ def find_stuck_runs(
         Other stretches of the channel: noise that each of them shows, this one has, too.
     """
     no_runs = np.zeros((0, 2), dtype=np.intp)
-    size = float(np.abs(values).max(initial=0.0))
-    if len(values) < FEWEST or size == 0.0:
+    largest_reading = float(np.abs(values).max(initial=0.0))
+    if len(values) < FEWEST or largest_reading == 0.0:
         return no_runs
-    starts = np.concatenate(([0], np.flatnonzero(np.abs(np.diff(values)) > ROUNDING * size) + 1))
+    starts = np.concatenate(
+        ([0], np.flatnonzero(np.abs(np.diff(values)) > ROUNDING * largest_reading) + 1)
+    )
     stops = np.append(starts[1:], len(values))
     long_runs = np.flatnonzero(stops - starts >= SHORTEST)
     if not len(long_runs):
         return no_runs
     levels, count = values[starts], quantum(values)
-    noise_level = max(count, CHANGED * size)
+    noise_level = max(count, CHANGED * largest_reading)
     shortest = _shortest_fault(levels, count, noise_level, len(values))
     if other_stretches:
         shortest_of_others = [
@@ -95,15 +97,15 @@ def find_stuck_runs(
         ]
         if len(shortest_of_others) == len(other_stretches):
             shortest = min(shortest, max(shortest_of_others))
-    free = np.ones(len(values), dtype=bool) if is_at_rest is None else is_at_rest
+    is_free = np.ones(len(values), dtype=bool) if is_at_rest is None else is_at_rest
     usual_change = median(np.abs(np.diff(levels))) if len(levels) > 1 else 0.0
-    leap = max(LEAP_COUNTS * count, USUAL_STEPS * usual_change)
+    least_jump = max(LEAP_COUNTS * count, USUAL_STEPS * usual_change)
 
     def is_fault(run: slice) -> bool:
         return (
             run.stop - run.start >= shortest
-            or (leaps and _leaps(values, run, free, leap))
-            or _stops(values, run, free, noise_level)
+            or (leaps and _leaps(values, run, is_free, least_jump))
+            or _stops(values, run, is_free, noise_level)
             or (
                 time_since_ramp is not None
                 and _ends_too_soon(values, run, time_since_ramp, noise_level)
@@ -136,13 +138,13 @@ def _shortest_fault(
     if turns:
         noisy &= steps[:-1] * steps[1:] < 0
     second_differences = np.abs(second_differences)
-    share = float(np.mean(noisy)) if len(noisy) else 0.0
-    if np.count_nonzero(noisy) < FEWEST_TURNS or share < TURNS[0][0]:
+    noisy_fraction = float(np.mean(noisy)) if len(noisy) else 0.0
+    if np.count_nonzero(noisy) < FEWEST_TURNS or noisy_fraction < TURNS[0][0]:
         return np.inf
     if count == 0.0:
         return SHORTEST
-    scatter = max(counts for min_share, counts in TURNS if share >= min_share)
-    if share >= TURNS[-1][0]:
+    scatter = max(counts for min_share, counts in TURNS if noisy_fraction >= min_share)
+    if noisy_fraction >= TURNS[-1][0]:
         # readings that repeat are left out, so what is left scatters by more
         scatter = max(scatter, 0.7 * 1.4826 * median(second_differences) / sqrt(6.0) / count)
     same_reading_chance = erf(1 / (2 * sqrt(2.0) * scatter))
@@ -154,11 +156,11 @@ def _leaps(values: FloatArray, run: slice, free: BoolArray, min_leap: float) -> 
     values_after = values[run.stop : run.stop + AFTER]
     if len(values_after) < AFTER or not free[max(run.start - 1, 0) : run.stop + AFTER].all():
         return False
-    leap, lasting_leap = (
+    jump_threshold, lasting_leap = (
         abs(values_after[0] - values[run.start]),
         abs(median(values_after) - values[run.start]),
     )
-    return bool(min(leap, lasting_leap) > min_leap > 0.0)
+    return bool(min(jump_threshold, lasting_leap) > min_leap > 0.0)
 
 
 def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:

@@ -77,18 +77,18 @@ def weights_at(u: FloatArray, alpha: float) -> Weights:
     """
     h = float(u[1] - u[0])
     density = density_at(u, alpha)
-    weights = Weights(*(h * part for part in density))
+    weights = Weights(*(h * component for component in density))
     for end in (0, -1):
-        for part in weights:
-            part[end] /= 2
+        for component in weights:
+            component[end] /= 2
     return _with_ends(weights, u, density.value[[0, -1]], alpha)
 
 
 def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: float) -> Weights:
     """Add what lies beyond the first and the last arm to them."""
     for end, sign in ((0, -1.0), (-1, 1.0)):
-        share, slope = _integrate_tail(sign * float(u[end]), alpha)
-        weights.value[end] += share
+        tail_weight, slope = _integrate_tail(sign * float(u[end]), alpha)
+        weights.value[end] += tail_weight
         weights.by_log_tau[end] += sign * float(density[end])
         weights.by_alpha[end] += slope
     return weights
@@ -112,7 +112,7 @@ def _build_graded_arms(max_distance: float, alpha: float, nodes: int) -> tuple[F
     half_widths = np.diff(cuts)[:, None] / 2
     u = (cuts[:-1, None] + half_widths * (1 + x)).ravel()
     scale = (half_widths * weight).ravel()
-    weights = Weights(*(scale * part for part in density_at(u, alpha)))
+    weights = Weights(*(scale * component for component in density_at(u, alpha)))
     end_densities = density_at(cuts[[0, -1]], alpha).value
     return u, _with_ends(weights, cuts[[0, -1]], end_densities, alpha)
 
@@ -129,7 +129,7 @@ def _select_arms(
     )
     kept_indices = [0, *range(first + 1, last + 1)]
     return u[first : last + 1], Weights(
-        *(np.add.reduceat(part[:], kept_indices)[: last + 1 - first] for part in weights)
+        *(np.add.reduceat(component[:], kept_indices)[: last + 1 - first] for component in weights)
     )
 
 
@@ -138,10 +138,10 @@ def _integrate_tail(u: float, alpha: float) -> tuple[float, float]:
     s, c = sin(alpha * pi), cos(alpha * pi)
     # of the other side, where the exponential could not be written
     e = exp(-alpha * abs(u))
-    share = float(np.arctan2(e * s, 1 + e * c)) / (alpha * pi)
+    tail_weight = float(np.arctan2(e * s, 1 + e * c)) / (alpha * pi)
     rotated_part = (-abs(u) * e * s + pi * e * c + pi * e * e) / (1 + 2 * c * e + e * e)
-    slope = -share / alpha + rotated_part / (alpha * pi)
-    return (share, slope) if u >= 0 else (1 - share, -slope)
+    slope = -tail_weight / alpha + rotated_part / (alpha * pi)
+    return (tail_weight, slope) if u >= 0 else (1 - tail_weight, -slope)
 
 
 @dataclass(frozen=True)

@@ -75,8 +75,8 @@ def _compressible(single: float, S: float, poisson: float, edges: tuple[float, .
     M = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) - 1
     u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * single / M
     x = np.sqrt(8 * u)
-    edge = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
-    return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge)
+    edge_term = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
+    return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge_term)
 
 
 def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
@@ -236,8 +236,8 @@ class Block(_Pad):
         return self.area / (2 * self.height * (self.length + self.width))
 
     def _stiffer(self) -> float:
-        narrow, wider = sorted((self.length, self.width))
-        return bonded_block(self.shape_factor, narrow / wider, self.poisson)
+        width, length = sorted((self.length, self.width))
+        return bonded_block(self.shape_factor, width / length, self.poisson)
 
 
 @dataclass(frozen=True)
@@ -348,10 +348,10 @@ def find_shape(words: str) -> Geometry:
         raise DataError(f"'{words}' is no shape. Write {', '.join(shapes)}, such as disc:20mm,20mm")
     kind = shapes[name]
     requested = [attribute.name for attribute in fields(kind) if not attribute.kw_only]  # type: ignore[arg-type]
-    parts = lengths.split(",")
-    if len(parts) != len(requested):
+    dimensions = lengths.split(",")
+    if len(dimensions) != len(requested):
         raise DataError(
-            f"'{words}' has {format_count(len(parts), 'length')}; expected {len(requested)}: "
+            f"'{words}' has {format_count(len(dimensions), 'length')}; expected {len(requested)}: "
             f"{', '.join(requested)}, with their units and commas between them"
         )
-    return kind(*(convert_to_si(part.strip(), "length") for part in parts))
+    return kind(*(convert_to_si(dimension.strip(), "length") for dimension in dimensions))

@@ -207,8 +207,8 @@ class FreeShifts(TemperatureLaw):
         temperatures = increasing("temperatures", samples("temperatures", self.temperatures))
         shifts = samples("log10_shifts", self.log10_shifts)
         same_length(temperatures=temperatures, log10_shifts=shifts)
-        at = np.flatnonzero(temperatures == self.reference)
-        if temperatures[0] <= 0 or not len(at) or shifts[at[0]] != 0:
+        reference_index = np.flatnonzero(temperatures == self.reference)
+        if temperatures[0] <= 0 or not len(reference_index) or shifts[reference_index[0]] != 0:
             raise DataError(
                 f"free shifts need temperatures > 0 K with the reference of {self.reference:g} K "
                 f"among them and no shift there; found {self.temperatures}"
@@ -242,5 +242,7 @@ class FreeShifts(TemperatureLaw):
         self.log10_a_t(t)  # refuses what is outside
         inverse, shift = 1 / np.array(self.temperatures), np.array(self.log10_shifts)
         slope = np.diff(shift) / np.diff(inverse)
-        at = np.clip(np.searchsorted(self.temperatures, t, side="right") - 1, 0, len(slope) - 1)
-        return np.asarray(_LN10 * GAS * slope[at])
+        interval_index = np.clip(
+            np.searchsorted(self.temperatures, t, side="right") - 1, 0, len(slope) - 1
+        )
+        return np.asarray(_LN10 * GAS * slope[interval_index])

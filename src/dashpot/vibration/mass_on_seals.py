@@ -304,8 +304,8 @@ def _default_frequencies(stiffness: float, mass: float) -> FloatArray:
         raise DataError(
             "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
         )
-    top = compute_peak_limit(stiffness, mass)
-    return np.geomspace(top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR, LINES)
+    peak_limit = compute_peak_limit(stiffness, mass)
+    return np.geomspace(peak_limit / FREQUENCY_FACTOR, peak_limit * FREQUENCY_FACTOR, LINES)
 
 
 def compute_peak_limit(stiffness: float, mass: float) -> float:
@@ -395,8 +395,8 @@ def poles(model: Solid, mass: float) -> ComplexArray:
     arms that stand for the solid.
     """
     arms = model.maxwell
-    size = 2 + arms.arms
-    state = np.zeros((size, size))
+    pole_count = 2 + arms.arms
+    state = np.zeros((pole_count, pole_count))
     state[0, 1] = 1.0
     state[1, 0] = -arms.k_inf / mass
     state[1, 1] = -arms.b / mass
@@ -538,10 +538,10 @@ class Response:
         # of an arm faster than the pulse the width of it shows nothing: it has long died away
         p = p[p.real * self.record > -MAX_DECAY]
         r = residues(arms, mass, p)
-        size = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
-        is_alive = np.abs(size) > 0
+        motion_at_end = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
+        is_alive = np.abs(motion_at_end) > 0
         p = p[is_alive]
-        return TruncationLoss(p, r[is_alive], size[is_alive], 2 * mass + arms.bend_at(p))
+        return TruncationLoss(p, r[is_alive], motion_at_end[is_alive], 2 * mass + arms.bend_at(p))
 
 
 def _simplify_distant_arms(

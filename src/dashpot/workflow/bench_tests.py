@@ -261,7 +261,7 @@ def fit_records(
     the handler of these. `name`, of the first file, stands before what is wrong.
     """
     handlers = (find_handler("fit records", test) for test in tests)
-    fit_others = next((item for item in handlers if item is not None), None)
+    fit_others = next((handler for handler in handlers if handler is not None), None)
     if fit_others is not None:
         result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, options, name=name)
         return result

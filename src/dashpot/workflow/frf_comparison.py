@@ -249,7 +249,7 @@ def compare_files(
     leave_out = find_handler("leave one out", impact)
     if leave_out is None:
         return comparison
-    unmeasured = leave_out(
+    left_out_tests = leave_out(
         impact,
         tests,
         fit,
@@ -257,7 +257,7 @@ def compare_files(
         choices=hammer,
         band=band,
     )
-    return replace(comparison, unmeasured=unmeasured)
+    return replace(comparison, unmeasured=left_out_tests)
 
 
 def agreement(

@@ -502,9 +502,9 @@ def prediction(
     if part is not None and of_part:
         _refuse_records(tests)
         material = shifted_fit.solid
-        measured = None if predictor is None else predictor.measured_peak(frf_kind)
+        measured_peak = None if predictor is None else predictor.measured_peak(frf_kind)
         shifted_fit = fit = apply_part_factor(
-            part, shifted_fit, seals=seals, base=frf_kind.over_base, peak=measured
+            part, shifted_fit, seals=seals, base=frf_kind.over_base, peak=measured_peak
         )
         stiffer = float(
             abs(
@@ -585,9 +585,13 @@ def _format_headline(frf: FRF, peak: tuple[float, float], fit: Fit, *, at_edge: 
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
     name, unit = frf.quantity.replace("_", " "), frf.read
-    size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
-    top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
-    return f"{top}. The model is valid {format_band(fit.band)}"
+    height_text = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
+    peak_text = (
+        f"the {name} is {height_text}, the end of the band"
+        if at_edge
+        else f"peak of the {name} {height_text}"
+    )
+    return f"{peak_text}. The model is valid {format_band(fit.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:
@@ -633,20 +637,23 @@ class MountedMass:
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
         """Return frequency and height of the largest magnitude, and whether it stands at an end."""
-        top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
-        low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
+        peak_line, last_line = int(np.abs(frf.value).argmax()), len(frf.value) - 1
+        low, high = (
+            frf.frequency[max(peak_line - 1, 0)],
+            frf.frequency[min(peak_line + 1, last_line)],
+        )
         fine_frf = self.frf(np.linspace(low, high, 2001))
         height = np.abs(fine_frf.value)
         peak = float(fine_frf.frequency[height.argmax()]), float(height.max())
-        return peak, top in {0, last} and peak[0] in {low, high}
+        return peak, peak_line in {0, last_line} and peak[0] in {low, high}
 
     @property
     def rival(self) -> RivalModes | None:
         """Resonance by the other family of solids that explains the test."""
-        other = self.fit.evidence.alternative
-        if other is None or not other.is_sufficient:
+        alternative = self.fit.evidence.alternative
+        if alternative is None or not alternative.is_sufficient:
             return None
-        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
+        return RivalModes(alternative.family, rival_modes(self.fit, self.rests.point, self.load))
 
     def compute_limits(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
         """Return the limits of the response, over fewer lines."""

@@ -75,8 +75,8 @@ def convert_old_inspection(entries: dict[str, Any]) -> dict[str, Any]:
     account = entries.get("preparation", {})
     if "error" not in account:
         return entries
-    rest = {key: item for key, item in entries.items() if key != "preparation"}
-    return rest | {"refusal": account["error"]}
+    other_entries = {key: value for key, value in entries.items() if key != "preparation"}
+    return other_entries | {"refusal": account["error"]}
 
 
 @dataclass(frozen=True)

@@ -65,9 +65,9 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def parts_of(value: Any, path: str) -> dict[str, Any]:
     """Return what an object or an array holds by its place; nothing of any other value."""
     if isinstance(value, dict):
-        return {f"{path}.{key}": item for key, item in value.items()}
+        return {f"{path}.{key}": child for key, child in value.items()}
     if isinstance(value, list):
-        return {f"{path}[{i}]": item for i, item in enumerate(value)}
+        return {f"{path}[{i}]": child for i, child in enumerate(value)}
     return {}
 
 
@@ -76,9 +76,9 @@ def find_mistyped_number(value: Any, path: str = "$") -> str:
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
         numeric = path.rpartition(".")[2].partition("[")[0] in _NUMERIC
         return f'{path} is the text "{value}"; expected a number, with a point' if numeric else ""
-    parts = parts_of(value, path).items()
+    children = parts_of(value, path).items()
     return next(
-        filter(None, (find_mistyped_number(item, item_path) for item_path, item in parts)), ""
+        filter(None, (find_mistyped_number(child, item_path) for item_path, child in children)), ""
     )
 
 
@@ -87,7 +87,9 @@ def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
     if value == reference:
         return ""
     if isinstance(value, dict | list) and type(value) is not type(reference):
-        text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
+        text, expected = (
+            _JSON_KINDS.get(type(json_value), "one value") for json_value in (value, reference)
+        )
         return f"{path} is {text}; expected {expected}"
     if isinstance(value, dict):
         unknown = sorted(value.keys() - reference.keys())
@@ -97,13 +99,13 @@ def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
     elif isinstance(value, list) and len(value) != len(reference):
         return ""
     reference_parts = parts_of(reference, path)
-    parts = parts_of(value, path).items()
+    children = parts_of(value, path).items()
     return next(
         filter(
             None,
             (
-                find_unknown_keys(item, reference_parts[item_path], item_path)
-                for item_path, item in parts
+                find_unknown_keys(json_value, reference_parts[item_path], item_path)
+                for item_path, json_value in children
             ),
         ),
         "",
@@ -265,9 +267,9 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
         return [_map_to_fields(*pair) for pair in zip_longest(group, value)][: len(value)]
     cls = _find_value_class(kinds, value)
     if cls is None:
-        return {key: _map_to_fields(Any, item) for key, item in value.items()}
+        return {key: _map_to_fields(Any, entry) for key, entry in value.items()}
     types, entries = _evaluate_types(cls), decode_fields(cls, _find_completion(cls)(value))
-    layout = {name: _map_to_fields(types[name], item) for name, item in entries.items()}
+    layout = {name: _map_to_fields(types[name], entry) for name, entry in entries.items()}
     # the decoder knows no class with several subclasses
     return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
 
@@ -303,8 +305,8 @@ def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | Non
 @cache
 def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
     """Return what adds to the values of a document what its keys leave out."""
-    other = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
-    return _FILLED.get(cls) or other or dict
+    completion = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
+    return _FILLED.get(cls) or completion or dict
 
 
 _evaluate_types = cache(get_type_hints)
@@ -341,8 +343,8 @@ def _convert_model(entries: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a model from its list of arms."""
     if "arms" not in entries:
         raise ValueError('a model has no "arms"; that of a spring alone is []')
-    rest = {name: entries[name] for name in ("k_inf", "b") if name in entries}
-    return rest | {name: [arm[name] for arm in entries["arms"]] for name in ("k", "tau")}
+    model_entries = {name: entries[name] for name in ("k_inf", "b") if name in entries}
+    return model_entries | {name: [arm[name] for arm in entries["arms"]] for name in ("k", "tau")}
 
 
 def _fit(entries: dict[str, Any]) -> dict[str, Any]:

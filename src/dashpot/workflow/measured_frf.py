@@ -362,8 +362,11 @@ class ImpactResult(Modes):
     def peak(self) -> dict[str, float]:
         """Frequency, Hz, and magnitude of the highest line."""
         height = np.abs(self.frf.value)
-        top = int(height.argmax())
-        return {"frequency_hz": float(self.frf.frequency[top]), "value": float(height[top])}
+        peak_line = int(height.argmax())
+        return {
+            "frequency_hz": float(self.frf.frequency[peak_line]),
+            "value": float(height[peak_line]),
+        }
 
 
 def impact_files(

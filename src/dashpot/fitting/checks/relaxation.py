@@ -337,8 +337,8 @@ def residuals_steady(
     Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT` of the `peak`, N, the
     limits of every stiffness count their power.
     """
-    measured = [residual for residual in residuals if _rms(residual) > rounding]
-    ratios = [wander(residual) for residual in measured if len(residual) >= 800]
+    noisy_residuals = [residual for residual in residuals if _rms(residual) > rounding]
+    ratios = [wander(residual) for residual in noisy_residuals if len(residual) >= 800]
     if not ratios:
         return Finding("The residuals are too few, or only rounding, to judge slow wandering")
     return Finding(
@@ -348,7 +348,7 @@ def residuals_steady(
         "The force wanders slowly: drift, temperature, or a missed arm. The interval of the "
         "slowest arm is too narrow. Other limits count this as noise",
         "Let the load cell warm up, and repeat the test.",
-        grade="note" if max(map(_rms, measured)) <= SLIGHT * peak else None,
+        grade="note" if max(map(_rms, noisy_residuals)) <= SLIGHT * peak else None,
     )
 
 
@@ -394,16 +394,16 @@ def hold_and_full_agree(
         full_values > ROUNDING * full_model.k_0, full_values, max(full_model.k_0, 1e-300)
     )
     difference = (hold_values - full_values) / scale
-    size = np.abs(difference)
+    magnitude = np.abs(difference)
     excess = np.abs(hold_values - full_values) > 3.0 * sigma
-    failed = excess & (size > MAX_METHOD_DIFFERENCE)
-    worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
+    failed = excess & (magnitude > MAX_METHOD_DIFFERENCE)
+    worst_index = int(np.argmax(np.where(failed, 1e9, 0.0) + magnitude))
     orders = "" if same_order else f" with {format_arm_count(hold.arms)}"
     return Finding(
-        f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
-        f"{100 * difference[worst]:+.2g} %, "
-        f"{'more' if excess[worst] else 'not more'} than noise explains",
-        float(size[worst]),
+        f"The fit of the hold alone (eq. 5){orders} changes {labels[worst_index]} by "
+        f"{100 * difference[worst_index]:+.2g} %, "
+        f"{'more' if excess[worst_index] else 'not more'} than noise explains",
+        float(magnitude[worst_index]),
         remedy="Use the fit of ramp and hold.",
         always_passes=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
@@ -492,20 +492,20 @@ def wander(residual: FloatArray) -> float:
 def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
     """Return the largest rms of ramp, a ramp after it, and the rest; and where, in words."""
     time = test.time[: test.hold.stop][-len(residual) :]
-    parts = (
+    located_residuals = (
         ("in the ramp", (time > test.onset) & (time <= test.ramp_end)),
         ("after the ramp", (time > test.ramp_end) & (time <= test.ramp_end + test.ramp_time)),
         ("in the hold", time > test.ramp_end + test.ramp_time),
     )
-    return largest_rms(residual, parts)
+    return largest_rms(residual, located_residuals)
 
 
 def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) -> tuple[float, str]:
     """Return the largest rms of some parts of a residual, and the words for that part."""
     pairs = [
-        (float(np.sqrt(np.mean(residual[part] ** 2))), location)
-        for location, part in parts
-        if np.count_nonzero(part) >= 5
+        (float(np.sqrt(np.mean(residual[mask] ** 2))), location)
+        for location, mask in parts
+        if np.count_nonzero(mask) >= 5
     ]
     return max(pairs, default=(0.0, "in the record"))
 
@@ -515,8 +515,8 @@ def slow_noise(residual: FloatArray, peak: float) -> float:
 
     Slow noise does not scatter between samples, and a misfit of the ramp is in few stretches.
     """
-    parts = np.array_split(residual, 8)
-    return min(median(np.array([_rms(part) for part in parts if len(part)])), SLIGHT * peak)
+    pieces = np.array_split(residual, 8)
+    return min(median(np.array([_rms(piece) for piece in pieces if len(piece)])), SLIGHT * peak)
 
 
 def _rms(values: FloatArray) -> float:
@@ -526,10 +526,12 @@ def _rms(values: FloatArray) -> float:
 def noise_of_force(test: RampHold) -> float:
     """Return the noise of the force, N: the scatter between samples, and about the baseline."""
     if test.loading_start is None:
-        rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
+        unloaded_force = test.force[
+            (test.time < test.onset) & (test.displacement < AT_REST * test.depth)
+        ]
     else:
-        rest = test.force[test.baseline_samples]
-    return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
+        unloaded_force = test.force[test.baseline_samples]
+    return max(test.force_noise, float(unloaded_force.std()) if len(unloaded_force) >= 20 else 0.0)
 
 
 def _format_changes(changes: Mapping[str, float]) -> str:

@@ -138,18 +138,18 @@ def tau_inside_window(
     """
     low, high = window
     holds = np.less if is_closed else np.less_equal
-    outside = [tau for tau in model.tau if not (holds(low, tau) and holds(tau, high))]
+    outside_times = [tau for tau in model.tau if not (holds(low, tau) and holds(tau, high))]
     span = f"{low:.3g} s{end_names[0]} to {high:.3g} s{end_names[1]}"
-    taus_text = ", ".join(f"{tau:.3g} s" for tau in outside)
+    taus_text = ", ".join(f"{tau:.3g} s" for tau in outside_times)
     return Finding(
         f"Every relaxation time lies in what {subject} can show, {span}",
-        min(outside, default=None),
-        always_passes=bool(model.arms) and not outside,
+        min(outside_times, default=None),
+        always_passes=bool(model.arms) and not outside_times,
         failure=f"A relaxation time, {taus_text}, lies outside what {subject} can show, {span}. "
         "Only the tail of this arm was measured, so its k and tau are extrapolated",
         remedy=remedy,
         limit=high,
-        always_fails=bool(outside),
+        always_fails=bool(outside_times),
     )
 
 
@@ -161,17 +161,17 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
 
     `rms` is that of weighted residuals, or in N beside a `noise`.
     """
-    size = f"weighted residuals are {rms:.3g} rms"
+    size_text = f"weighted residuals are {rms:.3g} rms"
     cause, advice = "The model misses part of the curve", "Look at the dense spectrum."
     if noise is not None:
-        size = f"residuals are {format_quantity(rms, 'mN', '.3g')} rms"
+        size_text = f"residuals are {format_quantity(rms, 'mN', '.3g')} rms"
         if rms > 1.3 * noise:
             advice = "Try another arm, or look at the residuals."
         else:
             cause, advice = "The record was filtered, or drifts", "Use the raw record."
     count = "each sample counts" if kappa < 1.005 else f"{kappa:.3g} samples count"
     return Finding(
-        f"The {size}, and {count} as one independent sample",
+        f"The {size_text}, and {count} as one independent sample",
         kappa,
         f"The intervals are wider for it. {cause}",
         advice,
@@ -273,9 +273,9 @@ def loss_factor_determined(band_error: BandError | None) -> Finding:
     if band_error is None:
         return Finding("How well the loss factor is known was not computed")
     error = band_error.max_errors[1]
-    size = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
+    size_text = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
     return Finding(
-        f"In the valid band the loss factor is known to {size}",
+        f"In the valid band the loss factor is known to {size_text}",
         error,
         "Arms that the data cannot show, or lines that the model misses, leave it open",
         "Use the stiffness alone, measure with less noise, or add a hammer test.",

@@ -95,7 +95,7 @@ class ArmColumns:
         low, high = self.bounds
 
         def model(theta: FloatArray) -> Rows:
-            column, *by = (self.arms @ part for part in self.weights(theta))
+            column, *by = (self.arms @ weight for weight in self.weights(theta))
             A = np.concatenate((self.fixed, column[:, None]), axis=1)
             return Rows(self.target, A, lambda beta: beta[-1] * np.column_stack(by))
 
@@ -103,7 +103,9 @@ class ArmColumns:
 
     def best(self) -> Optimum:
         """Return the element that leaves least, from the best of a grid of starts."""
-        return require_optimum(self.problem, [start.theta for start in self.starts(_STARTS)])
+        return require_optimum(
+            self.problem, [start_theta.theta for start_theta in self.starts(_STARTS)]
+        )
 
     def starts(self, count: int) -> list[Optimum]:
         """Return the best points of a grid, no two of nearly the same relaxation time."""
@@ -127,7 +129,7 @@ class ArmColumns:
         arms = best.beta[-1] * self.weights(best.theta).value
         low, high = self.bounds
         # an edge of tau or of alpha is one of all its arms
-        edge = bool(((best.theta <= low + 1e-9) | (best.theta >= high - 1e-9)).any())
+        is_at_edge = bool(((best.theta <= low + 1e-9) | (best.theta >= high - 1e-9)).any())
         return Solution(
             log_tau=self.log_tau,
             groups=self.stack.groups,
@@ -138,9 +140,9 @@ class ArmColumns:
             samples=self.stack.samples,
             requested=len(arms),
             evaluations=0,
-            converged=best.stationary and not edge,
+            converged=best.stationary and not is_at_edge,
             relative_offset=0.0 if best.stationary else 1.0,
-            at_bound=np.full(len(arms), edge),
+            at_bound=np.full(len(arms), is_at_edge),
             bounds=self.stack.bounds,
         )
 
@@ -233,9 +235,9 @@ class FractionalFit(SelectedModel):
         covariance = self.estimate.covariance[np.ix_(rows, rows)]
         if not np.isfinite(covariance).all():
             return np.diag(np.full(len(rows), np.inf))
-        turn = np.eye(len(rows))
-        turn[1, 0] = 1.0
-        return np.asarray(turn @ covariance @ turn.T)
+        transform = np.eye(len(rows))
+        transform[1, 0] = 1.0
+        return np.asarray(transform @ covariance @ transform.T)
 
     @property
     def is_at_edge(self) -> bool:
@@ -382,8 +384,8 @@ def chosen_family(
 
     def is_as_good(contender: _Contender, best: _Contender) -> bool:
         value, lowest_deviance = (
-            deviance(item.sse, effective=effective, rounding_sse=rounding_sse)
-            for item in (contender, best)
+            deviance(candidate_fit.sse, effective=effective, rounding_sse=rounding_sse)
+            for candidate_fit in (contender, best)
         )
         return not is_significant_fall(
             value - lowest_deviance, max(best.parameters - contender.parameters, 1)
@@ -393,24 +395,28 @@ def chosen_family(
         # many arms leave less of few samples by chance alone
         return (contender.sse + rounding_sse) / max(effective - contender.parameters, 1.0)
 
-    single, arm_solutions = _candidate(fit), _list_orders(arms)
+    maxwell_candidate, arm_solutions = _candidate(fit), _list_orders(arms)
     selected = arm_solutions[0]
-    is_better = criterion(single) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
+    is_better = (
+        criterion(maxwell_candidate) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
+    )
     best, contenders = (
-        (single, arm_solutions) if is_better or family == "fractional" else (selected, [single])
+        (maxwell_candidate, arm_solutions)
+        if is_better or family == "fractional"
+        else (selected, [maxwell_candidate])
     )
     bic_limit = criterion(best) + VERY_STRONG
     explain = [
-        other for other in contenders if criterion(other) < bic_limit or is_as_good(other, best)
+        rival for rival in contenders if criterion(rival) < bic_limit or is_as_good(rival, best)
     ]
-    other = (explain or contenders)[0]
+    rival = (explain or contenders)[0]
     return FamilySelection(
         best.family,
         arms,
         AlternativeFamily(
-            other.solid,
-            residual=float(np.sqrt(spread(best) / spread(other))),
-            bic=criterion(other) - criterion(best),
+            rival.solid,
+            residual=float(np.sqrt(spread(best) / spread(rival))),
+            bic=criterion(rival) - criterion(best),
             explains=bool(explain),
         ),
     )
@@ -457,10 +463,15 @@ def with_linear_fractional(
         Fit of the same tests.
     """
     pairs = [
-        (residual[-min(len(residual), len(other)) :], other[-min(len(residual), len(other)) :])
-        for residual, other in zip(residuals, fit.estimate.residuals, strict=True)
+        (
+            residual[-min(len(residual), len(linear_residual)) :],
+            linear_residual[-min(len(residual), len(linear_residual)) :],
+        )
+        for residual, linear_residual in zip(residuals, fit.estimate.residuals, strict=True)
     ]
-    sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
+    sse = np.array(
+        [[residual_part @ residual_part for residual_part in pair] for pair in pairs]
+    ).sum(axis=0)
     effective = fit.estimate.effective
     own_sse, other_sse = sse.tolist()
     deviance_fall = deviance(other_sse, effective=effective) - deviance(
@@ -476,7 +487,7 @@ def with_linear_fractional(
         np.log(effective)
     )
     explains = bic_difference < VERY_STRONG or not is_significant_fall(deviance_fall, 1)
-    other = build_alternative(
+    linear_alternative = build_alternative(
         nonlinear_fit.solid,
         fit.solid,
         bic_difference,
@@ -484,9 +495,10 @@ def with_linear_fractional(
         explains=explains,
         extra=RAMPS,
     )
-    checks = (*nonlinear_fit.checks, model_families_distinguished(other))
+    checks = (*nonlinear_fit.checks, model_families_distinguished(linear_alternative))
     return replace(
-        nonlinear_fit, evidence=replace(nonlinear_fit.evidence, alternative=other, checks=checks)
+        nonlinear_fit,
+        evidence=replace(nonlinear_fit.evidence, alternative=linear_alternative, checks=checks),
     )
 
 
@@ -511,9 +523,9 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
     return float(f[indices[0]]) if indices.size else None
 
 
-def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray:
+def _find_disagreement(first: Solid, other_solid: Solid, f: FloatArray) -> FloatArray:
     """Return where two solids differ by more than is worth telling."""
-    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, second))
+    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, other_solid))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
     of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
@@ -555,15 +567,15 @@ def build_alternative(
     elif frequency is None:
         message = f"{both_text}. It predicts the same up to {HEARD:g} Hz"
     else:
-        at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
+        decade = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (
-            complex(item.complex_stiffness(omega=2 * np.pi * at))
-            for item in (own_solid, other_solid)
+            complex(solid.complex_stiffness(omega=2 * np.pi * decade))
+            for solid in (own_solid, other_solid)
         )
         advice = sentence(f"{extra} separates them")
         message = (
-            f"{both_text}. From {frequency:.2g} Hz on the two differ: at {at:g} Hz the loss factor "
-            f"is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
-            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
+            f"{both_text}. From {frequency:.2g} Hz on the two differ: at {decade:g} Hz the loss "
+            f"factor is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the "
+            f"other, the stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
         )
     return Alternative(other_solid, bic_difference, explains, frequency, sentence(message))

@@ -137,12 +137,12 @@ def explain_discrepancy(
         Where the seals under the hammer were supposed to be, m.
     """
     problem = best_candidate.problem
-    single = not problem.relaxations and problem.constraints.before is None
-    if single or not is_contradicted(best_candidate):
+    hammer_only = not problem.relaxations and problem.constraints.before is None
+    if hammer_only or not is_contradicted(best_candidate):
         return None
-    before, threshold, ranked = _rank_causes(best_candidate, refit)
+    refit_candidate, threshold, ranked = _rank_causes(best_candidate, refit)
     explanations = [
-        _build_explanation(cause, candidate, before, law, compression, is_leading=not rank)
+        _build_explanation(cause, candidate, refit_candidate, law, compression, is_leading=not rank)
         for rank, (cause, candidate) in enumerate(ranked)
     ]
     if not explanations[0].is_sufficient and _find_failed_checks(best_candidate) == {
@@ -159,16 +159,19 @@ def explain_discrepancy(
         return Discrepancy(
             tuple(explanations),
             best_candidate,
-            refit_with_free_cause(before, explanations[0].name).point.model,
+            refit_with_free_cause(refit_candidate, explanations[0].name).point.model,
             problem.priors,
         )
     if rivals:
         message = f"{explanations[0].message}. It is as well explained by {', or by '.join(rivals)}"
         explanations[0] = replace(explanations[0], message=message)
-    lead = ranked[0][1]
-    fixed_problem = replace(lead.problem, priors=problem.priors)
+    leading_cause = ranked[0][1]
+    fixed_problem = replace(leading_cause.problem, priors=problem.priors)
     return Discrepancy(
-        tuple(explanations), lead, _to(fixed_problem, lead).point.model, problem.priors
+        tuple(explanations),
+        leading_cause,
+        _to(fixed_problem, leading_cause).point.model,
+        problem.priors,
     )
 
 
@@ -180,30 +183,30 @@ def _rank_causes(
     All are by the line scale of the closest; two causes at once are tried where none alone does.
     """
     problem = best_candidate.problem
-    free: list[DiscrepancyCause] = []
+    free_causes: list[DiscrepancyCause] = []
     candidates: list[Candidate] = []
     for causes in (CAUSES, PAIRS):
         if all(map(is_contradicted, candidates)):
-            new = [
+            new_candidates = [
                 cause
                 for cause in causes
                 if problem.priors.priors_by_name[cause.quantity] is not None
             ]
-            free += new
-            candidates += [refit(_free_quantity(problem, cause)) for cause in new]
+            free_causes += new_candidates
+            candidates += [refit(_free_quantity(problem, cause)) for cause in new_candidates]
     scale = min(candidate.line_scale for candidate in candidates)
     candidates = [_refit_at_scale(candidate, scale) for candidate in candidates]
-    before = _refit_at_scale(best_candidate, scale)
+    refit_candidate = _refit_at_scale(best_candidate, scale)
     lowest_criterion = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also distinguishes causes: only a decisive lead counts
     threshold = lowest_criterion + max(
-        DECISIVE_BIC, LACKING * (before.criterion - lowest_criterion)
+        DECISIVE_BIC, LACKING * (refit_candidate.criterion - lowest_criterion)
     )
     by = sorted(
-        zip(free, candidates, strict=True),
+        zip(free_causes, candidates, strict=True),
         key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, threshold)),
     )
-    return before, threshold, by
+    return refit_candidate, threshold, by
 
 
 def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
@@ -277,12 +280,12 @@ def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Chec
 def _free_quantity(
     problem: IdentificationProblem, cause: DiscrepancyCause
 ) -> IdentificationProblem:
-    free = {
+    free_quantities = {
         name: (problem.priors.priors_by_name[name] or UNCHANGED)._replace(sd=np.inf)
         for name in (cause.quantity, cause.paired_stiffness)
         if name
     }
-    return replace(problem, priors=replace(problem.priors, **free))
+    return replace(problem, priors=replace(problem.priors, **free_quantities))
 
 
 def _refit_at_scale(candidate: Candidate, scale: float) -> Candidate:

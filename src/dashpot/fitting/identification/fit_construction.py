@@ -80,16 +80,18 @@ class AlternativeCandidate(NamedTuple):
     @property
     def worst_misfit_ratio(self) -> float:
         """Root of what the best leaves of a test over what the other does, of the worst test."""
-        own_misfits, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
-        return float(np.sqrt(np.max(own_misfits / np.maximum(other, 1e-300))))
+        own_misfits, other_misfits = (
+            _compute_misfits(candidate) for candidate in (self.best, self.other)
+        )
+        return float(np.sqrt(np.max(own_misfits / np.maximum(other_misfits, 1e-300))))
 
     def alternative(self, band: tuple[float, float]) -> Alternative:
         """Return the other family as a fit keeps it; `band` is what the tests inform, Hz."""
         problem, bic_difference = self.best.problem, self.other.bic - self.best.bic
-        single = not problem.relaxations and problem.constraints.before is None
+        hammer_only = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
             self.best.point.model, self.other.point.model, bic_difference, band,
-            explains=self.explains, extra=_ALONE if single else _JOINT,
+            explains=self.explains, extra=_ALONE if hammer_only else _JOINT,
         )  # fmt: skip
 
 
@@ -199,8 +201,8 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
         stack_real_rows(_compute_rig_doubts(best, rig) / problem.frf_data.sd[:, None])
         / problem.scale
     )
-    first = sum(len(rows) for rows in best.model_prediction.tests)
-    slope = best.model_prediction.slope[first : first + len(rows)]
+    row_count = sum(len(rows) for rows in best.model_prediction.tests)
+    slope = best.model_prediction.slope[row_count : row_count + len(rows)]
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
     return np.asarray(covariance @ (slope.T @ rows))
 
@@ -226,15 +228,15 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     if error <= 0:
         return line_slopes
     step = _DECAY_STEP * error
-    shifted = (
+    shifted_windows = (
         replace(data, lines=replace(data.lines, shift=data.lines.shift + change))
         for change in (step, -step)
     )
-    raised, lowered = (
+    raised_lines, lowered_lines = (
         item.predict(item.response(point.seal_under_hammer, point.mass), point.gain, point.delay)
-        for item in shifted
+        for item in shifted_windows
     )
-    return np.column_stack((line_slopes, error * (raised - lowered) / (2 * step)))
+    return np.column_stack((line_slopes, error * (raised_lines - lowered_lines) / (2 * step)))
 
 
 # Construction of a fit: errors, nuisances, changes.
@@ -267,13 +269,13 @@ def build_identified_fit(
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
-    unmeasured = _compute_rig_sensitivity(best, physical, doubtful_tests, rig)
+    rig_sensitivity = _compute_rig_sensitivity(best, physical, doubtful_tests, rig)
     if discrepancy is not None:
         # which of the two solids is right is a doubt of its own
         physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
     residual, samples = _residual(best)
     band = data_band(best, earlier_fit)
-    other = None if family_rival is None else family_rival.alternative(band)
+    alternative = None if family_rival is None else family_rival.alternative(band)
     estimate = ParameterEstimate(
         names,
         physical,
@@ -287,13 +289,13 @@ def build_identified_fit(
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
         *_checks(best, covariance, earlier_fit, discrepancy, errors),
-        *family_checks(best, family_rival, other),
+        *family_checks(best, family_rival, alternative),
         *dashpot,
     )
-    of_noise, estimate = estimate, estimate.with_rig(unmeasured)
+    of_noise, estimate = estimate, estimate.with_rig(rig_sensitivity)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
     all_checks = (*all_checks, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
-    end = end_of_data(best, earlier_fit, estimate)
+    end_of_hold = end_of_data(best, earlier_fit, estimate)
     law = None if earlier_fit is None else earlier_fit.elastic_law
     return build_fit(
         SolidEstimate(
@@ -308,10 +310,10 @@ def build_identified_fit(
             checks=all_checks,
             parameter_changes=()
             if fit is None
-            else _compare_parameters(fit, point.model, names, physical, end),
+            else _compare_parameters(fit, point.model, names, physical, end_of_hold),
             explanations=() if discrepancy is None else discrepancy.explanations,
-            alternative=other,
-            end_of_hold=end,
+            alternative=alternative,
+            end_of_hold=end_of_hold,
             band_error=known_there,
         ),
         Provenance(
@@ -408,14 +410,16 @@ def _compute_rig_sensitivity(
     all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
     was moved by.
     """
-    size = len(covariance)
-    gradients = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful_tests]
-    before = best.problem.constraints.before
-    if before is not None and best.problem.earlier is not None:
+    parameter_count = len(covariance)
+    gradients = [
+        data.compute_rig_gradient(best.point.model)[:parameter_count] for data in doubtful_tests
+    ]
+    prior = best.problem.constraints.before
+    if prior is not None and best.problem.earlier is not None:
         earlier_indices, _, root = best.problem.earlier
-        gradients.append(np.zeros((size, len(earlier_indices))))
+        gradients.append(np.zeros((parameter_count, len(earlier_indices))))
         gradients[-1][earlier_indices] = np.linalg.solve(
-            root @ root.T, _compute_rig_covariance_root(before, best)
+            root @ root.T, _compute_rig_covariance_root(prior, best)
         )
     of_hammer = _slope_of_physical(best) @ compute_hammer_rig_sensitivity(best, rig)
     indices = np.where(np.isfinite(covariance), covariance, 0.0)
@@ -521,7 +525,7 @@ def data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
 
 
 def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
-    at, point = best.problem.index, best.point
+    index, point = best.problem.index, best.point
     items = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
     items += [
         (title, name, "1")
@@ -531,7 +535,7 @@ def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
     nuisances = []
     for title, name, unit in items:
         value = float(getattr(point, name))
-        number = covariance[at[name], at[name]] if name in at else 0.0
+        number = covariance[index[name], index[name]] if name in index else 0.0
         scale = DELAY_UNIT if name == "delay" else value
         nuisances.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
     return tuple(nuisances)
@@ -563,7 +567,7 @@ def _compare_parameters(
     """Return each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
     of_noise = earlier_fit.estimate.noise_only.covariance
-    old, new = (
+    old_errors, new_errors = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
         for rows, matrix in ((earlier_fit.estimate.parameters, of_noise), (names, covariance))
     )
@@ -577,12 +581,12 @@ def _compare_parameters(
             )
         ]  # fmt: skip
     else:
-        first, last = earlier_fit.model, solid.maxwell
-        rows = [("k_inf", "N/m", first.k_inf, "k_inf", last.k_inf, "k_inf")]
-        partner = _partners(first.tau, last.tau)
-        for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
+        old_model, new_model = earlier_fit.model, solid.maxwell
+        rows = [("k_inf", "N/m", old_model.k_inf, "k_inf", new_model.k_inf, "k_inf")]
+        partner = _partners(old_model.tau, new_model.tau)
+        for j, (k, tau) in enumerate(zip(new_model.k, new_model.tau, strict=True)):
             i = partner.get(j)
-            k0, tau0 = (None, None) if i is None else (first.k[i], first.tau[i])
+            k0, tau0 = (None, None) if i is None else (old_model.k[i], old_model.tau[i])
             arm_number = 0 if i is None else i + 1
             rows.append((f"k_{j + 1}", "N/m", k0, f"k_{arm_number}", k, f"k_{j + 1}"))
             rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{arm_number}", tau, f"ln_tau_{j + 1}"))
@@ -611,8 +615,8 @@ def _compare_parameters(
             continue
         reference = (
             None
-            if value_before is None or error_before not in old
-            else error(old, error_before, value_before)
+            if value_before is None or error_before not in old_errors
+            else error(old_errors, error_before, value_before)
         )
         changes.append(
             ParameterChange(
@@ -620,7 +624,7 @@ def _compare_parameters(
                 value_before,
                 reference,
                 value_after,
-                error(new, error_after, value_after),
+                error(new_errors, error_after, value_after),
                 unit,
             )
         )
@@ -644,12 +648,12 @@ def _checks(
     discrepancy: Discrepancy | None,
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
-    lead = None if discrepancy is None else discrepancy.explanations[0]
+    leading_explanation = None if discrepancy is None else discrepancy.explanations[0]
     all_checks = [optimum_found(stationary=best.optimum.stationary)]
     requested_checks = agreement(best, None if discrepancy is None else discrepancy.priors)
     if earlier_fit is not None:
-        check = checks.tests_agree(lead)
-        if lead is not None and lead.is_sufficient:
+        check = checks.tests_agree(leading_explanation)
+        if leading_explanation is not None and leading_explanation.is_sufficient:
             # what follows from the cause is no graver than the cause
             requested_checks = [
                 replace(requested_check, grade=check.grade)
@@ -661,10 +665,10 @@ def _checks(
     all_checks += requested_checks
     if isinstance(best.problem.sought, Arms):
         arms = best.problem.sought.count
-        worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
-        new = 0 if earlier_fit is None else arms - earlier_fit.model.arms
+        largest_error = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
+        new_arms = 0 if earlier_fit is None else arms - earlier_fit.model.arms
         resolved_check = checks.arms_identified(
-            arms, worst, unknown=best.unknown, new=new, in_band=in_band
+            arms, largest_error, unknown=best.unknown, new=new_arms, in_band=in_band
         )
         all_checks.append(resolved_check)
     return tuple(all_checks)

@@ -76,9 +76,9 @@ class FRFData:
         :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale;
         of a sensor between both ends, :math:`g\,e^{-s d}\,m A / m_0`.
         """
-        share, base = self._over_base(response.mass)
+        relative_motion, base = self._over_base(response.mass)
         line_gain = gain * np.exp(-self.lines.s * delay)
-        return np.asarray(line_gain * (share * response.accelerance - base) + base)
+        return np.asarray(line_gain * (relative_motion * response.accelerance - base) + base)
 
     def slopes(
         self, response: Response, gain: float, delay: float, columns: ComplexArray
@@ -87,14 +87,14 @@ class FRFData:
 
         `columns` is that of the accelerance by those parameters, shape (n, q).
         """
-        share, base = self._over_base(response.mass)
+        relative_motion, base = self._over_base(response.mass)
         line_gain = gain * np.exp(-self.lines.s * delay)
-        moving = line_gain * share * response.accelerance
+        moving = line_gain * relative_motion * response.accelerance
         moving_part = moving - line_gain * base
-        extra = moving if self.weighed_mass is not None else 0 * moving
+        mass_slope = moving if self.weighed_mass is not None else 0 * moving
         return (
-            (line_gain * share)[:, None] * columns,
-            extra,
+            (line_gain * relative_motion)[:, None] * columns,
+            mass_slope,
             moving_part,
             -self.lines.s * moving_part,
         )
@@ -164,24 +164,28 @@ def frf_data_of(
         raise DataError(
             "a transmissibility gives the stiffness over the mass, and neither alone: give the mass"
         )
-    measured = frf.to(Kind.ACCELERANCE, mass=mass)
-    peak = find_peak(measured if band is None else measured.band(*band)).frequency
+    accelerance = frf.to(Kind.ACCELERANCE, mass=mass)
+    peak = find_peak(accelerance if band is None else accelerance.band(*band)).frequency
     low, high = (peak / AROUND_THE_PEAK, peak * AROUND_THE_PEAK) if band is None else band
-    keep = measured.usable & (measured.frequency >= low) & (measured.frequency <= high)
+    keep = accelerance.usable & (accelerance.frequency >= low) & (accelerance.frequency <= high)
     if np.count_nonzero(keep) < FEWEST_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
             f"needs at least {FEWEST_LINES}, and the FRF has lines from {frf.frequency[0]:.3g} to "
             f"{frf.frequency[-1]:.4g} Hz: widen --band, or record longer for more lines"
         )
-    lines = measured.only(keep)
-    scatter, size = lines.random_sd, np.abs(lines.value)
+    lines = accelerance.only(keep)
+    scatter, magnitude = lines.random_sd, np.abs(lines.value)
     has_scatter = scatter is not None
     if scatter is None and lines.single_average_sd is not None:
         # of an unknown number of hits: the lines' shares of the misfit, which shows its size
-        share = np.hypot(lines.single_average_sd / size, FLOOR)
-        scatter = size * share / np.sqrt(np.mean(share**2))
-    sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
+        relative_scatter = np.hypot(lines.single_average_sd / magnitude, FLOOR)
+        scatter = magnitude * relative_scatter / np.sqrt(np.mean(relative_scatter**2))
+    sd = (
+        _size(lines, frf.quantity, mass)
+        if scatter is None
+        else np.hypot(scatter, FLOOR * magnitude)
+    )
     rig_mass = mass if over_base else None
     return FRFData(lines, sd, has_scatter, float(seals), peak, frf.quantity, rig_mass)
 

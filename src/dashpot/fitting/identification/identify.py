@@ -153,27 +153,29 @@ def identify(
     frf_data = frf_data_of(
         frf, seals=require_seals(seals), band=si_range(band, "frequency"), mass=mass
     )
-    before = find_prior_tests(
+    prior_tests = find_prior_tests(
         records, fit, convert_to_si(temperature, "temperature"), family, bench
     )
-    point = find_operating_point(before.primary_fit, mass, seals, compression)
-    priors, constraints = make_priors(mass, rig, point), make_constraints(known, before)
-    full_problem = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
+    point = find_operating_point(prior_tests.primary_fit, mass, seals, compression)
+    priors, constraints = make_priors(mass, rig, point), make_constraints(known, prior_tests)
+    full_problem = IdentificationProblem(prior_tests.relaxations, frf_data, priors, constraints)
     parallel_dashpot = known.parallel_dashpot
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
-    numbers = list_arm_counts(arms, before.arms)
+    numbers = list_arm_counts(arms, prior_tests.arms)
     problems = _reaching(problems, max(numbers))
-    best, candidates, family_rival = _best(problems, numbers, before, family)
+    best, candidates, family_rival = _best(problems, numbers, prior_tests, family)
     scale = best.line_scale
-    final = _last_descent(replace(best.problem, scale=scale), best.theta)
-    earlier_fit = before.primary_fit
+    final_optimum = _last_descent(replace(best.problem, scale=scale), best.theta)
+    earlier_fit = prior_tests.primary_fit
     element = (
-        before.fractional_fit if isinstance(best.problem.sought, FractionalElement) else before.arms
+        prior_tests.fractional_fit
+        if isinstance(best.problem.sought, FractionalElement)
+        else prior_tests.arms
     )
     discrepancy = explain_discrepancy(
-        final,
-        lambda problem: _solve_from_start(problem, final.point, numbers, element),
+        final_optimum,
+        lambda problem: _solve_from_start(problem, final_optimum.point, numbers, element),
         law=None if earlier_fit is None else earlier_fit.elastic_law,
         compression=None if point is None else point.compression,
     )
@@ -183,17 +185,17 @@ def identify(
             lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
     orders = [candidate.copy_with_scale(scale) for candidate in candidates]
-    if discrepancy is not None and discrepancy.candidate is not final:
+    if discrepancy is not None and discrepancy.candidate is not final_optimum:
         # what explains both tests chose its arms anew
-        final, orders = discrepancy.candidate, [discrepancy.candidate]
+        final_optimum, orders = discrepancy.candidate, [discrepancy.candidate]
     solid = build_identified_fit(
-        final,
+        final_optimum,
         orders,
         frf=frf,
         tests=records,
         earlier_fit=earlier_fit,
         fit=element,
-        doubtful_tests=before.doubtful,
+        doubtful_tests=prior_tests.doubtful,
         request=arms,
         requested_arms=max(numbers),
         discrepancy=discrepancy,
@@ -211,9 +213,9 @@ def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
     """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
     if not bench.choices:
         return fit
-    *earlier_steps, last = fit.steps
+    *earlier_steps, last_step = fit.steps
     stated_values = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
-    step = replace(last, parameters=(*last.parameters, *stated_values))
+    step = replace(last_step, parameters=(*last_step.parameters, *stated_values))
     return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 
@@ -223,11 +225,11 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
     A slow arm and k_inf may trade along a valley without an end, which vibration cannot
     distinguish.
     """
-    final = descend(problem, theta, tolerance=FINE_TOLERANCE)
-    if final.optimum.stationary:
-        return final
-    candidate = descend(problem, final.theta, tolerance=FINE_TOLERANCE)
-    is_settled = final.cost - candidate.cost <= SETTLED
+    optimum = descend(problem, theta, tolerance=FINE_TOLERANCE)
+    if optimum.optimum.stationary:
+        return optimum
+    candidate = descend(problem, optimum.theta, tolerance=FINE_TOLERANCE)
+    is_settled = optimum.cost - candidate.cost <= SETTLED
     stationary = candidate.optimum.stationary or bool(is_settled)
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
@@ -265,8 +267,8 @@ def _fit_fractional(
         starts = []
         columns = ArmColumns(_stiffness_blocks(problem))
         for grid_start in (columns.best(), *columns.starts(ELEMENT_STARTS)):
-            *rest, k = grid_start.beta.tolist()
-            fixed = dict(zip(columns.stack.names, rest, strict=True))
+            *fixed_coefficients, k = grid_start.beta.tolist()
+            fixed = dict(zip(columns.stack.names, fixed_coefficients, strict=True))
             k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
             tau, alpha = float(np.exp(grid_start.theta[0])), float(grid_start.theta[1])
             solid = FractionalZener(k_inf + k, k_inf, tau, alpha, b)
@@ -275,7 +277,7 @@ def _fit_fractional(
             prior_tests.fractional_fit.solid, FractionalZener
         ):
             starts.append((prior_tests.fractional_fit.solid, starts[0][1]))
-        rough = [
+        rough_optima = [
             descend(
                 problem,
                 problem.pack(_start(problem, *start)),
@@ -285,10 +287,10 @@ def _fit_fractional(
             for start in starts
             if start[1] > 0 and start[0].k_0 > 0
         ]
-        rough.sort(key=lambda candidate: candidate.cost)
+        rough_optima.sort(key=lambda candidate: candidate.cost)
         attempts += [
             descend(problem, candidate.theta, tolerance=COARSE_TOLERANCE)
-            for candidate in rough[:FINISHED]
+            for candidate in rough_optima[:FINISHED]
         ]
     if not attempts:
         raise FitError("no fractional model explains the FRF; widen --band, or fit arms")
@@ -303,15 +305,15 @@ def _solve_every_order(
 ) -> list[Candidate]:
     """Return the optimum for every number of arms, or for fewer where the data reject so many."""
     candidates = [
-        best for problem in problems for best in _candidates(problem, numbers, earlier_fit)
+        optimum for problem in problems for optimum in _candidates(problem, numbers, earlier_fit)
     ]
     fewest_arms = 0 if problems[0].constraints.before is not None else min(numbers)
     while not candidates and fewest_arms > 0:
         fewest_arms -= 1
         candidates = [
-            best
+            optimum
             for problem in problems
-            for best in _candidates(problem, [fewest_arms], earlier_fit)
+            for optimum in _candidates(problem, [fewest_arms], earlier_fit)
         ]
     if not candidates:
         raise FitError("no model with arms of positive stiffness explains the FRF; widen --band")
@@ -393,7 +395,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
     shows it, and the check on the arms lets the verdict be no better than "use with care".
     """
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
-    best = []
+    best_candidates = []
     for dashpot in (False, True):
         ladder = {
             candidate.arms: candidate
@@ -405,12 +407,12 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
                 candidate.copy_with_scale(scale).significant for candidate in ladder.values()
             ]
             bics = [candidate.bic for candidate in ladder.values()]
-            best.append(
+            best_candidates.append(
                 ladder[
                     select_model_order([*ladder], bics, are_significant, decisive=DECISIVE_BIC).arms
                 ]
             )
-    return min(best, key=lambda candidate: candidate.bic)
+    return min(best_candidates, key=lambda candidate: candidate.bic)
 
 
 def _arms_enough(
@@ -433,8 +435,10 @@ def _arms_enough(
         samples = 2 * len(lines) + sum(
             relaxation.samples for relaxation in best.problem.relaxations
         )
-        other = candidates[numbers.index(supported_count)]
-        residuals = (float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, other))
+        supported_candidate = candidates[numbers.index(supported_count)]
+        residuals = (
+            float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, supported_candidate)
+        )
         shortage = Shortage(arm_count, supported_count, *residuals)
     return (arms_enough(shortage, arm_count, unit="sd"),)
 
@@ -461,12 +465,12 @@ def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
         descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
         for problem, start in attempts
     ]
-    other = min(candidates, key=lambda candidate: candidate.bic)
+    lowest_candidate = min(candidates, key=lambda candidate: candidate.bic)
     is_significant = best.copy_with_scale(best.line_scale).significant
-    b = other.point.model.maxwell.b
+    b = lowest_candidate.point.model.maxwell.b
     return dashpot_not_missed(
-        best.bic - other.bic,
-        other.problem.sought.format_model_order(),
+        best.bic - lowest_candidate.bic,
+        lowest_candidate.problem.sought.format_model_order(),
         b,
         is_determined=is_significant,
     )
@@ -513,19 +517,25 @@ def _spread(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Par
     mass = 1.0 if prior is None else prior.mean
     # at the peak the mass holds the storage stiffness in balance
     level = mass * omega**2 / (problem.frf_data.seals * problem.priors.factor.mean)
-    base, part = GeneralizedMaxwell(level * 0.8), 0.2
+    base, fraction = GeneralizedMaxwell(level * 0.8), 0.2
     if earlier_fit is not None:
         level = level if prior is None else earlier_fit.model.k_0
-        base, part = earlier_fit.model, 0.1
+        base, fraction = earlier_fit.model, 0.1
     assert isinstance(problem.sought, Arms)  # noqa: S101  # an element has a start of its own
     arms = problem.sought.count
-    new = arms - base.arms
-    if new < 0:
+    new_arms = arms - base.arms
+    if new_arms < 0:
         return []
     starts = []
-    for span in (1.0, 6.0) if new > 1 else (1.0,):
-        tau = np.geomspace(1 / (span * omega), span / omega, new) if new > 1 else [1 / omega] * new
-        model = base + GeneralizedMaxwell(0.0, (part * level / max(new, 1),) * new, tuple(tau))
+    for span in (1.0, 6.0) if new_arms > 1 else (1.0,):
+        tau = (
+            np.geomspace(1 / (span * omega), span / omega, new_arms)
+            if new_arms > 1
+            else [1 / omega] * new_arms
+        )
+        model = base + GeneralizedMaxwell(
+            0.0, (fraction * level / max(new_arms, 1),) * new_arms, tuple(tau)
+        )
         if model.arms == arms:
             starts.append(_start(problem, model, mass))
     return starts

@@ -169,12 +169,12 @@ class IdentificationProblem:
     @cached_property
     def index(self) -> dict[str, int]:
         """Place of b, and of each nuisance, in the vector."""
-        free = [
+        free_names = [
             name
             for name, prior in self.priors.priors_by_name.items()
             if prior is None or prior.sd > 0
         ]
-        names = ["b"] * self.dashpot + free
+        names = ["b"] * self.dashpot + free_names
         return {name: index for index, name in enumerate(names, start=self.sought.size)}
 
     @property
@@ -182,10 +182,10 @@ class IdentificationProblem:
         """Shortest and longest relaxation time that is sought, ln s."""
         windows = [relaxation.window for relaxation in self.relaxations]
         windows.append(self.frf_data.stiffness_block(1.0, dashpot=False).window)
-        before = self.constraints.before
-        if before is not None and before.model.arms:
-            solid = before.solid
-            tau = (solid.tau,) if isinstance(solid, FractionalZener) else before.model.tau
+        prior = self.constraints.before
+        if prior is not None and prior.model.arms:
+            solid = prior.solid
+            tau = (solid.tau,) if isinstance(solid, FractionalZener) else prior.model.tau
             windows.append((tau[0] / BEYOND, tau[-1] * BEYOND))
         low, high = min(w[0] for w in windows), max(w[1] for w in windows)
         return float(np.log(low / BEYOND)), float(np.log(high * BEYOND))
@@ -195,11 +195,11 @@ class IdentificationProblem:
     def pack(self, point: Parameters) -> FloatArray:
         """Return the vector of a point."""
         values_by_name = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
-        rest = [
+        nuisance_values = [
             values_by_name[name] / DELAY_UNIT if name == "delay" else np.log(values_by_name[name])
             for name in self.index
         ]
-        return np.append(self.sought.pack(point.model), rest)
+        return np.append(self.sought.pack(point.model), nuisance_values)
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """Return the point of a vector."""
@@ -233,14 +233,14 @@ class IdentificationProblem:
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
         """Return indices, values and covariance root of the parameters of an earlier fit."""
-        before = self.constraints.before
-        if before is None:
+        prior = self.constraints.before
+        if prior is None:
             return None
-        earlier_values, indices = self.sought.extract_earlier_values(before)
+        earlier_values, indices = self.sought.extract_earlier_values(prior)
         place_of = dict(zip(earlier_values, indices, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
-        covariance, rows = before.estimate.noise_only.covariance, self.earlier_rows
-        names = [before.estimate.parameters[i] for i in rows]
+        covariance, rows = prior.estimate.noise_only.covariance, self.earlier_rows
+        names = [prior.estimate.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return (
             [place_of[name] for name in names],
@@ -251,13 +251,13 @@ class IdentificationProblem:
     @cached_property
     def earlier_rows(self) -> list[int]:
         """Rows of the covariance of an earlier fit that are kept."""
-        before = self.constraints.before
-        if before is None:
+        prior = self.constraints.before
+        if prior is None:
             return []
-        earlier_values = self.sought.extract_earlier_values(before)[0]
-        variance = np.diag(before.estimate.noise_only.covariance)
+        earlier_values = self.sought.extract_earlier_values(prior)[0]
+        variance = np.diag(prior.estimate.noise_only.covariance)
         return [
-            i for i, name in enumerate(before.estimate.parameters)
+            i for i, name in enumerate(prior.estimate.parameters)
             if name in earlier_values and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
 
@@ -312,8 +312,8 @@ class ModelPrediction:
     @cached_property
     def prior_residuals(self) -> tuple[FloatArray, FloatArray]:
         """Residuals of the priors, shape (r,), and their slope (r, p)."""
-        at, mean, sd = self.problem.rig
-        rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
+        index, mean, sd = self.problem.rig
+        rig = (self.theta[index] - mean) / sd, np.eye(len(self.theta))[index] / sd[:, None]
         residuals, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
         return np.concatenate(list(map(np.atleast_1d, residuals))), np.vstack(slopes)
 
@@ -323,22 +323,22 @@ class ModelPrediction:
         slope = np.zeros((0, len(self.theta)))
         if self.problem.earlier is None:
             return np.empty(0), slope
-        indices, old, root = self.problem.earlier
+        indices, prior_values, root = self.problem.earlier
         _, values, gradient = self.problem.sought.physical(self._numbers)
         slope = np.zeros((len(indices), len(self.theta)))
         slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[indices])
-        return np.asarray(np.linalg.solve(root, values[indices] - old)), slope
+        return np.asarray(np.linalg.solve(root, values[indices] - prior_values)), slope
 
     @property
     def slope(self) -> FloatArray:
         """Derivative of every row."""
-        size = len(self._numbers)
+        parameter_count = len(self._numbers)
         tests = [
             np.zeros((len(relaxation.residual), len(self.theta)))
             for relaxation in self._relaxation_residuals
         ]
         for columns, residuals in zip(tests, self._relaxation_residuals, strict=True):
-            columns[:, :size] = residuals.jacobian
+            columns[:, :parameter_count] = residuals.jacobian
             if self.problem.dashpot:
                 columns[:, self.problem.index["b"]] = self._b * residuals.dashpot
         return np.concatenate([*tests, self._differentiate_lines(), self.prior_residuals[1]])
@@ -388,9 +388,9 @@ class ModelPrediction:
         by = response.slope(
             self._differentiate_impedance(s, values, stiffness), differentiate_lost_poles
         )
-        by, *rest = data.slopes(response, p.gain, p.delay, by)
+        by, *solid_slopes = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
-        for (name, unit), column in zip(units.items(), rest, strict=True):
+        for (name, unit), column in zip(units.items(), solid_slopes, strict=True):
             if name in problem.index:
                 by[:, problem.index[name]] += unit * column
         return stack_real_rows(by / data.sd[:, None]) / problem.scale
@@ -414,14 +414,14 @@ class ModelPrediction:
         by = np.zeros((len(s), len(self.theta)), dtype=complex)
         by[:, : derivatives.shape[1]] = count * derivatives
         by[:, 0] += (p.spring - 1) * spring
-        rest = {
+        nuisance_slopes = {
             "b": count * self._b * s ** (1 - order),
             "mass": p.mass * s ** (2 - order) * (1 + order),
             "factor": seal_stiffness,
             "spring": p.spring * spring,
         }
-        for name in rest.keys() & problem.index.keys():
-            by[:, problem.index[name]] = rest[name]
+        for name in nuisance_slopes.keys() & problem.index.keys():
+            by[:, problem.index[name]] = nuisance_slopes[name]
         return by
 
     def _iterate_solid_constraints(self) -> Iterator[tuple[float, FloatArray]]:
@@ -435,18 +435,18 @@ class ModelPrediction:
             return
         solid = self.problem.frf_data.seals * p.seal_under_hammer
         pole = ringing_pole(solid, p.mass)
-        at, size = np.array([pole]), abs(pole)
-        values = differentiate_poles(self.problem.sought, self._numbers, at)[0]
-        by = self._differentiate_impedance(at, values, -p.mass * at**2)[0]
-        change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
-        growth = (pole.conjugate() * change).real / size
+        pole_array, pole_magnitude = np.array([pole]), abs(pole)
+        values = differentiate_poles(self.problem.sought, self._numbers, pole_array)[0]
+        by = self._differentiate_impedance(pole_array, values, -p.mass * pole_array**2)[0]
+        change = -by * complex(residues(solid.maxwell, p.mass, pole_array)[0])
+        growth = (pole.conjugate() * change).real / pole_magnitude
         if constraints.natural_frequency is not None:
             yield constraints.natural_frequency.standardise(
-                size / (2 * np.pi), growth / (2 * np.pi)
+                pole_magnitude / (2 * np.pi), growth / (2 * np.pi)
             )
         if constraints.damping_ratio is not None:
-            slope = (pole.real * growth / size - change.real) / size
-            yield constraints.damping_ratio.standardise(-pole.real / size, slope)
+            slope = (pole.real * growth / pole_magnitude - change.real) / pole_magnitude
+            yield constraints.damping_ratio.standardise(-pole.real / pole_magnitude, slope)
 
 
 # -- the optimum ------------------------------------------------------------------------------
@@ -487,8 +487,8 @@ class Candidate:
     @cached_property
     def estimate(self) -> Estimate:
         """Every row has unit variance; what has faded from the solid is held."""
-        size = np.linalg.norm(self.optimum.jacobian, axis=0)
-        noise, faded = white_noise(self.optimum, 1.0), size <= UNFELT * size.max()
+        column_norms = np.linalg.norm(self.optimum.jacobian, axis=0)
+        noise, faded = white_noise(self.optimum, 1.0), column_norms <= UNFELT * column_norms.max()
         # lines that nobody measured stand far above what is known of the mass
         return estimate(
             self.optimum, noises=[noise], is_fixed=faded, prior_variance=1.0, with_fine_scales=True
@@ -531,9 +531,11 @@ class Candidate:
     def exact(self) -> bool:
         """True if it leaves nothing of the lines, and nothing else was measured."""
         lines = 2.0 * len(self.problem.frf_data.lines.s)
-        remaining = self.line_misfit / lines <= SMALLEST_SCATTER**2
+        is_negligible = self.line_misfit / lines <= SMALLEST_SCATTER**2
         return (
-            remaining and not self.problem.relaxations and self.problem.constraints.before is None
+            is_negligible
+            and not self.problem.relaxations
+            and self.problem.constraints.before is None
         )
 
     @property

@@ -79,9 +79,11 @@ class Arms:
         N = self.count
         rows = relaxation.rows(numbers[1 + N :])
         k_inf, k = np.exp(numbers[0]), np.exp(numbers[1 : 1 + N])
-        parts = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
-        force = parts[0][:, 0] + rows.arms @ k
-        return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
+        columns = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
+        force = columns[0][:, 0] + rows.arms @ k
+        return RelaxationResiduals(
+            force - rows.target, np.concatenate(columns, axis=1), rows.dashpot
+        )
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
         """Return the limits of the last parameters, those of relaxation times."""
@@ -106,11 +108,15 @@ class Arms:
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """Return the values of an earlier fit, by name, and their indices."""
-        old = Arms(before.model.arms)
-        names, values, _ = old.physical(old.pack(before.model))
+        prior_arms = Arms(before.model.arms)
+        names, values, _ = prior_arms.physical(prior_arms.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
-        new, count = self.count - old.count, self.count
-        indices = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
+        new_order, count = self.count - prior_arms.count, self.count
+        indices = [
+            0,
+            *range(1 + new_order, 1 + count),
+            *range(1 + count + new_order, 1 + 2 * count),
+        ]
         return dict(zip(names, values.tolist(), strict=True)), indices
 
     def is_identified(self, error: FloatArray) -> bool:
@@ -181,7 +187,7 @@ class FractionalElement:
         log_tau, rows = self.grids[relaxation]
         k_inf, value = np.exp(numbers[:2])
         weights = weights_at(log_tau - numbers[2], float(numbers[3]))
-        column, by_tau, by_alpha = (value * (rows.arms @ part) for part in weights)
+        column, by_tau, by_alpha = (value * (rows.arms @ weight) for weight in weights)
         spring = k_inf * rows.spring
         slopes = np.column_stack((spring, column, by_tau, by_alpha))
         return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
@@ -248,8 +254,8 @@ def is_at_edge(
 ) -> bool:
     """Return whether a relaxation time or a slope stands at an end of what is sought."""
     low, high = (limits := parametrisation.ends(log_tau)).T
-    last = numbers[len(numbers) - len(limits) :]
-    return bool(np.any((last < low + _AT_EDGE) | (last > high - _AT_EDGE)))
+    end_numbers = numbers[len(numbers) - len(limits) :]
+    return bool(np.any((end_numbers < low + _AT_EDGE) | (end_numbers > high - _AT_EDGE)))
 
 
 def on_another_spring(solid: Solid, times: float) -> Solid:

@@ -76,8 +76,10 @@ def find_prior_tests(
         earlier_fit = earlier_fit.at_temperature(temperature)
     is_same_fit = len(records) == 1 and earlier_fit.method in get_choice_values(Method)
     # a test by itself has one temperature
-    single = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
-    fits = [earlier_fit] if is_same_fit else [fit_tests(record, **single) for record in records]
+    fit_choices = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
+    fits = (
+        [earlier_fit] if is_same_fit else [fit_tests(record, **fit_choices) for record in records]
+    )
     relaxation_datasets, doubtful_tests = (
         tuple(
             build_relaxation_data(record, earlier_fit, single_fit=fit, for_limits=for_limits)

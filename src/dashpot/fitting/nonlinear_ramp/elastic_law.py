@@ -170,21 +170,21 @@ def build_ramp_law(
         tuple(k[1:][arm_order].tolist()),
         tuple(np.exp(log_tau[arm_order]).tolist()),
     )
-    first = len(optimum.optimum.theta)
+    theta_count = len(optimum.optimum.theta)
 
     def seal(values: FloatArray) -> FloatArray:
         """Return the solid's parameters, then the law's shape, whose mean is 1."""
-        log_tau, shape = solid.split_parameters(values[:first])
-        k = values[first : first + 1 + len(log_tau)]
+        log_tau, shape = solid.split_parameters(values[:theta_count])
+        k = values[theta_count : theta_count + 1 + len(log_tau)]
         return np.concatenate(
             (k[:1], k[1 + arm_order], log_tau[arm_order], shape / (solid.weights @ shape))
         )
 
     # each encoder's step scales every stiffness of its test
     depth_error = float(np.sqrt(np.mean([test.depth_error**2 for test in tests]) / len(tests)))
-    scaled = np.zeros(len(optimum.optimum.values))
-    scaled[first : first + len(k)] = depth_error * k
-    estimate = optimum.estimate(hold).add_parameter_error(scaled)
+    scale_vector = np.zeros(len(optimum.optimum.values))
+    scale_vector[theta_count : theta_count + len(k)] = depth_error * k
+    estimate = optimum.estimate(hold).add_parameter_error(scale_vector)
     covariance, names = (estimate.derive_quantity(seal).covariance, parameter_names(len(arm_order)))
     nuisance = optimum.nuisance
     errors = dict(zip(nuisance, estimate.standard_error[-len(nuisance) :].tolist(), strict=True))
@@ -198,7 +198,7 @@ def build_ramp_law(
         estimate=ParameterEstimate(
             names,
             covariance[: len(names), : len(names)],
-            dof=max(parameter_covariance.effective - len(scaled), 1.0),
+            dof=max(parameter_covariance.effective - len(scale_vector), 1.0),
             residual=parameter_covariance.statistics([1.0] * len(tests)),
             nuisance=nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
         ),
@@ -295,9 +295,9 @@ def select_elastic_law(
         score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
         return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
     max_knots = int(rows.ramp.sum()) // _ROWS_PER_KNOT
-    finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
+    finer_laws = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
     nonlinear_laws = [
-        item for item in (*LADDER, *finer) if item.knots <= max(max_knots, LADDER[0].knots)
+        item for item in (*LADDER, *finer_laws) if item.knots <= max(max_knots, LADDER[0].knots)
     ]
     laws = {"linear": [LINEAR], "nonlinear": nonlinear_laws, "auto": [LINEAR, *nonlinear_laws]}[law]
     start = recorded_hold(rows, hold)
@@ -342,12 +342,12 @@ def _scores(
     optima: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
 ) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
-    best = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
+    best_optimum = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
     return tuple(
         ElasticLawScore(
             spacing,
             elastic_law_of(optimum),
-            _bic(optimum, hold, best.ramp_correlation),
+            _bic(optimum, hold, best_optimum.ramp_correlation),
             optimum.ramp,
             optimum.hold,
         )
@@ -360,32 +360,34 @@ def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[flo
     rows = optimum.weighted.solid.rows
     total, effective = 0.0, 0.0
     for i, kappa in enumerate(correlation):
-        on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
+        ramp_rows = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
         noise_level = min(rows.noise[i], optimum.hold[i])
         effective_count = rows.select_hold(i).sum() / hold.correlation[i]
-        total += deviance(max(optimum.ramp[i], noise_level) ** 2, effective=on)
+        total += deviance(max(optimum.ramp[i], noise_level) ** 2, effective=ramp_rows)
         total += deviance(optimum.hold[i] ** 2, effective=effective_count)
-        effective += on
+        effective += ramp_rows
     arms, knot_count = len(optimum.log_tau), optimum.weighted.solid.bends.stop
     delays = len(optimum.nuisance) - 2 * len(rows.depths)
-    free = 2 * arms + max(knot_count - 1, 0) + delays
-    return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
+    parameter_count = 2 * arms + max(knot_count - 1, 0) + delays
+    return bic_of_deviance(total, effective=max(effective, 2.0), parameters=parameter_count)
 
 
 def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
-    best = min(scores, key=lambda score: score.bic)
+    best_score = min(scores, key=lambda score: score.bic)
     linear = scores[0]
-    is_better = linear.bic - best.bic > LEAST_GAIN and best.gap > LEAST_GAP
-    return best if is_better else linear
+    is_better = linear.bic - best_score.bic > LEAST_GAIN and best_score.gap > LEAST_GAP
+    return best_score if is_better else linear
 
 
 def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with a delay of each force if the ramps show one."""
-    solid, best = optimum.weighted.solid, optimum.optimum
-    resolved_nuisances = build_nuisances(solid.rows, delay_derivative(optimum.weighted, best))
-    delayed = fit_ramp_and_hold(solid, hold, optimum, best.theta, value=resolved_nuisances)
+    solid, best_optimum = optimum.weighted.solid, optimum.optimum
+    resolved_nuisances = build_nuisances(
+        solid.rows, delay_derivative(optimum.weighted, best_optimum)
+    )
+    delayed = fit_ramp_and_hold(solid, hold, optimum, best_optimum.theta, value=resolved_nuisances)
     gain = _bic(optimum, hold, delayed.ramp_correlation) - _bic(
         delayed, hold, delayed.ramp_correlation
     )
@@ -396,8 +398,8 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     """Return the fit with one more arm if the ramps show one that the holds hardly do."""
     solid, n = optimum.weighted.solid, len(hold.log_tau)
     rows = solid.rows
-    first = rows.ramp & (rows.record == 0)
-    ramp = np.log(rows.ends[0] - rows.time[first][0])
+    first_ramp = rows.ramp & (rows.record == 0)
+    ramp = np.log(rows.ends[0] - rows.time[first_ramp][0])
     fastest = float(hold.log_tau[0]) if n else float(ramp)
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return optimum
@@ -442,9 +444,9 @@ def _assess_linear_law(
             for i in range(len(noise))
         )
         candidates.append((qualities, optimum))
-        if all(at.is_adequate for at in qualities):
+        if all(quality.is_adequate for quality in qualities):
             break
-    reliable = [pair for pair in candidates if all(at.is_adequate for at in pair[0])]
+    reliable = [pair for pair in candidates if all(quality.is_adequate for quality in pair[0])]
     return (reliable or candidates)[0]
 
 
@@ -455,7 +457,11 @@ def _joint(
     equal_noise = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
     sd = spread(rows, equal_noise, equal_noise)
-    first = Weighted(solid, sd, build_nuisances(rows))
-    best = first.descend(log_tau)
-    with_delay = Weighted(solid, sd, build_nuisances(rows, delay_derivative(first, best)))
-    return with_residual_statistics(with_delay, with_delay.descend(best.theta), independent(hold))
+    first_weights = Weighted(solid, sd, build_nuisances(rows))
+    best_fit = first_weights.descend(log_tau)
+    with_delay = Weighted(
+        solid, sd, build_nuisances(rows, delay_derivative(first_weights, best_fit))
+    )
+    return with_residual_statistics(
+        with_delay, with_delay.descend(best_fit.theta), independent(hold)
+    )

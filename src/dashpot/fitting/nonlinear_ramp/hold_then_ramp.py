@@ -184,7 +184,9 @@ def _select_order(
     sizes = [block.samples for block in blocks]
     largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
     effective = sum(noise_of(residual).effective for residual in largest)
-    rounding_sse = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
+    rounding_sse = sum(
+        sample_count * rounding(rows, i) ** 2 for i, sample_count in enumerate(sizes)
+    )
     penalty = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
     per_arm = 1 + len(blocks)
     return min(
@@ -203,10 +205,10 @@ def _build_hold_estimate(
     boundaries = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
     for i, residual in enumerate(np.split(jacobian.residual, boundaries)):
-        items = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in jacobian.names]
-        remaining = max(len(residual) - sum(items), 1)
+        belongs_to_record = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in jacobian.names]
+        dof = max(len(residual) - sum(belongs_to_record), 1)
         rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
-        scatter.append(max(float(np.sqrt(residual @ residual / remaining)), rounding(rows, i)))
+        scatter.append(max(float(np.sqrt(residual @ residual / dof)), rounding(rows, i)))
         correlation.append(noise_of(residual).kappa)
     sd = np.repeat(np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks])
     covariance = white(jacobian.matrix / sd[:, None], 1.0)
@@ -276,9 +278,9 @@ def independent(hold: HoldEstimate) -> FloatArray:
 
 def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone, with the recorded history of a linear seal."""
-    unmeasured = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
+    effects = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(
-        QuasiLinear(rows, np.array([0.0, rows.depth])), unmeasured, build_nuisances(rows)
+        QuasiLinear(rows, np.array([0.0, rows.depth])), effects, build_nuisances(rows)
     )
     return with_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
 
@@ -304,10 +306,10 @@ def fit_ramp_and_hold(
         weighted = Weighted(
             solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
         )
-        before = optimum
+        previous = optimum
         optimum = with_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = optimum.optimum.theta
-        change = np.array(optimum.ramp_scatter) / np.array(before.ramp_scatter) - 1
+        change = np.array(optimum.ramp_scatter) / np.array(previous.ramp_scatter) - 1
         if float(np.abs(change).max()) < _CONVERGED:
             break
     return optimum
@@ -322,19 +324,20 @@ def with_residual_statistics(
     leverage = np.sum(make_directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[
         : len(residual)
     ]
-    scaled = np.sqrt(rows.count) * residual
+    scaled_residual = np.sqrt(rows.count) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):
         ramp, hold = rows.ramp & (rows.record == i), rows.select_hold(i)
-        size = int(ramp.sum())
-        remainder = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
-        kappa = noise_of(scaled[ramp]).kappa
-        ramps.append(max(float(np.sqrt(np.mean(scaled[ramp] ** 2))), rounding(rows, i)))
-        holds.append(max(float(np.sqrt(np.mean(scaled[hold] ** 2))), rounding(rows, i)))
+        ramp_rows = int(ramp.sum())
+        remainder = max(ramp_rows - float(leverage[ramp].sum()), _LEAST_DOF * ramp_rows)
+        kappa = noise_of(scaled_residual[ramp]).kappa
+        ramps.append(max(float(np.sqrt(np.mean(scaled_residual[ramp] ** 2))), rounding(rows, i)))
+        holds.append(max(float(np.sqrt(np.mean(scaled_residual[hold] ** 2))), rounding(rows, i)))
         correlations.append(kappa)
         scatters.append(
             max(
-                float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / remainder)), float(by_hold[i])
+                float(np.sqrt(kappa * (scaled_residual[ramp] @ scaled_residual[ramp]) / remainder)),
+                float(by_hold[i]),
             )
         )
     return RampHoldOptimum(

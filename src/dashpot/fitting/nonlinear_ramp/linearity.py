@@ -248,24 +248,24 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
     determinable_arms = min(options.max_arms, max_determinable_arms(data.blocks))
     arm_count = determinable_arms if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
-    first = fit_all_orders(
+    order_fits = fit_all_orders(
         data, arm_count, auto=auto, thorough=options.thorough, only_max_arms=point
     )
-    linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
+    linearity = LinearityResult(order_fits, None, _evaluate_holds(holds, order_fits))
     if not linearity.is_linear and arm_count < determinable_arms:
         # too few arms are no reason to bend the law
-        first = fit_all_orders(data, determinable_arms, thorough=options.thorough)
-        linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
+        order_fits = fit_all_orders(data, determinable_arms, thorough=options.thorough)
+        linearity = LinearityResult(order_fits, None, _evaluate_holds(holds, order_fits))
     if linearity.is_linear or options.family == "maxwell":
         return linearity
-    fit = fit_fractional(first.data)
+    fit = fit_fractional(order_fits.data)
     if options.family == "fractional":
-        return LinearityResult(first, fit, None)
+        return LinearityResult(order_fits, fit, None)
     fractional_quality = _find_worst_record(
-        holds, fit.estimate.residuals, first.solutions[-1].log_tau
+        holds, fit.estimate.residuals, order_fits.solutions[-1].log_tau
     )
     valid = fractional_quality is None or fractional_quality.is_adequate
-    return LinearityResult(first, fit, fractional_quality if valid else linearity.quality)
+    return LinearityResult(order_fits, fit, fractional_quality if valid else linearity.quality)
 
 
 def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
@@ -282,15 +282,17 @@ def _find_worst_record(
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
-    worst = None
+    worst_record = None
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
         if is_multi_step(record) or ramp_obstacle(record) is not None:
             continue
         quality = assess_residuals(record, residual, holds.compute_hold_residual(i, log_tau))
         if not quality.is_adequate:
             return quality
-        worst = quality if worst is None or quality.ramp > worst.ramp else worst
-    return worst
+        worst_record = (
+            quality if worst_record is None or quality.ramp > worst_record.ramp else worst_record
+        )
+    return worst_record
 
 
 # Large delay of the force: the motion is delayed alike.
@@ -377,12 +379,12 @@ def _generate_delayed_motions(
     recorded: DelayedMotion, linearity: LinearityResult
 ) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
-    records, best = recorded.holds.records, linearity.initial_fit.solutions[-1]
-    values = [best.coefficient(f"delay@{i}") for i in range(len(records))]
+    records, best_solution = recorded.holds.records, linearity.initial_fit.solutions[-1]
+    values = [best_solution.coefficient(f"delay@{i}") for i in range(len(records))]
     large_delays = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
-    shifted, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
+    delayed_records, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
     if any(lags):
-        yield DelayedMotion.from_records(shifted, FitSetup("full"), lags)
+        yield DelayedMotion.from_records(delayed_records, FitSetup("full"), lags)
     if any(large_delays) and not any(record.machine.force_filter for record in records):
         filtered_records = [*map(_set_force_filter, records, large_delays)]
         yield DelayedMotion.from_records(

@@ -126,15 +126,15 @@ def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
 
 def ramp_obstacle(test: RampHold) -> str | None:
     """Return why a record shows no elastic law by its ramp, in a sentence; None if it may."""
-    corner, end = relaxes_from(test), test.hold.stop
+    corner, hold_stop = relaxes_from(test), test.hold.stop
     climbing = corner - int(np.searchsorted(test.time, test.onset))
-    if climbing < _FEWEST_ON_RAMP or end - corner < _FEWEST:
+    if climbing < _FEWEST_ON_RAMP or hold_stop - corner < _FEWEST:
         return (
-            f"the record has {climbing} samples on the ramp and {end - corner} in the hold; an "
-            f"elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
+            f"the record has {climbing} samples on the ramp and {hold_stop - corner} in the hold; "
+            f"an elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
             "faster"
         )
-    ratio = float(np.ptp(test.displacement[corner:end])) / test.depth
+    ratio = float(np.ptp(test.displacement[corner:hold_stop])) / test.depth
     if ratio > _MOST_BY_RAMP_LAW:
         return (
             f"the displacement moves by {100 * ratio:.0f} % of the depth after the first ramp; an "
@@ -150,17 +150,17 @@ def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDA
     x = denoise_displacement(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
     corner = relaxes_from(test)
-    on = median(np.diff(time[first:corner]))
+    usual_step = median(np.diff(time[first:corner]))
     median_step = median(np.diff(time[corner : corner + _FEWEST]))
     cuts = distinct(np.concatenate((
-        _place_ramp_blocks(time[first:corner], on) + first,
+        _place_ramp_blocks(time[first:corner], usual_step) + first,
         _place_hold_blocks(time[corner:], median_step, _IN_HOLD) + corner,
     )))  # fmt: skip
     count = np.diff(np.append(cuts, len(x))).astype(float)
     mean_time, mean_x, mean_force = (
         np.add.reduceat(values, cuts) / count for values in (time, x, force)
     )
-    step = np.diff(mean_time, prepend=mean_time[0] - on)
+    step = np.diff(mean_time, prepend=mean_time[0] - usual_step)
     return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
 
 
@@ -181,17 +181,17 @@ def relaxes_from(test: RampHold) -> int:
 
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
     """Return where blocks start that widen from both corners of a ramp."""
-    middle = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
-    first_half = _place_hold_blocks(time[:middle], interval, _IN_RAMP)
-    second_half = len(time) - _place_hold_blocks(-time[middle:][::-1], interval, _IN_RAMP)[1:]
-    return np.concatenate((first_half, [middle], second_half))
+    middle_index = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
+    first_half = _place_hold_blocks(time[:middle_index], interval, _IN_RAMP)
+    second_half = len(time) - _place_hold_blocks(-time[middle_index:][::-1], interval, _IN_RAMP)[1:]
+    return np.concatenate((first_half, [middle_index], second_half))
 
 
 def _place_hold_blocks(time: FloatArray, interval: float, blocks: int) -> IndexArray:
     """Return where blocks start that widen with the time since the first sample."""
     span = float(time[-1] - time[0]) if len(time) else 0.0
-    last = np.ceil(blocks * np.log1p(span / (blocks * interval)))
-    edges = blocks * interval * np.expm1(np.arange(last + 1) / blocks)
+    block_count = np.ceil(blocks * np.log1p(span / (blocks * interval)))
+    edges = blocks * interval * np.expm1(np.arange(block_count + 1) / blocks)
     cuts = distinct(np.searchsorted(time - time[0] if len(time) else time, edges))
     return np.asarray(cuts[cuts < len(time)])
 
@@ -245,41 +245,41 @@ class QuasiLinear:
 
     def columns(self, log_tau: FloatArray) -> FloatArray:
         """Return columns of k_inf and every k under each hat: path and elongations, (M, 1+N, P)."""
-        _, mean, passed = self._steps(log_tau)
-        arms = _run_recursion(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
+        _, mean, decay = self._steps(log_tau)
+        arms = _run_recursion(decay[:, :, None], mean[:, :, None] * self._moved[:, None, :])
         return np.concatenate((self.hats[:, None, :], arms), axis=1)
 
     def slopes(self, log_tau: FloatArray, shape: FloatArray, arms: FloatArray) -> FloatArray:
         """Return derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
-        z, mean, passed = self._steps(log_tau)
-        before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
+        z, mean, decay = self._steps(log_tau)
+        elongation_before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
         change = (self._moved @ shape)[:, None]
-        return _run_recursion(passed, passed * z * before + (mean - np.exp(-z)) * change)
+        return _run_recursion(decay, decay * z * elongation_before + (mean - np.exp(-z)) * change)
 
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Step of each row over tau, the mean decay within it, and what passes from row to row."""
         z = self.rows.step[:, None] / np.exp(log_tau)
         change = np.expm1(-z)
-        passed = 1 + change
-        passed[self.rows.first] = 0.0
-        return z, -change / z, passed
+        decay = 1 + change
+        decay[self.rows.first] = 0.0
+        return z, -change / z, decay
 
 
 def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
     """Integral of each hat from 0 to x, shape (M, P); beyond the ends the last tangent stays."""
     width = np.diff(knots)
     i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(width) - 1)
-    part = np.clip(x, 0.0, knots[-1]) - knots[i]
+    distance = np.clip(x, 0.0, knots[-1]) - knots[i]
     half_width = 0.5 * width
     lower_integrals = np.zeros((len(knots), len(knots)))
     for m in range(1, len(knots)):
         lower_integrals[m] = lower_integrals[m - 1]
         lower_integrals[m, m - 1 : m + 1] += half_width[m - 1]
     values = lower_integrals[i]
-    right = 0.5 * part**2 / width[i]
+    area = 0.5 * distance**2 / width[i]
     row_index = np.arange(len(x))
-    values[row_index, i] += part - right
-    values[row_index, i + 1] += right
+    values[row_index, i] += distance - area
+    values[row_index, i + 1] += area
     values[:, 0] += np.minimum(x, 0.0)
     values[:, -1] += np.maximum(x - knots[-1], 0.0)
     return values

@@ -43,10 +43,10 @@ def compute_arm_elongations(
     derivative : bool
         Without it the second is the first.
     """
-    size = len(x)
-    count = -(-size // STRETCH)
+    sample_count = len(x)
+    count = -(-sample_count // STRETCH)
     steps = np.zeros(count * STRETCH)
-    np.subtract(x[1:], x[:-1], out=steps[1:size])
+    np.subtract(x[1:], x[:-1], out=steps[1:sample_count])
     # beside the steps of each stretch, what the one before it ends with
     values = np.zeros((count, STRETCH + 2))
     values[:, :STRETCH] = steps.reshape(count, STRETCH)
@@ -71,14 +71,14 @@ def compute_arm_elongations(
                 np.concatenate((elongations, mean * value * power[None, 1:])),
                 out=columns[1, j],
             )
-    q, p = (item.reshape(len(z), count * STRETCH) for item in (columns[0], columns[-1]))
+    q, p = (stacked.reshape(len(z), count * STRETCH) for stacked in (columns[0], columns[-1]))
     if x[0] != 0.0:
-        passed = z[:, None] * np.arange(q.shape[1])
-        remainder = x[0] * np.exp(-passed)
+        scaled_time = z[:, None] * np.arange(q.shape[1])
+        remainder = x[0] * np.exp(-scaled_time)
         q += remainder
         if derivative:
-            p += passed * remainder
-    return q.T[:size], p.T[:size]
+            p += scaled_time * remainder
+    return q.T[:sample_count], p.T[:sample_count]
 
 
 def _compute_responses(kernel: FloatArray) -> FloatArray:
@@ -88,15 +88,15 @@ def _compute_responses(kernel: FloatArray) -> FloatArray:
 
 def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
     r"""Return the sums :math:`\sum_{j \le i} e^{-z (i - j)} v_j`, shape (n,)."""
-    size = len(values)
-    if size <= STRETCH:
-        return values @ _triangle(np.exp(-z * np.arange(float(size))))
+    sample_count = len(values)
+    if sample_count <= STRETCH:
+        return values @ _triangle(np.exp(-z * np.arange(float(sample_count))))
     power = np.exp(-z * np.arange(STRETCH + 1.0))
-    matrix = np.zeros((-(-size // STRETCH), STRETCH))
-    matrix.ravel()[:size] = values
+    matrix = np.zeros((-(-sample_count // STRETCH), STRETCH))
+    matrix.ravel()[:sample_count] = values
     result = matrix @ _triangle(power[:STRETCH])
     result[1:] += compute_exponential_cumsum(result[:, -1], z * STRETCH)[:-1, None] * power[1:]
-    return np.asarray(result.ravel()[:size])
+    return np.asarray(result.ravel()[:sample_count])
 
 
 def _triangle(kernel: FloatArray) -> FloatArray:
@@ -106,8 +106,8 @@ def _triangle(kernel: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=64)
-def _lags(size: int) -> tuple[IndexArray, BoolArray]:
-    lag = np.arange(size) - np.arange(size)[:, None]
+def _lags(lag_count: int) -> tuple[IndexArray, BoolArray]:
+    lag = np.arange(lag_count) - np.arange(lag_count)[:, None]
     return np.maximum(lag, 0), lag >= 0
 
 

@@ -84,14 +84,14 @@ class DataCompression:
         if self.weighted or not self.stages:
             return self._explicit(values)
         # a constant is its own compression; without it the differences below are of small numbers
-        last = values[..., -1:]
-        rest = values - last
-        z = _apply_stages(rest, self.stages)
-        energy = _squares(rest)
+        last_value = values[..., -1:]
+        differences = values - last_value
+        z = _apply_stages(differences, self.stages)
+        energy = _squares(differences)
         remainder_sse = energy - _squares(z)
         if (remainder_sse < PLAIN * energy).any():
-            z, remainder_sse = self._explicit(rest)
-        return z + last * self.root_weight, remainder_sse
+            z, remainder_sse = self._explicit(differences)
+        return z + last_value * self.root_weight, remainder_sse
 
     def nodes_of(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
@@ -106,15 +106,15 @@ class DataCompression:
         """Return the projection with the remainder summed explicitly, without cancellation."""
         remainder_sse = np.zeros(values.shape[:-1])
         for sections in self.stages:
-            parts = []
+            projections = []
             for section in sections:
-                pieces, z = _cut(values, section)
+                piece_values, z = _cut(values, section)
                 if len(section.basis) > 1:
                     remainder_sse = remainder_sse + _aside(
-                        pieces, z.reshape(*pieces.shape[:-1], -1), section.basis
+                        piece_values, z.reshape(*piece_values.shape[:-1], -1), section.basis
                     )
-                parts.append(z)
-            values = np.concatenate(parts, axis=-1)
+                projections.append(z)
+            values = np.concatenate(projections, axis=-1)
         return values, remainder_sse
 
 
@@ -122,14 +122,16 @@ def project_values(
     plans: Sequence[DataCompression], values: FloatArray
 ) -> tuple[FloatArray, FloatArray | float]:
     """Compress values, shape (..., M), that stand one plan after the other."""
-    parts, first = [], 0
+    projections, first_sample = [], 0
     remainder_sse: FloatArray | float = 0.0
     for plan in plans:
-        part, part_sse = plan.project(values[..., first : first + plan.samples])
-        parts.append(part)
-        remainder_sse = remainder_sse + part_sse
-        first += plan.samples
-    return np.concatenate(parts, axis=-1), remainder_sse
+        projection, projection_sse = plan.project(
+            values[..., first_sample : first_sample + plan.samples]
+        )
+        projections.append(projection)
+        remainder_sse = remainder_sse + projection_sse
+        first_sample += plan.samples
+    return np.concatenate(projections, axis=-1), remainder_sse
 
 
 def _apply_stages(values: FloatArray, stages: Sequence[tuple[_RecordSection, ...]]) -> FloatArray:
@@ -144,25 +146,25 @@ def _squares(values: FloatArray) -> FloatArray:
 
 def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
     """Return a section's pieces, (..., pieces, length), and their projections, (..., points)."""
-    part = values[..., section.start : section.stop]
+    section_values = values[..., section.start : section.stop]
     length = len(section.basis)
     if length == 1:
-        return part, part
-    if length == part.shape[-1]:
-        return part[..., None, :], part @ section.basis
-    pieces = part.reshape(*values.shape[:-1], -1, length)
+        return section_values, section_values
+    if length == section_values.shape[-1]:
+        return section_values[..., None, :], section_values @ section.basis
+    pieces = section_values.reshape(*values.shape[:-1], -1, length)
     return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
 def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
     total = np.zeros(shaped.shape[:-2])
-    pieces = max(1, IN_CACHE // (total.size * len(basis)))
-    for first in range(0, shaped.shape[-2], pieces):
-        span = slice(first, first + pieces)
-        rest = z[..., span, :] @ basis.T
-        np.subtract(shaped[..., span, :], rest, out=rest)
-        total = total + np.einsum("...ij,...ij->...", rest, rest)
+    pieces_at_once = max(1, IN_CACHE // (total.size * len(basis)))
+    for first in range(0, shaped.shape[-2], pieces_at_once):
+        span = slice(first, first + pieces_at_once)
+        residual = z[..., span, :] @ basis.T
+        np.subtract(shaped[..., span, :], residual, out=residual)
+        total = total + np.einsum("...ij,...ij->...", residual, residual)
     return total
 
 
@@ -243,9 +245,9 @@ def make_sample_plan(count: int) -> DataCompression:
             weight.append(np.tile(root, pieces))
             sections.append(_RecordSection(start, start + pieces * length, basis))
             start += pieces * length
-    at, root = np.concatenate(position), np.concatenate(weight)
+    positions, root = np.concatenate(position), np.concatenate(weight)
     edges = np.array(_doubling(count)[1:-1]) - 0.5
-    nodes, root, second = _blocks(at, root, np.searchsorted(at, edges))
+    nodes, root, second = _blocks(positions, root, np.searchsorted(positions, edges))
     return DataCompression(nodes, root, (tuple(sections), second))
 
 
@@ -268,14 +270,14 @@ def _doubling(count: int) -> list[int]:
 
 
 def _blocks(
-    position: FloatArray, root_weight: FloatArray, cuts: IndexArray | None = None
+    position: FloatArray, root_weight: FloatArray, block_edges: IndexArray | None = None
 ) -> tuple[FloatArray, FloatArray, tuple[_RecordSection, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
-    if cuts is None:
+    if block_edges is None:
         first = position[NODES]
         doublings = int(np.ceil(np.log2(position[-1] / first)))
-        cuts = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
-    edges = sorted({0, *cuts.tolist(), len(position)})
+        block_edges = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
+    edges = sorted({0, *block_edges.tolist(), len(position)})
     nodes, roots, sections = [], [], []
     for start, stop in pairwise(edges):
         span = slice(start, stop)
@@ -300,9 +302,9 @@ def gauss(
     pseudo-samples z. The QR of a Chebyshev basis is graded by degree, so its columns are the
     orthonormal polynomials P, and the eigenvectors of P'xP turn them into W.
     """
-    middle = 0.5 * (position[0] + position[-1])
+    centre = 0.5 * (position[0] + position[-1])
     half_length = 0.5 * (position[-1] - position[0])
-    u = (position - middle) / half_length
+    u = (position - centre) / half_length
     chebyshev = np.empty((len(u), count))
     chebyshev[:, 0] = root_weight
     chebyshev[:, 1] = root_weight * u
@@ -314,7 +316,7 @@ def gauss(
     value, vector = np.linalg.eigh(0.5 * (jacobi + jacobi.T))
     vector = vector * np.where(vector[0] < 0, -1.0, 1.0)
     total = float(np.linalg.norm(root_weight))
-    return middle + half_length * value, total * vector[0], q @ vector
+    return centre + half_length * value, total * vector[0], q @ vector
 
 
 # Space of all relaxation kernels of a window.
@@ -373,8 +375,8 @@ class Kernels(NamedTuple):
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
         folds = round(float(np.log(longest / shortest)) + 0.05, 1)
-        tau, lags, right, left_factors = _make_unit_kernels(folds, per_fold, rank)
-        return cls(tau * shortest, lags * shortest, right, left_factors)
+        tau, lags, right_vectors, left_factors = _make_unit_kernels(folds, per_fold, rank)
+        return cls(tau * shortest, lags * shortest, right_vectors, left_factors)
 
     def space(
         self, exact: DataBlock, change: Callable[[FloatArray], FloatArray] = np.asarray
@@ -385,9 +387,9 @@ class Kernels(NamedTuple):
         """
         projected = np.zeros(())
         for first in range(0, len(self.tau), AT_ONCE):
-            part = slice(first, first + AT_ONCE)
-            arms = change(exact.evaluate(np.log(self.tau[part]), False).arms)
-            projected = projected + arms @ self.right[part]
+            rows = slice(first, first + AT_ONCE)
+            arms = change(exact.evaluate(np.log(self.tau[rows]), False).arms)
+            projected = projected + arms @ self.right[rows]
         return projected
 
     def columns(self, operator: FloatArray) -> Columns:

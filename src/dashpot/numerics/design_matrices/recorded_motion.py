@@ -92,14 +92,14 @@ def hold_block(
     time, step = _validate_samples(time, force, weights)
     plans = _plans(time, weights, ideal_ramp, step, compress=compress)
     starts = (0.0, ideal_ramp.ramp_time)
-    at = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
+    nodes = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
-    spring = np.full(len(at), ideal_ramp.depth)
+    spring = np.full(len(nodes), ideal_ramp.depth)
     if ideal_ramp.ramp:
-        spring = ideal_ramp.depth / ideal_ramp.ramp_time * np.minimum(at, ideal_ramp.ramp_time)
-    fixed = {ideal_ramp.spring: spring, ideal_ramp.offset: 1.0, ideal_ramp.drift: at}
+        spring = ideal_ramp.depth / ideal_ramp.ramp_time * np.minimum(nodes, ideal_ramp.ramp_time)
+    fixed = {ideal_ramp.spring: spring, ideal_ramp.offset: 1.0, ideal_ramp.drift: nodes}
     fixed.pop(None, None)
-    matrix = np.empty((len(at), len(fixed)))
+    matrix = np.empty((len(nodes), len(fixed)))
     for i, column in enumerate(fixed.values()):
         matrix[:, i] = root * column
     names = tuple(filter(None, fixed))
@@ -168,9 +168,11 @@ def _plans(
             f"ramp_time = {ideal_ramp.ramp_time:g} s leaves {first} of {len(time)} samples on the "
             "ramp; expected some on the ramp and some on the hold"
         )
-    on, weights_after = (None, None) if weights is None else (weights[:first], weights[first:])
+    weights_before, weights_after = (
+        (None, None) if weights is None else (weights[:first], weights[first:])
+    )
     return (
-        plan(time[:first], on, step=step),
+        plan(time[:first], weights_before, step=step),
         plan(time[first:] - ideal_ramp.ramp_time, weights_after, step=step),
     )
 
@@ -355,11 +357,11 @@ def recorded_block(
 
 def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
-    cut = block.samples
+    first_length = block.samples
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        parts = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
-        return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
+        rows_of_blocks = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        return Evaluation(*(np.concatenate(pair) for pair in zip(*rows_of_blocks, strict=True)))
 
     return replace(
         two,
@@ -369,7 +371,8 @@ def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
         sampling=None,
         full=lambda: _stack_blocks(block.exact, two.exact),
         widen=lambda name, column: _stack_blocks(
-            block.with_column(name, column[:cut]), two.with_column(name, column[cut:])
+            block.with_column(name, column[:first_length]),
+            two.with_column(name, column[first_length:]),
         ),
         delayed=None,
     )
@@ -441,10 +444,10 @@ def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> F
     stretches = -(-total // length)
 
     def reshape_by_step(values: FloatArray) -> FloatArray:
-        padded = np.zeros((stretches * length, *values.shape[1:]))
-        padded[total - len(values) : total] = values
-        parts = padded.reshape(stretches, length, *values.shape[1:])
-        return np.ascontiguousarray(parts.swapaxes(0, 1))
+        padded_values = np.zeros((stretches * length, *values.shape[1:]))
+        padded_values[total - len(values) : total] = values
+        stretched = padded_values.reshape(stretches, length, *values.shape[1:])
+        return np.ascontiguousarray(stretched.swapaxes(0, 1))
 
     solution = reshape_by_step(np.concatenate((first[None], increments)))
     u, decay_to_step = np.zeros(solution.shape[1:]), reshape_by_step(decay)

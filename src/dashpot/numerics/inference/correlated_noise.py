@@ -154,9 +154,10 @@ class JacobianColumns:
 
     def means(self, samples_per_mean: int) -> JacobianColumns:
         """Return the columns of means over a few samples."""
-        short = block_means(self.matrix.T, samples_per_mean).T
+        mean_columns = block_means(self.matrix.T, samples_per_mean).T
         return JacobianColumns(
-            np.sqrt(samples_per_mean) * short if self.shared else short, shared=self.shared
+            np.sqrt(samples_per_mean) * mean_columns if self.shared else mean_columns,
+            shared=self.shared,
         )
 
     def spectra(self, min_size: int) -> tuple[int, ComplexArray]:
@@ -197,20 +198,20 @@ def noise_of(
     if samples_per_mean < _FEWEST or fine_noise.autocovariance[0] <= rounding**2:
         return fine_noise
     mean_columns = None if columns is None else columns.means(samples_per_mean)
-    coarse = _estimate_noise(series.means, mean_columns)
+    coarse_noise = _estimate_noise(series.means, mean_columns)
     # a sum over so many lags of white means scatters by that
-    chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
-    if samples_per_mean * coarse.power <= (1 + _BY_CHANCE * chance) * fine_noise.power:
+    chance = np.sqrt(len(coarse_noise.autocovariance) / _MEANS)
+    if samples_per_mean * coarse_noise.power <= (1 + _BY_CHANCE * chance) * fine_noise.power:
         return fine_noise
-    return _join_noise_scales(fine_noise, coarse.autocovariance, samples_per_mean)
+    return _join_noise_scales(fine_noise, coarse_noise.autocovariance, samples_per_mean)
 
 
 def _join_noise_scales(
     fine_noise: Noise, slow_autocovariance: FloatArray, samples_per_mean: int
 ) -> Noise:
     """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
-    gamma, cut = fine_noise.autocovariance, len(fine_noise.autocovariance)
-    lag = np.arange(cut, max(samples_per_mean * len(slow_autocovariance), cut))
+    gamma, fine_length = fine_noise.autocovariance, len(fine_noise.autocovariance)
+    lag = np.arange(fine_length, max(samples_per_mean * len(slow_autocovariance), fine_length))
     # between one mean and its neighbour it is at least what neighbours share
     interpolated = np.interp(
         lag / samples_per_mean,
@@ -273,13 +274,13 @@ def _restore_autocovariance(
 def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
     even_spectra = columns.even
-    size, spectra = columns.spectra(len(columns.matrix) + lags)
-    rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
+    fft_length, spectra = columns.spectra(len(columns.matrix) + lags)
+    rows, power = spectra.view(np.float64), np.empty(fft_length // 2 + 1)
     for first in range(0, len(power), _AT_ONCE):
         rotated = even_spectra.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
         squares = (rotated * rotated).sum(axis=0)
         power[first : first + _AT_ONCE] = squares[::2] + squares[1::2]
-    return np.asarray(np.fft.irfft(power, size)[:lags])
+    return np.asarray(np.fft.irfft(power, fft_length)[:lags])
 
 
 def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
@@ -289,10 +290,10 @@ def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
     """
     n = residual.shape[-1]
     lags = n if lags is None else lags
-    size = find_fast_length(n + lags)
-    spectrum = np.fft.rfft(residual, size)
+    fft_length = find_fast_length(n + lags)
+    spectrum = np.fft.rfft(residual, fft_length)
     power = spectrum.real**2 + spectrum.imag**2
-    return np.asarray(np.fft.irfft(power, size)[..., :lags] / n)
+    return np.asarray(np.fft.irfft(power, fft_length)[..., :lags] / n)
 
 
 def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
@@ -309,10 +310,10 @@ def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | Non
             return np.array(values[: max(lag - 1, 1)]) / n, None
         values.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
     gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
-    if (cut := geyer_cut(gamma)) == len(gamma):
+    if (cut_lag := geyer_cut(gamma)) == len(gamma):
         gamma = autocovariance(residual)
-        cut = geyer_cut(gamma)
-    return gamma[:cut], gamma
+        cut_lag = geyer_cut(gamma)
+    return gamma[:cut_lag], gamma
 
 
 def geyer_cut(gamma: FloatArray) -> int:
@@ -362,11 +363,11 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
     """
     if not information.turn.size:
         return 1.0
-    turn, _ = _turn(
+    rotation, _ = _turn(
         np.sum([columns.gram for columns in information.columns[: len(noise_along)]], axis=0)
     )
-    shares = np.linalg.eigvalsh(turn.T @ np.sum(noise_along, axis=0) @ turn)
-    return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
+    noise_gains = np.linalg.eigvalsh(rotation.T @ np.sum(noise_along, axis=0) @ rotation)
+    return float(noise_gains[-1] / noise_gains[0]) if noise_gains[0] > 0.0 else np.inf
 
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
@@ -397,18 +398,18 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
             crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])
             form += crossed + crossed.T
         return np.asarray(form)
-    size, spectra = columns.spectra(n + lags - 1)
-    circulant = np.zeros(size)
+    fft_length, spectra = columns.spectra(n + lags - 1)
+    circulant = np.zeros(fft_length)
     circulant[:lags] = gamma
     circulant[-(lags - 1) :] = gamma[:0:-1]
     # a cut autocovariance need not be positive definite; a power spectrum must not be negative
     spectrum = np.maximum(np.fft.rfft(circulant).real, 0.0)
     line_weights = np.full(len(spectrum), 2.0)
     line_weights[0] = 1.0
-    if size % 2 == 0:
+    if fft_length % 2 == 0:
         line_weights[-1] = 1.0
     # real and imaginary parts in turn, so that one real product serves both
-    rows, power = spectra.view(np.float64), np.repeat(spectrum * line_weights / size, 2)
+    rows, power = spectra.view(np.float64), np.repeat(spectrum * line_weights / fft_length, 2)
     form = np.zeros((len(rows), len(rows)))
     for first in range(0, len(power), 2 * _AT_ONCE):
         span = slice(first, first + 2 * _AT_ONCE)
@@ -459,12 +460,12 @@ class Directions(NamedTuple):
         other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
     ) -> FloatArray:
         """Return the covariance of the parameters (p, p), infinite where the data say nothing."""
-        middle = noise_along.copy()
-        for shares, columns in zip(other_columns, self.columns, strict=False):
-            row = shares(columns.matrix)
-            middle += row.T @ row
+        noise_matrix = noise_along.copy()
+        for absorbed_columns, columns in zip(other_columns, self.columns, strict=False):
+            row = absorbed_columns(columns.matrix)
+            noise_matrix += row.T @ row
         inverse_map = np.linalg.solve(self.gram, self.turn.T)
-        covariance = inverse_map.T @ middle @ inverse_map
+        covariance = inverse_map.T @ noise_matrix @ inverse_map
         covariance[self.is_undetermined, :] = 0.0
         covariance[:, self.is_undetermined] = 0.0
         covariance[self.is_undetermined, self.is_undetermined] = np.inf
@@ -483,15 +484,15 @@ def make_directions(
     millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
-    turn, is_undetermined = _turn(information)
+    rotation, is_undetermined = _turn(information)
     if with_fine_scales and is_undetermined.any():
-        turn, is_undetermined = _turn_finely(np.concatenate(jacobians))
+        rotation, is_undetermined = _turn_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
-        JacobianColumns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
+        JacobianColumns((rotation.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
     )
     gram = np.sum([column.gram for column in columns], axis=0)
-    return Directions(turn, columns, gram, is_undetermined)
+    return Directions(rotation, columns, gram, is_undetermined)
 
 
 def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -504,20 +505,20 @@ def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     )
     sharp = values > _SINGULAR * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
-    turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
-    return turn, ~is_determined | (dull > np.sqrt(_SINGULAR))
+    rotation = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
+    return rotation, ~is_determined | (dull > np.sqrt(_SINGULAR))
 
 
 def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Return :func:`_turn` by the singular values of J itself."""
-    size = np.linalg.norm(jacobian, axis=0)
-    value = size > 0.0
-    scale = np.where(value, size, 1.0)
+    column_norms = np.linalg.norm(jacobian, axis=0)
+    value = column_norms > 0.0
+    scale = np.where(value, column_norms, 1.0)
     _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
     sharp = values > _SINGULAR * values[0]
     dull = np.abs(rows[~sharp]).max(axis=0, initial=0.0)
-    turn = rows[sharp].T / (values[sharp] * scale[:, None])
-    return turn, ~value | (dull > np.sqrt(_SINGULAR))
+    rotation = rows[sharp].T / (values[sharp] * scale[:, None])
+    return rotation, ~value | (dull > np.sqrt(_SINGULAR))
 
 
 # Whitening of a record by its own noise.
@@ -639,11 +640,13 @@ def compute_blockwise_qr(tall_matrix: FloatArray) -> tuple[FloatArray, FloatArra
     pieces = [
         np.linalg.qr(tall_matrix[i : i + AT_ONCE]) for i in range(0, len(tall_matrix), AT_ONCE)
     ]
-    turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
-    basis, row, at = np.empty((len(tall_matrix), turn.shape[1])), 0, 0
+    joint_basis, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
+    basis, row, piece_start = np.empty((len(tall_matrix), joint_basis.shape[1])), 0, 0
     for values, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
-        np.matmul(values, turn[at : at + columns], out=basis[row : row + rows])
-        row, at = row + rows, at + columns
+        np.matmul(
+            values, joint_basis[piece_start : piece_start + columns], out=basis[row : row + rows]
+        )
+        row, piece_start = row + rows, piece_start + columns
     return basis, factor
 
 
@@ -687,10 +690,10 @@ class NoiseGain:
 
     def _compute_gain(self, change: FloatArray) -> float:
         change = change / max(float(np.abs(change).max()), 1e-150)  # a walk may go very far
-        parts = np.split(change, self._cuts)
+        record_changes = np.split(change, self._cuts)
         principal_gain = sum(
-            float(variance @ (axes.T @ part) ** 2)
-            for part, (variance, axes) in zip(parts, self._principal, strict=True)
+            float(variance @ (axes.T @ record_change) ** 2)
+            for record_change, (variance, axes) in zip(record_changes, self._principal, strict=True)
         )
         return principal_gain / max(float(change @ change), 1e-300)
 
@@ -718,9 +721,9 @@ def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArra
 
 def _average_autocovariance(gamma: FloatArray, samples_per_mean: int) -> FloatArray:
     """Return the autocovariance of means over `samples_per_mean` neighbours, times that number."""
-    share = 1 - np.abs(np.arange(1 - samples_per_mean, samples_per_mean)) / samples_per_mean
+    lag_weights = 1 - np.abs(np.arange(1 - samples_per_mean, samples_per_mean)) / samples_per_mean
     # from the lag -(few - 1) on, and as far as any is left
     two_sided = np.concatenate(
         (gamma[samples_per_mean - 1 : 0 : -1], gamma, np.zeros(2 * samples_per_mean))
     )
-    return np.asarray(np.convolve(two_sided, share, "valid")[::samples_per_mean])
+    return np.asarray(np.convolve(two_sided, lag_weights, "valid")[::samples_per_mean])

@@ -85,8 +85,8 @@ class ProfileTrace:
         visited = self.walked
         if self.leapt and self.root <= np.sqrt(self.limit):
             # a leap that the walk has passed says nothing of the way
-            passed = visited and (self.leapt[0][0] - visited[-1][0]) * self.step <= 0
-            visited = visited if passed else visited + self.leapt
+            passed_start = visited and (self.leapt[0][0] - visited[-1][0]) * self.step <= 0
+            visited = visited if passed_start else visited + self.leapt
         if not np.isfinite(self.without):
             return visited
         end_value = self.ends[int(self.sign > 0)]
@@ -202,8 +202,8 @@ class BatchedDescent:
         is_better = gain > 0
         kept_rows = indices[is_better]
         self.here[kept_rows] = trial[is_better]
-        for own_trial, new in zip(solved_trials, trials, strict=True):
-            own_trial[kept_rows] = new[is_better]
+        for own_trial, new_trial in zip(solved_trials, trials, strict=True):
+            own_trial[kept_rows] = new_trial[is_better]
         damping = self.damping[indices]
         self.damping[indices] = np.where(is_better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
         # where the parabola has failed it is believed nearby only
@@ -228,9 +228,11 @@ class BatchedDescent:
         if not curvature.shape[1]:
             return gradient, np.zeros(len(indices))
         arms = np.arange(curvature.shape[1])
-        size = curvature[:, arms, arms]
-        stretch = np.where(size > 0, size, 1.0)
-        curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
+        curvature_diagonal = curvature[:, arms, arms]
+        column_scale = np.where(curvature_diagonal > 0, curvature_diagonal, 1.0)
+        curvature[:, arms, arms] = (
+            curvature_diagonal + column_scale * RIDGE + (curvature_diagonal <= 0)
+        )
         right_sides = np.concatenate(
             (self.known.residual_curvature[indices], gradient[:, :, None]), axis=2
         )
@@ -239,9 +241,9 @@ class BatchedDescent:
         # what the move takes off the residual bends nothing where it leads
         reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[indices], 1e-300)
         remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
-        believed = _moderate(remainder * share)[:, None, None]
-        curvature += np.where(believed, remainder, 0.0) * self.known.residual_curvature[indices]
-        curvature[:, arms, arms] += stretch * self.damping[indices][:, None]
+        is_moderate = _moderate(remainder * share)[:, None, None]
+        curvature += np.where(is_moderate, remainder, 0.0) * self.known.residual_curvature[indices]
+        curvature[:, arms, arms] += column_scale * self.damping[indices][:, None]
         step = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(step).max(axis=1, keepdims=True)
         step = step * np.minimum(1.0, self.reach[indices][:, None] / np.maximum(longest, 1e-300))
@@ -252,13 +254,13 @@ def _moderate(share: FloatArray) -> BoolArray:
     """Return which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
     lowest, highest = _BENT
-    believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-lowest, highest) ** 2
-    if not believed.all():
-        doubtful_eigenvalues = np.linalg.eigvals(share[~believed]).real
-        believed[~believed] = (doubtful_eigenvalues.min(axis=1) > lowest) & (
+    is_moderate = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-lowest, highest) ** 2
+    if not is_moderate.all():
+        doubtful_eigenvalues = np.linalg.eigvals(share[~is_moderate]).real
+        is_moderate[~is_moderate] = (doubtful_eigenvalues.min(axis=1) > lowest) & (
             doubtful_eigenvalues.max(axis=1) < highest
         )
-    return np.asarray(believed)
+    return np.asarray(is_moderate)
 
 
 # Profile likelihood.
@@ -339,11 +341,11 @@ class _SimultaneousProfiles:
     def __init__(self, stack: Stack, optimum: Solution) -> None:
         self.optimum, self.fixed = optimum, len(stack.names)
         self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
-        outside = float(np.log(WINDOW_FACTOR))
+        window_margin = float(np.log(WINDOW_FACTOR))
         self.plateaus = [i for i, name in enumerate(stack.names) if name.startswith("k_inf")]
         self.window = stack.bounds
         self.restricted = stack.get_nonnegative_mask(self.arms, signed=False)
-        self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
+        self.reach = stack.bounds[0] - window_margin, stack.bounds[1] + window_margin
         count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
         nodes, difference = np.linspace(*self.reach, count, retstep=True)
         rows = stack.evaluate(nodes)
@@ -366,8 +368,8 @@ class _SimultaneousProfiles:
             ),
             axis=2,
         )
-        turn = _DERIVED / difference ** np.arange(3.0)[:, None]
-        self.apart, self.turn = float(difference), turn.reshape(4, -1)
+        derivative_weights = _DERIVED / difference ** np.arange(3.0)[:, None]
+        self.apart, self.turn = float(difference), derivative_weights.reshape(4, -1)
         start = self._phi(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
@@ -398,18 +400,21 @@ class _SimultaneousProfiles:
         goals = np.array([trace.goal for trace in walks])
         descents = self._descents(residual, walks)
         trials = descents.known
-        while on := [i for i, trace in enumerate(walks) if not trace.ended]:
-            for i in self._run_trials(descents, goals, sides, np.array(on)):
-                trace, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
+        while active_walks := [i for i, trace in enumerate(walks) if not trace.ended]:
+            for i in self._run_trials(descents, goals, sides, np.array(active_walks)):
+                trace, position, predicted_steps = walks[i], walks[i].at, np.zeros(self.arms)
                 sse, log_tau = descents.best(i)
                 if trace.update_walk(self._deviance(trace, trials.beta[i], log_tau, sse)):
-                    foretold = (log_tau - residual[i]) * (trace.goal - trace.at) / (trace.at - at)
+                    predicted_steps = (
+                        (log_tau - residual[i]) * (trace.goal - trace.at) / (trace.at - position)
+                    )
                     residual[i] = log_tau
-                largest_change = max(map(abs, foretold.tolist()), default=0.0)
+                largest_change = max(map(abs, predicted_steps.tolist()), default=0.0)
                 descents.start(
                     i,
                     residual[i]
-                    + min(1.0, _FORETOLD_SHARE / max(largest_change, _FORETOLD_SHARE)) * foretold,
+                    + min(1.0, _FORETOLD_SHARE / max(largest_change, _FORETOLD_SHARE))
+                    * predicted_steps,
                 )
                 goals[i] = trace.goal
 
@@ -420,28 +425,30 @@ class _SimultaneousProfiles:
         of_arm = {arm: i for i, arm in enumerate(sides.owner.tolist()) if arm >= 0}
         if not of_arm:
             return
-        first = [walks[i] for i in of_arm.values()]
+        first_walks = [walks[i] for i in of_arm.values()]
         arm_sides = _Sides(
             [ProfileTarget(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
             self.fixed,
             self.arms,
         )
         values = self.optimum.log_tau
-        descents = self._descents(np.tile(values, (len(first), 1)), first)
+        descents = self._descents(np.tile(values, (len(first_walks), 1)), first_walks)
         # the others keep their places: one that took the arm's would be the arm
         midpoints = (values[arm_sides.arm][:, None] + values) / 2.0
         low = np.where(values > values[arm_sides.arm][:, None], midpoints, self.reach[0])
         high = np.where(values < values[arm_sides.arm][:, None], midpoints, self.reach[1])
-        on = np.arange(len(first))
-        while on.size:
-            bounds = low[on], high[on]
-            ended = self._run_trials(descents, np.zeros(len(first)), arm_sides, on, bounds)
-            on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
+        indices = np.arange(len(first_walks))
+        while indices.size:
+            bounds = low[indices], high[indices]
+            ended = self._run_trials(
+                descents, np.zeros(len(first_walks)), arm_sides, indices, bounds
+            )
+            indices = indices[~np.isin(indices, ended)]  # `numpy.setdiff1d` imports masked arrays
         indices_by_arm = {arm: [i] for i, arm in enumerate(of_arm)}
         for trace, arm, column in zip(walks, sides.owner.tolist(), sides.column, strict=True):
             # a plateau that falls may have any of the arms, slower than all, in its place
             is_falling = trace.sign < 0 and column in self.plateaus
-            for i in indices_by_arm[arm] if arm >= 0 else range(len(first) * is_falling):
+            for i in indices_by_arm[arm] if arm >= 0 else range(len(first_walks) * is_falling):
                 sse, log_tau = descents.best(i)
                 trace.update_without_arm(
                     self._deviance(trace, descents.known.beta[i], log_tau, sse)
@@ -512,13 +519,13 @@ class _SimultaneousProfiles:
         rotated = (values[..., 1, :] * stiffness[..., None]).sum(axis=1)
         # columns, slopes and curves meet the residual
         moments = (values @ residual[:, None, None, :, None])[..., 0]
-        second = (stiffness * moments[..., 2]).sum(axis=1)
+        second_derivative = (stiffness * moments[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
         goal_slope = amount * sides.log_b[indices]
         at_zero, moment_slope, _ = moments.reshape(len(indices), -1, 3)[
             row, np.maximum(column - self.fixed, 0)
         ].T
-        second[row, arm] -= goal_slope * (2.0 * moment_slope - at_zero)
+        second_derivative[row, arm] -= goal_slope * (2.0 * moment_slope - at_zero)
         rotated[row, arm] -= goal_slope[:, None] * base
         # a coefficient and its own tau meet in the residual
         meets = np.zeros((*beta.shape, self.arms))
@@ -529,19 +536,19 @@ class _SimultaneousProfiles:
         moment = phi @ rotated.swapaxes(1, 2)
         solutions = normal.solve_moments(np.concatenate((moment, meets), axis=2))
         arm_part, meet_part = solutions[..., : self.arms], solutions[..., self.arms :]
-        outside = rotated - arm_part.swapaxes(1, 2) @ phi
+        orthogonal_part = rotated - arm_part.swapaxes(1, 2) @ phi
         crossed = meets.swapaxes(1, 2) @ (arm_part - 0.5 * meet_part)
         curvature_part = crossed + crossed.swapaxes(1, 2)
         index = np.arange(self.arms)
-        curvature_part[:, index, index] -= second
+        curvature_part[:, index, index] -= second_derivative
         is_free = np.ones(log_tau.shape)
         is_free[row, arm] = linear
         pairs = is_free[:, :, None] * is_free[:, None, :]
         return SolvedTrials(
             np.vecdot(residual, residual),
             beta,
-            np.vecdot(outside, residual[:, None, :]) * is_free,
-            outside @ outside.swapaxes(1, 2) * pairs,
+            np.vecdot(orthogonal_part, residual[:, None, :]) * is_free,
+            orthogonal_part @ orthogonal_part.swapaxes(1, 2) * pairs,
             curvature_part * pairs,
         )
 
@@ -566,8 +573,8 @@ class _Normal:
 
     def solve_moments(self, moment: FloatArray) -> FloatArray:
         """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
-        scaled = self.free * moment / self.length
-        return np.asarray(np.linalg.solve(self.gram, scaled) / self.length)
+        scaled_moment = self.free * moment / self.length
+        return np.asarray(np.linalg.solve(self.gram, scaled_moment) / self.length)
 
 
 class _Sides:

@@ -166,7 +166,7 @@ def no_unit_error(c: Comparison) -> Finding:
     """No unit error shows: sqrt(1000) in frequency, 9.81 or 1000 in height."""
     frequency = c.measured_hz / c.predicted_hz
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
-    for ratio, factor, words in (
+    for ratio, factor, explanation in (
         (frequency, np.sqrt(1000), "mass or stiffness by a factor 1000 (g for kg, N/mm for N/m)"),
         (
             height,
@@ -177,8 +177,8 @@ def no_unit_error(c: Comparison) -> Finding:
     ):
         if abs(abs(np.log(ratio)) - np.log(factor)) < np.log(1.1):
             return Finding(
-                f"A unit looks wrong: {words}. Measured over predicted is {ratio:.3g}, close to "
-                f"{factor:.4g} or its inverse",
+                f"A unit looks wrong: {explanation}. Measured over predicted is {ratio:.3g}, close "
+                f"to {factor:.4g} or its inverse",
                 ratio,
                 remedy=Remedy("Check the units of mass, force and acceleration.", "units"),
                 limit=factor,
@@ -245,11 +245,12 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
         f"The relaxation test covers {_format_time(fastest)} to "
         f"{_format_time(1 / (2 * np.pi * low))}"
     )
-    lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
-    if lead is not None:
+    leading_arm = max(c.arms, key=lambda arm: arm.loss_share, default=None)
+    if leading_arm is not None:
         message += (
-            f". The arm at tau = {lead.tau:.4g} s gives {100 * lead.loss_share:.1f} % of the "
-            "predicted loss" + (", although it is much slower" if lead.tau > 5 * tau else "")
+            f". The arm at tau = {leading_arm.tau:.4g} s gives {100 * leading_arm.loss_share:.1f} "
+            "% of the predicted loss"
+            + (", although it is much slower" if leading_arm.tau > 5 * tau else "")
         )
     return Finding(
         message + (". Yet the hammer test agrees" if borne_out else ""),
@@ -285,11 +286,11 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             always_fails=point.is_extrapolated,
         )
     is_near = abs(compression - depth) <= DEPTH_LIMIT * depth
-    tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
+    tested_compression = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
-        f"{message}, close to {tested}"
+        f"{message}, close to {tested_compression}"
         if is_near
-        else f"{message}, not to {tested}. Yet the frequency agrees",
+        else f"{message}, not to {tested_compression}. Yet the frequency agrees",
         compression,
         failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness that depends on depth makes the two tests differ",
@@ -304,21 +305,21 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
 def format_conclusion(c: Comparison) -> str:
     """Return the conclusion of a verdict: what agrees, what does not, why, and what to do."""
     checks = {check.name: check for check in c.checks}
-    slip, tested = checks["no_unit_error"], checks.get("damping_tested")
-    if slip.failed:
-        return format_short_message(slip)
+    unit_check, damping_check = checks["no_unit_error"], checks.get("damping_tested")
+    if unit_check.failed:
+        return format_short_message(unit_check)
     has_stiffness = not checks["stiffness_agrees"].failed
     damped = not (checks["peak_agrees"].failed or checks["damping_agrees"].failed)
-    if has_stiffness and damped and (tested is None or not tested.failed):
+    if has_stiffness and damped and (damping_check is None or not damping_check.failed):
         return f"The prediction matches the measurement: {c.resonance_match}."
     first = _format_frequency_error(c, agrees=has_stiffness)
     if damped:
         return f"{first} {_MASS_REMEDY}"
-    second = _format_damping_error(c)
-    sentences = [second, first] if has_stiffness else [first, second]
-    if tested is not None and tested.failed:
-        unmeasured = _format_time(tested.value or 0.0)
-        sentences.append(f"The relaxation test does not cover relaxation within {unmeasured}.")
+    damping_error = _format_damping_error(c)
+    sentences = [damping_error, first] if has_stiffness else [first, damping_error]
+    if damping_check is not None and damping_check.failed:
+        unmeasured_time = _format_time(damping_check.value or 0.0)
+        sentences.append(f"The relaxation test does not cover relaxation within {unmeasured_time}.")
         return clip_sentences(MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY])
     return clip_sentences(
         MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY if has_stiffness else _MASS_REMEDY]

@@ -124,7 +124,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     )
     near_resonance = np.abs(frf.frequency - main.frequency) <= half_band
     band = (float(frf.frequency[near_resonance][0]), float(frf.frequency[near_resonance][-1]))
-    at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
+    nearest_line = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     modes: list[Mode | None] = []
     for value in (spectra.response / spectra.force)[:, near_resonance]:
         local_frf = FRF(
@@ -141,10 +141,10 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     masses = [_get_modal_mass(mode) for mode in modes if mode is not None]
     if not masses:
         return frf.hits
-    rows = iter(zip(modes, np.abs(spectra.force[:, at]).tolist(), strict=True))
+    rows = iter(zip(modes, np.abs(spectra.force[:, nearest_line]).tolist(), strict=True))
     hits = []
     for hit in frf.hits:
-        mode, size = next(rows) if hit.accepted else (None, 0.0)
+        mode, amplitude = next(rows) if hit.accepted else (None, 0.0)
         if mode is None:
             hits.append(hit)
             continue
@@ -154,7 +154,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
                 frequency=float(mode.frequency),
                 damping_ratio=float(mode.damping_ratio),
                 modal_mass=_get_modal_mass(mode),
-                amplitude=size / (float(np.median(masses)) * float(mode.pole.imag)),
+                amplitude=amplitude / (float(np.median(masses)) * float(mode.pole.imag)),
             )
         )
     return tuple(hits)
@@ -183,12 +183,12 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
     if len(rows) <= FEWEST:
         return None
     X = DECAYED * rows[:, 0]
-    size = np.log2(X)
-    if np.ptp(size) < EQUAL:
+    log_amplitude = np.log2(X)
+    if np.ptp(log_amplitude) < EQUAL:
         return None
     return Trend(
-        _fit_line(size, 2 * np.log(rows[:, 1])),
-        _fit_line(size, np.log(rows[:, 2])),
+        _fit_line(log_amplitude, 2 * np.log(rows[:, 1])),
+        _fit_line(log_amplitude, np.log(rows[:, 2])),
         float(np.median(rows[:, 3])),
         float(_OF_MEDIAN * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
         (float(X.min()), float(X.max())),
@@ -197,13 +197,13 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
 
 
 def _fit_line(x: FloatArray, y: FloatArray) -> RegressionLine:
-    middle, value = float(x.mean()), float(y.mean())
-    x, y = x - middle, y - value
+    mean_x, mean_y = float(x.mean()), float(y.mean())
+    x, y = x - mean_x, y - mean_y
     norm = float(np.sqrt(x @ x))
     slope = float(x @ y) / norm**2
-    rest, dof = y - slope * x, len(x) - 2
-    se = float(np.sqrt(rest @ rest / dof)) / norm
+    residual, dof = y - slope * x, len(x) - 2
+    se = float(np.sqrt(residual @ residual / dof)) / norm
     number = (t_quantile(TREND_CONFIDENCE, dof) + t_quantile(POWER, dof)) * se
     return RegressionLine(
-        slope, t_quantile(CONFIDENCE, dof) * se, number, middle, value, se, norm, dof
+        slope, t_quantile(CONFIDENCE, dof) * se, number, mean_x, mean_y, se, norm, dof
     )

@@ -75,9 +75,10 @@ def disagreement(spectra: Spectra) -> FloatArray | None:
         return None
     force, response = spectra.force, spectra.response
     ratio = response / force
-    size = np.linalg.norm(response, axis=1)
+    response_norm = np.linalg.norm(response, axis=1)
     separate = [
-        np.linalg.norm(response[i] - np.delete(ratio, i, axis=0) * force[i], axis=1) / size[i]
+        np.linalg.norm(response[i] - np.delete(ratio, i, axis=0) * force[i], axis=1)
+        / response_norm[i]
         for i in range(spectra.averages)
     ]
     return np.asarray(np.median(separate, axis=1))
@@ -219,44 +220,48 @@ def mass_over_base(frf: FRF) -> Finding:
     )
 
 
-def _explain_absolute(size: complex) -> tuple[str, Remedy]:
+def _explain_absolute(magnitude: complex) -> tuple[str, Remedy]:
     """Why a transmissibility may be of this size below its resonance, and what to do."""
-    if 0.5 < abs(size) < 2:
-        if size.real > 0:
+    if 0.5 < abs(magnitude) < 2:
+        if magnitude.real > 0:
             return "it looks like the base over the mass", Remedy("Take mass over base.")
         return (
-            f"it is {size.real:.3g}, as if one sensor had the opposite polarity",
+            f"it is {magnitude.real:.3g}, as if one sensor had the opposite polarity",
             Remedy("Turn its sign."),
         )
     return (
-        f"it is {abs(size):.3g}, not about 1",
+        f"it is {abs(magnitude):.3g}, not about 1",
         Remedy("Check units, or read it as relative to the base.", "relative"),
     )
 
 
-def _explain_relative(part: float, size: complex) -> tuple[str, Remedy]:
+def _explain_relative(part: float, magnitude: complex) -> tuple[str, Remedy]:
     """Why a relative motion may be so many times that of a mass on a spring, and what to do.
 
     Below its resonance; over the motion of the base it is `size` there.
     """
-    if abs(size.imag) > abs(size.real):
+    if abs(magnitude.imag) > abs(magnitude.real):
         return (
             "it is a quarter turn off, as a velocity is from a displacement",
             Remedy("Check its unit."),
         )
     if part < 0:
         return "the relative motion has the opposite sign", Remedy("Take mass less base.")
-    if 0.5 < size.real < 2:
+    if 0.5 < magnitude.real < 2:
         return "the motion looks absolute, not relative", Remedy("Read it as absolute.")
     return f"it is {part:.3g} times that of a mass on a spring", Remedy("Check its unit.")
 
 
-def _find_peak_line(size: FloatArray) -> int | None:
+def _find_peak_line(magnitude: FloatArray) -> int | None:
     """Return the line at which a ratio of motions peaks, or is least if inverted."""
-    top, lowest_index, end = int(size.argmax()), int(size.argmin()), len(size) - 1
-    if 0 < top < NO_TURN * end:
-        return top
-    return lowest_index if top > 0 and lowest_index > 0 else None
+    highest_index, lowest_index, last_index = (
+        int(magnitude.argmax()),
+        int(magnitude.argmin()),
+        len(magnitude) - 1,
+    )
+    if 0 < highest_index < NO_TURN * last_index:
+        return highest_index
+    return lowest_index if highest_index > 0 and lowest_index > 0 else None
 
 
 @criterion(source="by definition")
@@ -392,9 +397,9 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
     leave_one_out_frfs = leave_one_out(spectra, estimator)[:, near_resonance]
     average = estimate(spectra, estimator)[near_resonance]
     change = np.linalg.norm(leave_one_out_frfs - average, axis=1) / np.linalg.norm(average)
-    worst = int(np.argmax(change))
-    name = [hit.name for hit in frf.hits if hit.accepted][worst]
-    value = float(change[worst])
+    worst_hit = int(np.argmax(change))
+    name = [hit.name for hit in frf.hits if hit.accepted][worst_hit]
+    value = float(change[worst_hit])
     return Finding(
         f"Without any one hit the FRF about the resonance changes by {100 * value:.2g} %",
         value,
@@ -458,11 +463,11 @@ def rocking_cancelled(frf: FRF, combination: Combination) -> Finding:
 def hits_centred(frf: FRF, combination: Combination) -> Finding:
     """The hits strike the block near its centre."""
     names = [hit.name for hit in frf.hits if hit.accepted]
-    worst = int(np.argmax(np.abs(combination.eccentricity)))
-    value = float(abs(combination.eccentricity[worst]))
+    worst_hit = int(np.argmax(np.abs(combination.eccentricity)))
+    value = float(abs(combination.eccentricity[worst_hit]))
     scatter = float(np.std(combination.eccentricity))
     message = (
-        f"Hit {names[worst]} rocks the test mass by {100 * value:.0f} % of its bounce at the "
+        f"Hit {names[worst_hit]} rocks the test mass by {100 * value:.0f} % of its bounce at the "
         f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
     if combination.reach is not None:
@@ -490,15 +495,15 @@ def apparent_mass(
     is a straight line in :math:`\mathrm{Re}\,s^{-2}`, whose end is the mass, from 2.5 times the
     natural frequency up. None if fewer than 5 good lines lie there.
     """
-    size = np.abs(accelerance)
-    keep: BoolArray = (frequency > MASS_LINE_FACTOR * natural_frequency) & (size > 0)
+    magnitude = np.abs(accelerance)
+    keep: BoolArray = (frequency > MASS_LINE_FACTOR * natural_frequency) & (magnitude > 0)
     if sd is not None:
-        keep = keep & (sd < 0.3 * size)
+        keep = keep & (sd < 0.3 * magnitude)
     if np.count_nonzero(keep) < 5:
         return None
     inverse = 1 / accelerance[keep]
     x = (1 / (2j * np.pi * frequency[keep] + shift) ** 2).real
-    relative = 1e-3 if sd is None else np.hypot(sd[keep] / size[keep], 1e-3)
+    relative = 1e-3 if sd is None else np.hypot(sd[keep] / magnitude[keep], 1e-3)
     w = 1 / (relative * np.abs(inverse))
     rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
     best = solve_ordinary(inverse.real * w, rows)

@@ -167,10 +167,14 @@ def _nonnegative_pair(columns: FloatArray, target: FloatArray) -> FloatArray:
     best, *_ = np.linalg.lstsq(columns, target, rcond=None)
     if (best >= 0).all():
         return np.asarray(best)
-    single = np.maximum(columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0)
-    residuals = [float(np.sum((target - columns[:, i] * single[i]) ** 2)) for i in (0, 1)]
+    single_coefficients = np.maximum(
+        columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0
+    )
+    residuals = [
+        float(np.sum((target - columns[:, i] * single_coefficients[i]) ** 2)) for i in (0, 1)
+    ]
     first = int(np.argmin(residuals))
-    return np.where(np.arange(2) == first, single, 0.0)
+    return np.where(np.arange(2) == first, single_coefficients, 0.0)
 
 
 def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> ExponentialWindow:
@@ -250,27 +254,27 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     quiet_samples = min(hit.onset for hit in hits)
     quiet_samples -= max(GUARD, quiet_samples // 8)
     taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
-    size = min(len(hit.force) - hit.missing for hit in hits)
-    if taps < _FEWEST_TAPS or size < 4 * _STRETCHES + taps:
+    sample_count = min(len(hit.force) - hit.missing for hit in hits)
+    if taps < _FEWEST_TAPS or sample_count < 4 * _STRETCHES + taps:
         return None
     filters = _high_pass(taps)
-    squares = np.array([np.convolve(row[:size], filters, "valid") ** 2 for row in rows])
+    squares = np.array([np.convolve(row[:sample_count], filters, "valid") ** 2 for row in rows])
     early_power = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
     rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
     if not early_power > _STEPS * rounding:
         return None
     start = max(hit.pulse(0.01).stop for hit in hits)
-    parts = np.array_split(np.arange(start, squares.shape[1]), _STRETCHES)
-    if min(map(len, parts)) < 2:
+    stretches = np.array_split(np.arange(start, squares.shape[1]), _STRETCHES)
+    if min(map(len, stretches)) < 2:
         return None
     rate, onset = hits[0].rate, hits[0].onset
-    middle = [(part.mean() + (taps - 1) / 2 - onset) / rate for part in parts]
-    variance = [float(squares[:, part].mean()) for part in parts]
+    mean_times = [(stretch.mean() + (taps - 1) / 2 - onset) / rate for stretch in stretches]
+    variance = [float(squares[:, stretch].mean()) for stretch in stretches]
     expected_spread = 2 * (0.5 - _PASSED) * len(rows)
-    time = np.array([(quiet_samples / 2 - onset) / rate, *middle])
+    time = np.array([(quiet_samples / 2 - onset) / rate, *mean_times])
     values = np.array([early_power, *variance])
-    freedom = expected_spread * np.array([quiet_samples, *map(len, parts)], dtype=float)
-    width = np.array([quiet_samples, *map(len, parts)]) / rate
+    freedom = expected_spread * np.array([quiet_samples, *map(len, stretches)], dtype=float)
+    width = np.array([quiet_samples, *map(len, stretches)]) / rate
     decay = ScatterDecay(time, np.maximum(values, 1e-300), freedom, width, rounding)
     return _clip_at_noise_rise(decay)
 
@@ -280,8 +284,12 @@ def _estimate_noise_power(squares: FloatArray) -> float:
 
     Of few numbers their mean.
     """
-    parts = [part for part in np.array_split(squares, 4, axis=1) if part.shape[1] >= _FEWEST_QUIET]
-    means = np.array([part.mean(axis=1) for part in parts]).ravel()
+    quarters = [
+        quarter
+        for quarter in np.array_split(squares, 4, axis=1)
+        if quarter.shape[1] >= _FEWEST_QUIET
+    ]
+    means = np.array([quarter.mean(axis=1) for quarter in quarters]).ravel()
     typical_power = float(np.median(means)) if len(means) else 0.0
     quiet_means = means[means <= _HEARD * typical_power]
     return float(quiet_means.mean()) if len(quiet_means) else float(squares.mean())
@@ -338,9 +346,9 @@ def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
     for _ in range(40):
         third_length = (high - low) / 3
-        lower, right = low + third_length, high - third_length
-        if total(lower) < total(right):
-            high = right
+        lower, upper = low + third_length, high - third_length
+        if total(lower) < total(upper):
+            high = upper
         else:
             low = lower
     rate = float((low + high) / 2)
@@ -349,8 +357,8 @@ def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     # chi-square of what the model leaves, against what chance would
     freedom = sum(len(decay.time) for decay in noise_segments) - 3 * len(noise_segments)
     chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in noise_segments)
-    excess = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
-    sd = float(np.sqrt(2 * excess / curvature)) if curvature > 0 else np.inf
+    excess_scatter = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
+    sd = float(np.sqrt(2 * excess_scatter / curvature)) if curvature > 0 else np.inf
     return rate, sd
 
 
@@ -360,9 +368,9 @@ def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     rising_indices = np.flatnonzero(decay.variance[1:] > decay.variance[0])
     low_indices = np.flatnonzero(decay.variance[1:] < low)
     first = 1 + (int(rising_indices[-1]) + 1 if rising_indices.size else 0)
-    end = 1 + int(low_indices[0]) if low_indices.size else len(decay.variance)
-    at = np.arange(len(decay.variance))
-    return decay.only((at == 0) | ((at >= first) & (at < end)))
+    segment_stop = 1 + int(low_indices[0]) if low_indices.size else len(decay.variance)
+    indices = np.arange(len(decay.variance))
+    return decay.only((indices == 0) | ((indices >= first) & (indices < segment_stop)))
 
 
 def _is_windowed(decay: ScatterDecay) -> bool:

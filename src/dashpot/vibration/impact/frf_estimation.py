@@ -97,15 +97,15 @@ class Window:
 
 def _find_end(value: str, window: str) -> float:
     try:
-        end = float(value)
+        end_value = float(value)
     except ValueError:
-        end = float("nan")
-    if not 0 < end < 1:
+        end_value = float("nan")
+    if not 0 < end_value < 1:
         raise DataError(
             f"window {window!r}: the number is what the window leaves at the end of the record; "
             "expected more than 0 and less than 1, such as exponential:0.01"
         )
-    return end
+    return end_value
 
 
 def _make_force_window(hit: HitBlock) -> FloatArray:
@@ -221,8 +221,8 @@ def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
     rate, n = hits[0].rate, len(hits[0].force)
     power = (np.abs(np.fft.rfft([b.force * _make_force_window(b) for b in hits])) ** 2).mean(axis=0)
     weak_lines = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
-    top = float(weak_lines[0]) if weak_lines.size else np.inf
-    return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
+    highest_line = float(weak_lines[0]) if weak_lines.size else np.inf
+    return 0.5 * rate / n, min(max(highest_line - 0.5, 8.5), ALIAS_FREE * n) * rate / n
 
 
 def _find_signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatArray:
@@ -399,21 +399,21 @@ def estimate_frf(
         source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
         steps=_make_steps(average, choices),
     )
-    main = next(iter(frf.modes(band=resonance_band)), None)
-    if main is not None:
-        frf = replace_notes(frf, hits=with_resonances(frf, average.spectra, main))
+    main_mode = next(iter(frf.modes(band=resonance_band)), None)
+    if main_mode is not None:
+        frf = replace_notes(frf, hits=with_resonances(frf, average.spectra, main_mode))
     checks = checks_of(
         frf,
         average.spectra,
         choices.estimator,
-        main,
+        main_mode,
         combination=average.rocking,
         mass=mass,
         band=resonance_band,
     )
-    unmeasured = not np.isfinite(recorded.ratio) and not recorded.stated
-    if recorded.rate > 0 or not recorded.is_stated or recorded.evident or unmeasured:
-        checks = (*checks, window_decay_determined(recorded, main))
+    has_no_ratio = not np.isfinite(recorded.ratio) and not recorded.stated
+    if recorded.rate > 0 or not recorded.is_stated or recorded.evident or has_no_ratio:
+        checks = (*checks, window_decay_determined(recorded, main_mode))
     return replace_notes(frf, checks=(*checks, *caution_checks(frf.source)))
 
 
@@ -464,8 +464,8 @@ def _select_accepted_hits(
     accepted = (accepted_names - set(reject)) | set(accept)
     if not accepted:
         reasons_text = "; ".join(
-            f"hit {name}: {'. Also: '.join(wrong) or 'rejected by name'}"
-            for name, wrong in faults.items()
+            f"hit {name}: {'. Also: '.join(faults_of_hit) or 'rejected by name'}"
+            for name, faults_of_hit in faults.items()
         )
         raise DataError(
             f"no hit is left to average. {reasons_text}. To use one anyway, accept it by name"

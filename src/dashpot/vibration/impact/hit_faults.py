@@ -233,8 +233,8 @@ def _compute_lobe_width(lobe: FloatArray, level: float) -> float:
 def _list_undershoot(hit: HitBlock) -> Iterator[str]:
     """Yield a doubt if the force undershoots after the pulse, as an AC-coupled channel does."""
     pulse = hit.pulse(0.02)
-    end = pulse.stop + (pulse.stop - pulse.start)
-    after_pulse = hit.force[end : len(hit.force) - hit.missing]
+    undershoot_stop = pulse.stop + (pulse.stop - pulse.start)
+    after_pulse = hit.force[undershoot_stop : len(hit.force) - hit.missing]
     if hit.onset < 8 or len(after_pulse) < 16:
         return
     impulse = float(hit.force[pulse].sum())
@@ -246,7 +246,10 @@ def _list_undershoot(hit: HitBlock) -> Iterator[str]:
     # at time t after the pulse, exp(-2 pi f t) of the undershoot is still to come
     early_count = max(len(after_pulse) // 50, 8)
     early_fraction = min(
-        max(-float(after_pulse[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
+        max(
+            -float(after_pulse[:early_count].sum()) / float(hit.force[:undershoot_stop].sum()), 0.0
+        ),
+        0.99,
     )
     corner_frequency = -np.log1p(-early_fraction) * hit.rate / (2 * np.pi * early_count)
     yield (

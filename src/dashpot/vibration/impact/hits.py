@@ -107,8 +107,8 @@ class HitBlock:
         pulse_samples = self.pulse(0.05)
         weights = self.force[pulse_samples] / self.force[pulse_samples].sum()
         time = np.arange(pulse_samples.start, pulse_samples.stop) / self.rate
-        middle = float(time @ weights)
-        return middle, float(np.sqrt((time - middle) ** 2 @ weights))
+        mean_time = float(time @ weights)
+        return mean_time, float(np.sqrt((time - mean_time) ** 2 @ weights))
 
 
 def width_at(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
@@ -200,15 +200,17 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
     pulse_onsets: list[_PulseOnset] = []
     for record, force in zip(records, centred_forces, strict=True):
         noise = 1.4826 * float(np.median(np.abs(force)))
-        hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
-        if peak <= 0 or not hot.size:
+        triggered_indices = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
+        if peak <= 0 or not triggered_indices.size:
             continue
-        firsts = hot[np.concatenate(([True], np.diff(hot) > MIN_HIT_DISTANCE * test.rate))]
+        firsts = triggered_indices[
+            np.concatenate(([True], np.diff(triggered_indices) > MIN_HIT_DISTANCE * test.rate))
+        ]
         onsets = [_find_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
         pulse_onsets += [
-            _PulseOnset(test, sign, record, at, last, next_onset)
-            for last, at, next_onset in neighbours
+            _PulseOnset(test, sign, record, onset, last, next_onset)
+            for last, onset, next_onset in neighbours
         ]
     if not pulse_onsets:
         raise DataError(
@@ -220,8 +222,8 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
 
 def _find_onset(force: FloatArray, crossing: int, noise: float) -> int:
     """Walk back from the trigger to where the pulse leaves its base line."""
-    top = float(force[crossing : crossing + 5].max())
-    base = max(0.01 * top, 3 * noise)
+    highest_force = float(force[crossing : crossing + 5].max())
+    base = max(0.01 * highest_force, 3 * noise)
     indices_below = np.flatnonzero(force[:crossing] <= base)
     return int(indices_below[-1]) + 1 if indices_below.size else 0
 
@@ -250,17 +252,19 @@ def _choose_length(
         return length
     space = []
     for hit in onsets:
-        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - samples_before
-        space.append(end - hit.onset + min(samples_before, hit.onset))
+        end_sample = (
+            hit.record.stop - hit.record.start if hit.next is None else hit.next - samples_before
+        )
+        space.append(end_sample - hit.onset + min(samples_before, hit.onset))
     usual_spacing = float(np.median(space))
     return max(samples_before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
 
 
 def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> HitBlock:
-    test, size = hit.test, hit.record.stop - hit.record.start
+    test, record_length = hit.test, hit.record.stop - hit.record.start
     onset = min(samples_before, hit.onset)
     start = hit.record.start + hit.onset - onset
-    stop = min(start + length, hit.record.start + size)
+    stop = min(start + length, hit.record.start + record_length)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
     quiet_rows = rows[:, : max(onset - GUARD, 0)]
     offset, quiet_sd, noise = np.zeros((3, len(rows)))
@@ -270,8 +274,8 @@ def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> H
     if quiet_rows.shape[1] >= 5:
         # differences of neighbours see noise, not the slow ringing of an earlier hit
         noise = np.diff(quiet_rows, axis=1).std(axis=1) / np.sqrt(2)
-    missing = length - (stop - start)
-    rows = np.pad(rows, ((0, 0), (0, missing)))
+    missing_samples = length - (stop - start)
+    rows = np.pad(rows, ((0, 0), (0, missing_samples)))
     return HitBlock(
         name=name,
         time=float(test.time[hit.record.start + hit.onset]),
@@ -282,7 +286,7 @@ def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> H
         noise=noise,
         ringing=quiet_sd[1:],
         offset=offset,
-        missing=missing,
+        missing=missing_samples,
         turned=hit.sign < 0,
         past=_get_earlier_motion(hit) - offset[1:, None],
         since_start=hit.onset / test.rate

@@ -111,13 +111,13 @@ def _find_poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     n = hits.shape[2]
     mean_frf = lines.value.mean(axis=0)
     difference = (hits - hits.mean(axis=0)).reshape(-1, n)
-    size, patterns = np.linalg.svd(difference, full_matrices=False)[1:]
-    strongest = size[0] * patterns[0] / np.sqrt(len(difference))
+    singular_values, patterns = np.linalg.svd(difference, full_matrices=False)[1:]
+    strongest = singular_values[0] * patterns[0] / np.sqrt(len(difference))
     rows = np.array([mean_frf, strongest])
-    top = np.abs(rows).max(axis=1)
-    if top[1] < 1e-9 * top[0]:
+    row_maxima = np.abs(rows).max(axis=1)
+    if row_maxima[1] < 1e-9 * row_maxima[0]:
         return None
-    error = np.stack((np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, FLOOR * top[1])))
+    error = np.stack((np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, FLOOR * row_maxima[1])))
     fit = find_poles(replace(lines, value=rows, sd=error), max_modes=5)
     if fit is None:
         return None

@@ -146,8 +146,8 @@ class ChannelSpectra:
 
     def _moments(self) -> tuple[float, float]:
         weights = [float(hit.force @ hit.force) for hit in self.hits]
-        middle, width = np.average([hit.moments() for hit in self.hits], axis=0, weights=weights)
-        return float(middle), float(width)
+        mean_time, width = np.average([hit.moments() for hit in self.hits], axis=0, weights=weights)
+        return float(mean_time), float(width)
 
 
 def estimate(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -> ComplexArray:

@@ -29,9 +29,9 @@ def compute_rms_accelerance(points: FRFSet) -> FRF:
     Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
     """
     value = points.accelerance
-    size = np.abs(value) ** 2
-    base = size.mean(axis=1, keepdims=True)
-    rms_values = np.sqrt((size / base).mean(axis=0) * base.mean())
+    power = np.abs(value) ** 2
+    base = power.mean(axis=1, keepdims=True)
+    rms_values = np.sqrt((power / base).mean(axis=0) * base.mean())
     first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
     sd = None if scatter is None else np.sqrt((scatter**2 / base).mean(axis=0) * base.mean())
     return FRF(first.frequency, rms_values.astype(complex), sd=sd, units="SI")
@@ -88,9 +88,9 @@ def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, .
     shapes = []
     for i, p in enumerate(fit.poles):
         residues, errors = fit.residues[:, i], widening * fit.residue_se[:, i]
-        top = int(np.argmax(np.abs(residues)))
-        values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
-        mode = mode_at(complex(p), complex(residues[top]), values, "rational")
+        largest_point = int(np.argmax(np.abs(residues)))
+        values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[largest_point]))
+        mode = mode_at(complex(p), complex(residues[largest_point]), values, "rational")
         shapes.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
     return tuple(sorted(shapes, key=lambda shape: -float(np.linalg.norm(shape.residues))))
 
@@ -98,14 +98,18 @@ def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, .
 def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], method: str) -> Mode:
     """Turn a pole and the accelerance's residue into a mode, errors of sigma and omega and all."""
     sigma_se, omega_se, residue_se = errors
-    size = abs(p)
+    pole_magnitude = abs(p)
     return Mode(
-        frequency=size / (2 * np.pi),
-        damping_ratio=-p.real / size,
+        frequency=pole_magnitude / (2 * np.pi),
+        damping_ratio=-p.real / pole_magnitude,
         residue=residue / p**2,
-        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se)) / size / (2 * np.pi),
-        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se)) * p.imag / size**3,
-        residue_se=residue_se / size**2,
+        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se))
+        / pole_magnitude
+        / (2 * np.pi),
+        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se))
+        * p.imag
+        / pole_magnitude**3,
+        residue_se=residue_se / pole_magnitude**2,
         method=str(method),
     )
 

@@ -34,9 +34,13 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
     -----
     Allemang and Brown, *A correlation coefficient for modal vector analysis*, IMAC 1982.
     """
-    cross = np.abs(one.conj().T @ other) ** 2
-    size = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(other) ** 2).sum(axis=0))
-    return np.asarray(np.divide(cross, size, out=np.zeros_like(size), where=size > 0))
+    cross_power = np.abs(one.conj().T @ other) ** 2
+    norm_product = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(other) ** 2).sum(axis=0))
+    return np.asarray(
+        np.divide(
+            cross_power, norm_product, out=np.zeros_like(norm_product), where=norm_product > 0
+        )
+    )
 
 
 # FRF lines to be fitted, and the shape of a pole on them.
@@ -80,11 +84,13 @@ class FRFLines:
         pulse: float = 0.0,
     ) -> FRFLines:
         """Return lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
-        size = np.abs(value)
-        top = size.max(axis=1, keepdims=True)
-        error = np.broadcast_to(FLOOR * top, size.shape)
+        magnitude = np.abs(value)
+        largest_magnitude = magnitude.max(axis=1, keepdims=True)
+        error = np.broadcast_to(FLOOR * largest_magnitude, magnitude.shape)
         if sd is not None:
-            error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
+            error = np.sqrt(
+                sd**2 + (FLOOR * magnitude) ** 2 + (FLOOR_OF_TOP * largest_magnitude) ** 2
+            )
         return cls(s, value, error, record, pulse)
 
     def only(self, keep: BoolArray) -> FRFLines:
@@ -166,13 +172,19 @@ class BackgroundProjection:
         """Poles of much damping all over the band, tried whenever one more is sought."""
         omega = self.lines.s.imag
         frequencies = np.geomspace(omega[0], omega[-1], 16)[1:-1]
-        return scans(self.lines, [(r * at, float(at)) for r in RATIOS[5:] for at in frequencies])
+        return scans(
+            self.lines,
+            [(r * frequency, float(frequency)) for r in RATIOS[5:] for frequency in frequencies],
+        )
 
     def parts(self, columns: int) -> list[slice]:
         """Channels that are solved for at once: as many as a cache of so many columns holds."""
         channels, rows = self.rest.shape
         value = max(1, MAX_BLOCK_SIZE // (rows * max(columns, 1)))
-        return [slice(at, at + value) for at in range(0, channels, value)]
+        return [
+            slice(first_channel, first_channel + value)
+            for first_channel in range(0, channels, value)
+        ]
 
     def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
         """Weighted columns of shape (k, n) or (channels, k, n), the background taken off."""
@@ -239,15 +251,18 @@ class PoleTrial:
         c = _multiply(inverse, _multiply(q.swapaxes(1, 2), y))
         residual = y - _multiply(rows, c)
         residues = c[:, 0::2] + 1j * c[:, 1::2]
-        up, lower = (
+        upper_kernel, lower = (
             by[None] * slope
             for by, slope in zip(
                 (residues[..., None], residues[..., None].conj()), self.slopes, strict=True
             )
         )
-        slopes = np.empty((len(c), len(self.theta), up.shape[-1]), complex)
+        slopes = np.empty((len(c), len(self.theta), upper_kernel.shape[-1]), complex)
         sigma, omega = -self.poles.real[:, None], self.poles.imag[:, None]
-        slopes[:, 0::2], slopes[:, 1::2] = (-sigma * (up + lower), 1j * omega * (up - lower))
+        slopes[:, 0::2], slopes[:, 1::2] = (
+            -sigma * (upper_kernel + lower),
+            1j * omega * (upper_kernel - lower),
+        )
         jacobian = self.ground.remove_background(part, slopes)
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
@@ -319,8 +334,8 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     for first in range(0, len(starts), value):
         poles = np.array([complex(-sigma, omega) for sigma, omega in starts[first : first + value]])
         rows = _make_residue_columns(lines, poles).view(float)
-        values, other = rows[0::2], rows[1::2]
-        pairs = ((values, values), (values, other), (other, other))
+        values, omegas = rows[0::2], rows[1::2]
+        pairs = ((values, values), (values, omegas), (omegas, omegas))
         scans.append(Scan(poles, rows, np.array([weights @ (u * v).T for u, v in pairs])))
     return scans
 
@@ -328,9 +343,9 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
 def _make_residue_columns(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """Return what a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
     p = poles[:, None]
-    up, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
+    upper_kernel, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
     pairs = np.empty((2 * len(poles), len(lines.s)), complex)
-    pairs[0::2], pairs[1::2] = up + lower_kernel, 1j * (up - lower_kernel)
+    pairs[0::2], pairs[1::2] = upper_kernel + lower_kernel, 1j * (upper_kernel - lower_kernel)
     return pairs
 
 
@@ -459,20 +474,22 @@ def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
 
     Ends where a step promises no more than `tolerance` variances, as one for each row of the lines.
     """
-    free = np.full(len(trial.theta), np.inf)
-    objective = Objective(lambda theta, _: replace(trial, theta=theta), -free, free)
+    is_free = np.full(len(trial.theta), np.inf)
+    objective = Objective(lambda theta, _: replace(trial, theta=theta), -is_free, is_free)
     cost_tolerance = max(1e-13, tolerance / trial.ground.rest.size)
-    ended = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=STEPS)
-    return trial if ended is None else ended.point
+    descent = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=STEPS)
+    return trial if descent is None else descent.point
 
 
 def _with_next_pole(trial: PoleTrial) -> PoleTrial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
     lines, omega = trial.ground.lines, trial.ground.lines.s.imag
     missed_power = (trial.misfit * lines.sd**2).sum(axis=0)
-    worst, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
+    worst_line, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
-    starts = [(r * worst, worst + i * step) for r in RATIOS for i in np.linspace(-1.5, 1.5, 7)]
+    starts = [
+        (r * worst_line, worst_line + i * step) for r in RATIOS for i in np.linspace(-1.5, 1.5, 7)
+    ]
     return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
 
 
@@ -507,22 +524,32 @@ def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
 
 def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
     """Add poles beyond either end of the band, as background, where they explain what is missed."""
-    omega, size = trial.ground.lines.s.imag, trial.ground.rest.size
+    omega, value_count = trial.ground.lines.s.imag, trial.ground.rest.size
     low, high = float(omega[0]), float(omega[-1])
-    outer_frequencies = [float(at) for by in OUTSIDE for at in (low / by, high * by)]
-    starts = [(ratio * at, at) for at in outer_frequencies for ratio in (0.003, 0.02, 0.1)]
+    outer_frequencies = [
+        float(pole_frequency) for by in OUTSIDE for pole_frequency in (low / by, high * by)
+    ]
+    starts = [
+        (ratio * pole_frequency, pole_frequency)
+        for pole_frequency in outer_frequencies
+        for ratio in (0.003, 0.02, 0.1)
+    ]
     scanned_poles = scans(trial.ground.lines, starts)
     for _ in range(2):
         refined_trial, gain = _with_best(trial, scanned_poles)
         # a scan shows a part of what a refined pole explains
-        if 10 * gain < trial.sse * _get_least_gain(trial) / size:
+        if 10 * gain < trial.sse * _get_least_gain(trial) / value_count:
             break
         refined_trial = _refine(refined_trial)
-        at = refined_trial.poles[-1].imag
-        excess = low / BACKGROUND_FACTOR < at <= low or high <= at < high * BACKGROUND_FACTOR
+        pole_frequency = refined_trial.poles[-1].imag
+        is_outside = (
+            low / BACKGROUND_FACTOR < pole_frequency <= low
+            or high <= pole_frequency < high * BACKGROUND_FACTOR
+        )
         if (
-            not excess
-            or trial.sse - refined_trial.sse < refined_trial.sse * _get_least_gain(trial) / size
+            not is_outside
+            or trial.sse - refined_trial.sse
+            < refined_trial.sse * _get_least_gain(trial) / value_count
         ):
             break
         trial = refined_trial
@@ -591,8 +618,8 @@ def _is_mode(trial: PoleTrial, i: int) -> bool:
     if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
         return False
     # what stands on one line is hum: lines are no closer than a record is long
-    longest = record or 2 * np.pi / float(np.median(np.diff(omega)))
-    if -p.real * longest < 1e-2:
+    record_length = record or 2 * np.pi / float(np.median(np.diff(omega)))
+    if -p.real * record_length < 1e-2:
         return False
     residue = np.abs(trial.residues)
     taller = residue.max(axis=0) > residue[:, i].max()
