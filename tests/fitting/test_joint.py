@@ -21,7 +21,7 @@ from dashpot.fitting.identification.fit_construction import _physical
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
-    UNFELT,
+    MIN_COLUMN_SHARE,
     Candidate,
     Constraints,
     IdentificationProblem,
@@ -289,7 +289,7 @@ def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
         return size[at] / size.max()
 
     # the column of ln b goes as b
-    last = 1e-9 * UNFELT / compute_sensitivity(1e-9)
+    last = 1e-9 * MIN_COLUMN_SHARE / compute_sensitivity(1e-9)
     errors = [error(b) for b in (1.0, 1.001 * last, 0.999 * last)]
     assert errors[0] > 0
     assert errors[1] > 0

@@ -17,7 +17,7 @@ from kit.slopes import hold_slopes
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nonlinear_ramp.checks import k_inf_plausible
-from dashpot.fitting.nonlinear_ramp.elastic_law import LADDER, RampLaw, select_elastic_law
+from dashpot.fitting.nonlinear_ramp.elastic_law import KNOT_LADDER, RampLaw, select_elastic_law
 from dashpot.fitting.nonlinear_ramp.fit_construction import build_ramp_fit, ramp_checks
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import build_nuisances
 from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit, assess_residuals
@@ -195,7 +195,7 @@ def test_select_elastic_law_uses_the_requested_law() -> None:
     assert choice.model.k_inf == pytest.approx(choice.hold.plateau[0], rel=0.01)
     assert choice.discrepancy[0] > 20
     choice = select_elastic_law([straight], law="nonlinear")
-    assert len(choice.law.knots) in {law.knots for law in LADDER}
+    assert len(choice.law.knots) in {law.knots for law in KNOT_LADDER}
     assert float(choice.law.tangent(4e-3)) == pytest.approx(196.5, rel=0.05)
     with pytest.raises(FitError, match="expected one of auto, linear, nonlinear"):
         select_elastic_law([bent], law="cubic")  # type: ignore[arg-type]

@@ -15,13 +15,13 @@ from dashpot.numerics.log_tau_descent import (
     Grid,
     Stack,
     find_best_pair,
+    find_best_point,
     find_best_triple,
-    single,
 )
 
 TIME = np.arange(3000) / 100
 GENERATOR = np.random.default_rng(3)
-SETS = {1: single, 2: find_best_pair, 3: find_best_triple}
+SETS = {1: find_best_point, 2: find_best_pair, 3: find_best_triple}
 
 
 def record(arms: int) -> np.ndarray:

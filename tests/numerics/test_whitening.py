@@ -15,7 +15,7 @@ from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorde
 from dashpot.numerics.exponential_fit import full_jacobian, solve
 from dashpot.numerics.inference import correlated_noise
 from dashpot.numerics.inference.correlated_noise import (
-    AT_ONCE,
+    ROWS_PER_BATCH,
     Noise,
     NoiseGain,
     compute_averaging_length,
@@ -30,7 +30,7 @@ K = np.array([120.0, 40.0])
 DEPTH, RAMP = 8e-3, 1.0
 
 
-@pytest.mark.parametrize("rows", [3, 7, AT_ONCE, AT_ONCE + 1, 3 * AT_ONCE + 9])
+@pytest.mark.parametrize("rows", [3, 7, ROWS_PER_BATCH, ROWS_PER_BATCH + 1, 3 * ROWS_PER_BATCH + 9])
 def test_a_factor_by_pieces_is_a_factor(rows: int) -> None:
     tall = np.random.default_rng(rows).standard_normal((rows, 7))
     basis, factor = compute_blockwise_qr(tall)

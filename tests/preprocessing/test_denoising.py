@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.denoising import (
-    MOST_FLICKER,
+    MAX_FLICKER_COUNTS,
     _without_flicker,
     between_counts,
     denoise_displacement,
@@ -65,7 +65,7 @@ def test_the_top_of_a_swing_is_no_flicker(hertz: float) -> None:
     assert off.max() < 3.5e-6
 
 
-@pytest.mark.parametrize(("counts", "retained"), [(1, False), (MOST_FLICKER + 0.5, True)])
+@pytest.mark.parametrize(("counts", "retained"), [(1, False), (MAX_FLICKER_COUNTS + 0.5, True)])
 def test_flicker_of_one_count_is_removed(counts: float, retained: bool) -> None:
     values = np.zeros(21)
     values[10] = counts * 1e-6

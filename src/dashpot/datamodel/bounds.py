@@ -23,7 +23,7 @@ from dashpot.solids.maxwell import Solid
 
 
 # naming the machine is worth a sentence if it leaves less than this part of the width
-WORTH_NAMING = 0.8
+MAX_NAMED_WIDTH_RATIO = 0.8
 #: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
 MAX_DEVIANCE = 5.0
 
@@ -38,7 +38,7 @@ def naming(time: float, now: float, then: float) -> str:
     now, then : float
         95 % half widths of k(T), over its value; nan where it is not known.
     """
-    if not then < WORTH_NAMING * now:
+    if not then < MAX_NAMED_WIDTH_RATIO * now:
         return ""
     return (
         "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
@@ -50,7 +50,7 @@ def naming(time: float, now: float, then: float) -> str:
 
 # the kind of test that ended, and what would have extended it
 Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
-_MORE: Mapping[str, str] = MappingProxyType({
+_MORE_DATA: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",
     "curve": "Measure longer.",
     "sweep": "Sweep to lower frequencies, or fit a relaxation test beside it.",
@@ -207,7 +207,7 @@ class EndOfHold(Serialisable):
     @property
     def remedy(self) -> str:
         """Remedy that would narrow the limits, and by how much."""
-        return self.naming or _MORE[self.test_kind]
+        return self.naming or _MORE_DATA[self.test_kind]
 
     @property
     def naming(self) -> str:
@@ -360,7 +360,7 @@ class FRFBounds(FrozenArrays, Serialisable):
 
 
 #: a loss factor that is known no better than this part of itself is not known
-WELL_KNOWN = 0.3
+MAX_LOSS_FACTOR_ERROR = 0.3
 
 
 @dataclass(frozen=True)

@@ -24,14 +24,18 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance, family_of
 from dashpot.datamodel.parameter_estimate import (
-    SHAPE,
+    SHAPE_PREFIXES,
     Interval,
     Intervals,
     Nuisance,
     ParameterEstimate,
     StandardErrors,
 )
-from dashpot.datamodel.shift_factors import CONTRADICT, SAME_TEMPERATURE, TemperatureShifts
+from dashpot.datamodel.shift_factors import (
+    MIN_CONTRADICTING_TESTS,
+    SAME_TEMPERATURE,
+    TemperatureShifts,
+)
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.elastic import ElasticLaw, require_plausible_compression
@@ -159,7 +163,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             # no ramp and hold shows a flow that grows as a power of its force from arms
             advice = "Outside this band a linear seal is assumed: add a hammer test."
         shifts = () if self.temperatures is None else self.temperatures.tested_shifts
-        if self.method == "full" and 1 < len(shifts) < CONTRADICT:
+        if self.method == "full" and 1 < len(shifts) < MIN_CONTRADICTING_TESTS:
             advice = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self._error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
@@ -626,7 +630,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 def scale_stiffness(fit: Fit, factor: float, step: Step) -> Fit:
     """Return a fit of which every stiffness, and its error, is `factor` times as large."""
     scale = np.array(
-        [1.0 if name.startswith(SHAPE) else factor for name in fit.estimate.parameters]
+        [1.0 if name.startswith(SHAPE_PREFIXES) else factor for name in fit.estimate.parameters]
     )
     alternative = fit.evidence.alternative
     return replace(

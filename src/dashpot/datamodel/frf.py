@@ -63,13 +63,13 @@ UNITS = {
 }
 
 # a line whose random error is larger than this part of its value says nothing about a peak
-NOISY_LINE = 0.5
+MAX_LINE_ERROR = 0.5
 # noise cannot be estimated from fewer quiet lines
-FEWEST = 5
+MIN_QUIET_LINES = 5
 # line frequencies below this, Hz, are 0
-ZERO = 1e-9
+ZERO_FREQUENCY = 1e-9
 # a motion per force is the receptance times s to this power
-_POWERS = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
+_POWERS_OF_S = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
 
 
 @dataclass(frozen=True)
@@ -345,8 +345,8 @@ class FRF(EqualByValue, Plottable, Serialisable):
         if kind.over_base or self.quantity.over_base:
             return self._over_base(kind, mass)
         nonzero_frf = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
-        if nonzero_frf.quantity in _POWERS:
-            receptance = nonzero_frf.value / nonzero_frf.s ** _POWERS[nonzero_frf.quantity]
+        if nonzero_frf.quantity in _POWERS_OF_S:
+            receptance = nonzero_frf.value / nonzero_frf.s ** _POWERS_OF_S[nonzero_frf.quantity]
         else:
             receptance = 1 / nonzero_frf.value
         value = _as_kind(receptance, nonzero_frf.s, kind)
@@ -409,11 +409,11 @@ class FRF(EqualByValue, Plottable, Serialisable):
     @property
     def usable(self) -> BoolArray:
         """Lines to hold against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
-        keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
+        keep = (self.frequency > ZERO_FREQUENCY) & (np.abs(self.value) > 0)
         sd = self.line_scatter
         if sd is not None:
-            low_noise = keep & (sd < NOISY_LINE * np.abs(self.value))
-            keep = low_noise if np.count_nonzero(low_noise) >= FEWEST else keep
+            low_noise = keep & (sd < MAX_LINE_ERROR * np.abs(self.value))
+            keep = low_noise if np.count_nonzero(low_noise) >= MIN_QUIET_LINES else keep
         return np.asarray(keep)
 
     def only(self, keep: BoolArray) -> FRF:
@@ -487,7 +487,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
 
 def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:
-    return receptance * s ** _POWERS[kind] if kind in _POWERS else 1 / receptance
+    return receptance * s ** _POWERS_OF_S[kind] if kind in _POWERS_OF_S else 1 / receptance
 
 
 @dataclass(frozen=True)

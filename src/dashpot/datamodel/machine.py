@@ -15,7 +15,7 @@ from dashpot.base.units import si_fields
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
 
 # two channels of one clock are together to this part of a sample
-_ONE_CLOCK = 0.01
+_CLOCK_TOLERANCE = 0.01
 
 
 class DefaultUncertainty(NamedTuple):
@@ -232,7 +232,7 @@ class Machine(Serialisable):
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         if self.sync is None:
             return max(sample, DEFAULT_UNCERTAINTIES["delay"].size, filtered)
-        return max(_ONE_CLOCK * sample, self.sync, filtered)
+        return max(_CLOCK_TOLERANCE * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""

@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 Interval = tuple[float, float]
 
 #: rows of the covariance of a fractional Zener model
-ELEMENT = ("k_inf", "k_0", "ln_tau", "alpha")
+ELEMENT_PARAMETERS = ("k_inf", "k_0", "ln_tau", "alpha")
 #: rows that no number of equal solids in parallel changes
-SHAPE = ("ln_", "alpha")
+SHAPE_PREFIXES = ("ln_", "alpha")
 
 
 class Intervals(TypedDict):
@@ -239,7 +239,7 @@ class ParameterEstimate(EqualByValue):
     def convert_to_arms(self, solid: FractionalZener) -> ParameterEstimate:
         """Return the estimate of the arms that approximate a fractional solid, to first order."""
         gradient = solid.arm_gradient()
-        rows = [self.parameters.index(name) for name in ELEMENT]
+        rows = [self.parameters.index(name) for name in ELEMENT_PARAMETERS]
 
         def transform_covariance(covariance: FloatArray) -> FloatArray:
             values = covariance[np.ix_(rows, rows)]

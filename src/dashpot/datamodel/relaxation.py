@@ -34,11 +34,11 @@ from dashpot.numerics.design_matrices.data_compression import uniform_step
 
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
 SETTLED_DISTANCE = 0.002
-SETTLING = 0.2
+SETTLING_SHARE = 0.2
 # motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
 MAX_CREEP = 0.01
 # samples of a free seal that show the zero of its force
-FEWEST_UNLOADED = 5
+MIN_UNLOADED_SAMPLES = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -352,7 +352,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             first_free = int(loaded_indices[-1]) + 1 if loaded_indices.size else 0
             # the last of them feel the face already
             stop = first_free + 9 * (stop - first_free) // 10
-            if stop - first_free >= FEWEST_UNLOADED:
+            if stop - first_free >= MIN_UNLOADED_SAMPLES:
                 return slice(first_free, stop)
         indices = np.flatnonzero(self.displacement != 0)
         return slice(0, int(indices[0]) if indices.size else 0)
@@ -415,7 +415,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         time is left to the plate for settling.
         """
         x, t = self.displacement[self.hold], self.time[self.hold] - self.ramp_end
-        edges = np.searchsorted(t, np.geomspace(SETTLING * self.ramp_time, t[-1], 13))
+        edges = np.searchsorted(t, np.geomspace(SETTLING_SHARE * self.ramp_time, t[-1], 13))
         final_position = float(x[-max(1, len(x) // 10) :].mean())
         means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
         changes = [final_position - float(mean) for mean in means]
@@ -438,7 +438,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
         hold = self.hold
         early_hold = slice(
-            hold.start, int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time))
+            hold.start,
+            int(np.searchsorted(self.time, self.ramp_end + SETTLING_SHARE * self.ramp_time)),
         )
         tolerance = max(
             SETTLED_DISTANCE * self.depth,
@@ -452,9 +453,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
 
 # samples of one speed that are a stretch, and of its ends those that a ramp does not fill
-STRETCH, PARTIAL = 4, 2
+STRETCH_SAMPLES, PARTIAL_SAMPLES = 4, 2
 # of the travel: a step that bears on the depth
-COARSE = 0.003
+COARSE_STEP = 0.003
 
 
 def quantum(values: FloatArray) -> float:
@@ -490,7 +491,7 @@ def _evenly_climbed(values: FloatArray, step: float) -> bool:
     if is_single_stepped and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
         return True
     # counts finer than that are distinguished from a continuous path, and cost nothing
-    return step > COARSE * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
+    return step > COARSE_STEP * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
 
 
 def _keeps_its_speeds(counts: FloatArray) -> bool:
@@ -504,8 +505,10 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
     starts = np.concatenate(([0], edges))
     lengths = np.diff(np.append(starts, len(counts)))
     speeds = counts[starts]
-    is_moving, is_long = np.abs(speeds) > 0.5, lengths >= STRETCH
-    if lengths[is_moving & ~is_long].sum() > PARTIAL * np.count_nonzero(is_moving & is_long):
+    is_moving, is_long = np.abs(speeds) > 0.5, lengths >= STRETCH_SAMPLES
+    if lengths[is_moving & ~is_long].sum() > PARTIAL_SAMPLES * np.count_nonzero(
+        is_moving & is_long
+    ):
         return False
     is_pause = ~is_long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
     return not is_pause.any()

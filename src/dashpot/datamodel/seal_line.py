@@ -45,10 +45,11 @@ class Shear:
     def __post_init__(self) -> None:
         for name in ("across", "along"):
             ratio = getattr(self, name)
-            if not isinstance(ratio, Solid) and not 0 <= ratio <= MOST_RATIO:
+            if not isinstance(ratio, Solid) and not 0 <= ratio <= MAX_STIFFNESS_RATIO:
                 raise DataError(
-                    f"shear: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the stiffness "
-                    "normal to the line, such as 0.35, or the seal's own stiffness that way"
+                    f"shear: {name} = {ratio:g}; expected 0 to {MAX_STIFFNESS_RATIO:g} of the "
+                    "stiffness normal to the line, such as 0.35, or the seal's own stiffness "
+                    "that way"
                 )
 
     @property
@@ -79,17 +80,17 @@ class LineFriction:
     along: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0 < self.mu <= MOST_MU:
+        if not 0 < self.mu <= MAX_FRICTION:
             raise DataError(
-                f"friction: mu = {self.mu:g}; expected more than 0 and at most {MOST_MU:g}, such "
-                "as 0.4"
+                f"friction: mu = {self.mu:g}; expected more than 0 and at most {MAX_FRICTION:g}, "
+                "such as 0.4"
             )
         for name in ("across", "along"):
             ratio = getattr(self, name)
-            if not 0 <= ratio <= MOST_RATIO:
+            if not 0 <= ratio <= MAX_STIFFNESS_RATIO:
                 raise DataError(
-                    f"friction: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the relaxed "
-                    "stiffness normal to the line, such as 0.15"
+                    f"friction: {name} = {ratio:g}; expected 0 to {MAX_STIFFNESS_RATIO:g} of the "
+                    "relaxed stiffness normal to the line, such as 0.15"
                 )
         if self.across == self.along == 0:
             raise DataError(
@@ -98,9 +99,9 @@ class LineFriction:
             )
 
 
-MOST_MU = 3.0
+MAX_FRICTION = 3.0
 """No dry rubber rubs more."""
-MOST_RATIO = SIZES["shear"].hard[1]
+MAX_STIFFNESS_RATIO = SIZES["shear"].hard[1]
 """A seal is softer sideways than where it is pressed; far beyond, it is a percentage."""
 
 

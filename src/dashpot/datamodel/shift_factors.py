@@ -16,18 +16,18 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 # no law of free volume is trusted nearer to the glass transition, K
-ABOVE_GLASS = 10.0
+GLASS_MARGIN = 10.0
 # two temperatures within so many kelvin are one
 SAME_TEMPERATURE = 0.5
 # fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
-CONTRADICT = 3
+MIN_CONTRADICTING_TESTS = 3
 # the relaxation time, s, that is shifted by a_T however arms shift apart
-CENTRE = 0.5
+REFERENCE_TAU = 0.5
 _LN10 = float(np.log(10.0))
 # part of a step between two tests by which a rubber's shifts lie off the straight line in 1/T
-_BEND = 0.03
+_MAX_BEND = 0.03
 # of a parameter, for a slope by differences
-_STEP = 1e-6
+_DIFFERENCE_STEP = 1e-6
 # how the constant of a law is called, and its unit
 _CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
 
@@ -154,7 +154,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Only a WLF law says where the glass transition lies.
         """
         if isinstance(self.law, WLF):
-            return min(self.law.glass + ABOVE_GLASS, self.tested_range[0])
+            return min(self.law.glass + GLASS_MARGIN, self.tested_range[0])
         return self.tested_range[0] if isinstance(self.law, FreeShifts) else 0.0
 
     def shift_model(self, solid: GeneralizedMaxwell, temperature: float) -> GeneralizedMaxwell:
@@ -168,7 +168,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         if temperature < self.coldest and isinstance(self.law, WLF):
             raise DataError(
                 f"{celsius(temperature)} is below {celsius(self.coldest)}: nearer than "
-                f"{ABOVE_GLASS:g} K to the glass transition, at about {celsius(self.law.glass)} "
+                f"{GLASS_MARGIN:g} K to the glass transition, at about {celsius(self.law.glass)} "
                 "by the fitted law, the law fails: test there"
             )
         log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
@@ -202,7 +202,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         i = int(np.searchsorted(temperatures, temperature, side="right")) - 1
         fraction = (temperature - temperatures[i]) / (temperatures[i + 1] - temperatures[i])
         step = self.shifts[i].log10_a_t - self.shifts[i + 1].log10_a_t
-        return float(4 * fraction * (1 - fraction) * _BEND * abs(step))
+        return float(4 * fraction * (1 - fraction) * _MAX_BEND * abs(step))
 
     def covariance_at(
         self,
@@ -390,7 +390,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
             law: Any = replace(self.law, **{name: factor * value})  # type: ignore[type-var]
             return float(law.log10_a_t(temperature))
 
-        return (evaluate_shift(1 + _STEP) - evaluate_shift(1 - _STEP)) / (2 * _STEP * value)
+        return (evaluate_shift(1 + _DIFFERENCE_STEP) - evaluate_shift(1 - _DIFFERENCE_STEP)) / (
+            2 * _DIFFERENCE_STEP * value
+        )
 
     def b_t(self, temperature: float) -> float:
         """Return factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
@@ -424,4 +426,4 @@ def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArr
 
 def decades(log_tau: FloatArray) -> FloatArray:
     """Decades of tau above the one that is shifted by a_T, whatever the slope."""
-    return np.asarray((log_tau - np.log(CENTRE)) / _LN10)
+    return np.asarray((log_tau - np.log(REFERENCE_TAU)) / _LN10)

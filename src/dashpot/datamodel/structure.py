@@ -13,7 +13,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 # FRFs and mode shapes.
 
 
-SAME_LINES = 1e-6
+LINE_TOLERANCE = 1e-6
 """Part of a line's frequency by which files that round it differently may differ."""
 
 
@@ -66,7 +66,7 @@ class FRFSet(EqualByValue):
     def _refuse_other_lines(self, name: str, frf: FRF, first_frf: FRF) -> None:
         frequency, first_frequency = frf.frequency, first_frf.frequency
         if len(frequency) != len(first_frequency) or not np.allclose(
-            frequency, first_frequency, rtol=SAME_LINES, atol=0
+            frequency, first_frequency, rtol=LINE_TOLERANCE, atol=0
         ):
             raise DataError(
                 f"'{name}' has {len(frequency)} lines from {frequency[0]:.6g} to "

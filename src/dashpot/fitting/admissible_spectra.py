@@ -42,28 +42,28 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 #: the best of all spectra leaves no more than so many times what the fit does
-FAR = 2.0
+MAX_RESIDUAL_RATIO = 2.0
 #: of the grid before it is refined
-PER_DECADE = 16
+POINTS_PER_DECADE = 16
 # the grid ends this far, as a factor, beyond what frequencies and tests could distinguish
-BEYOND = 10.0
+GRID_MARGIN = 10.0
 # a gap of ln tau is refined by so many points, until it is as small as this
-POINTS, FINEST = 3, float(np.log(10)) / 400
-ROUNDS = 5
+REFINEMENT_POINTS, MIN_GRID_STEP = 3, float(np.log(10)) / 400
+MAX_REFINEMENTS = 5
 # refinement ends when it gains no more of the sum of squares
-GAIN = 0.05
+MIN_REFINEMENT_GAIN = 0.05
 #: what the quantile of chi-square must be multiplied by to cover what it says: 5.0 for 3.84
 CALIBRATION = 5.0 / 3.841
 # rows with no more of any unit column are rounding
 ROUNDING = 1e-9
 # a column below this part of the largest is nothing
-UNSEEN = 1e-12
+MIN_COLUMN_SHARE = 1e-12
 # a ratio is found when one more step would move its numerator by this part of a standard error
-CLOSE = 1e-3
-STEPS = 40
+RATIO_TOLERANCE = 1e-3
+MAX_RATIO_STEPS = 40
 #: a search that need not be exact ends at this gain, in standard deviations of the noise
-ROUGH = 1e-3
-REMEMBERED = 16
+ROUGH_TOLERANCE = 1e-3
+MAX_CACHED_SPECTRA = 16
 
 
 def deviance_limit(level: float, dof: float) -> float:
@@ -121,18 +121,18 @@ class AdmissibleSpectra:
         self.limit = limit
         shortest = min(test.window[0] for test in tests)
         longest = max(test.window[1] for test in tests)
-        low = np.log(min(shortest, 1 / (BEYOND * fastest)))
+        low = np.log(min(shortest, 1 / (GRID_MARGIN * fastest)))
         high = np.log(longest)
-        count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
+        count = int(np.ceil((high - low) / np.log(10) * POINTS_PER_DECADE)) + 1
         logs = np.log(np.asarray(extra, dtype=float))
         log_tau = _merge_grids(np.linspace(low, high, count), logs)
         # the fit is no bad spectrum: a plateau and its own arms
         remainder, weight = np.inf, np.zeros(len(log_tau) + 2)
         weight[0], weight[2 + np.searchsorted(log_tau, logs)] = 1.0, 1.0
-        for _ in range(ROUNDS):
+        for _ in range(MAX_REFINEMENTS):
             previous_sse, remainder = remainder, self._solve_on_grid(tests, log_tau, weight)
             refined_grid = _refine_grid(log_tau, self.best[2:] > 0)
-            if previous_sse - remainder < GAIN or len(refined_grid) == len(log_tau):
+            if previous_sse - remainder < MIN_REFINEMENT_GAIN or len(refined_grid) == len(log_tau):
                 break
             weight = np.zeros(len(refined_grid) + 2)
             weight[:2], weight[2 + np.searchsorted(refined_grid, log_tau)] = np.split(
@@ -140,7 +140,7 @@ class AdmissibleSpectra:
             )
             log_tau = refined_grid
         # all of one convex set: whatever is asked next, the best of them for it is a start
-        self.met = deque([self.best], maxlen=REMEMBERED)
+        self.met = deque([self.best], maxlen=MAX_CACHED_SPECTRA)
 
     def _solve_on_grid(
         self, tests: Sequence[SpectralData], log_tau: FloatArray, start: FloatArray
@@ -160,7 +160,7 @@ class AdmissibleSpectra:
         norm = np.linalg.norm(rows[:, 1:], axis=0)
         # what the record does not show at all is limited by nothing
         # (a dashpot has another unit, and a column of any size)
-        self.shown = norm > UNSEEN * np.delete(norm, 1).max()
+        self.shown = norm > MIN_COLUMN_SHARE * np.delete(norm, 1).max()
         self.scale = np.where(self.shown, norm, 1.0)
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         text = np.linalg.norm(columns, axis=1) > ROUNDING
@@ -178,8 +178,8 @@ class AdmissibleSpectra:
         """Return the same set on fewer relaxation times, at least so many decades apart.
 
         All that carry weight in a spectrum that was met stay, and so does the best. A search ends
-        at a gain of `ROUGH` of a standard deviation of the noise. A limit is then narrower by up to
-        a tenth of its distance from the fit, and found in a fifth of the time.
+        at a gain of `ROUGH_TOLERANCE` of a standard deviation of the noise. A limit is then
+        narrower by up to a tenth of its distance from the fit, and found in a fifth of the time.
         """
         keep: BoolArray = np.any(np.array(self.met) > 0, axis=0)
         keep[:2] = keep[-1] = True
@@ -191,8 +191,8 @@ class AdmissibleSpectra:
         spectra.tau, spectra.scale = self.tau[keep[2:]], self.scale[keep]
         spectra.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
         spectra.shown, spectra.best = self.shown[keep], self.best[keep]
-        spectra._ball = NonnegativeConfidenceRegion(spectra.columns, self.target, ROUGH)
-        spectra.met = deque((values[keep] for values in self.met), maxlen=REMEMBERED)
+        spectra._ball = NonnegativeConfidenceRegion(spectra.columns, self.target, ROUGH_TOLERANCE)
+        spectra.met = deque((values[keep] for values in self.met), maxlen=MAX_CACHED_SPECTRA)
         return spectra
 
     def validate_misfit(self, misfit: float, fixed_misfit: float) -> None:
@@ -211,7 +211,7 @@ class AdmissibleSpectra:
             If rounding has spoilt the rows.
         """
         times = (self.total + fixed_misfit) / max(misfit, 1e-300)
-        if times > FAR:
+        if times > MAX_RESIDUAL_RATIO:
             raise FitError(
                 f"the best spectrum leaves {times:.3g} times what the fit does, though the fit is "
                 "one of them: rounding has spoilt the limits of this record; thin its rows, or "
@@ -290,13 +290,13 @@ class AdmissibleSpectra:
         if not values:  # the record knows of no stiffness at all, and so of no ratio
             return np.inf if (numerator > 0).any() else 0.0
         ratio = max(values)
-        for _ in range(STEPS):
+        for _ in range(MAX_RATIO_STEPS):
             result = self.find_extreme_spectrum(numerator - ratio * denominator)
             if not float(denominator @ result) > 0:
                 break
             gain = float(numerator @ result) - ratio * float(denominator @ result)
             larger = float(numerator @ result) / float(denominator @ result)
-            if gain <= CLOSE * abs(larger - ratio) or larger <= ratio:
+            if gain <= RATIO_TOLERANCE * abs(larger - ratio) or larger <= ratio:
                 break
             ratio = larger
         return ratio
@@ -330,8 +330,8 @@ def _merge_grids(first: FloatArray, second: FloatArray) -> FloatArray:
 def _refine_grid(log_tau: FloatArray, active: BoolArray) -> FloatArray:
     """Return the grid with points put into the gaps on both sides of every active arm."""
     gaps = np.diff(log_tau)
-    parallel = (active[1:] | active[:-1]) & (gaps > FINEST)
-    steps = np.arange(1, POINTS + 1) / (POINTS + 1)
+    parallel = (active[1:] | active[:-1]) & (gaps > MIN_GRID_STEP)
+    steps = np.arange(1, REFINEMENT_POINTS + 1) / (REFINEMENT_POINTS + 1)
     new = log_tau[:-1][parallel, None] + gaps[parallel, None] * steps
     return _merge_grids(log_tau, new.ravel())
 
@@ -449,9 +449,9 @@ def compute_upper_limit(spectra: AdmissibleSpectra, v: FloatArray) -> float:
 # what the points met and the lines that enclose them allow differs by less, relatively
 REGION_TOLERANCE = 0.01
 # directions in which the set is felt, at most
-MOST_DIRECTIONS = 40
+MAX_DIRECTIONS = 40
 # so many times the stiffness of a mass is as good as infinite
-AS_GOOD_AS_INFINITE = 1e9
+INFINITE_STIFFNESS_RATIO = 1e9
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -463,7 +463,7 @@ def compute_distance_range(
     while True:
         nearest_point, is_inside = stiffness_set.find_hull_point()
         corner = max(stiffness_set.corners(), key=abs)
-        if len(stiffness_set) >= MOST_DIRECTIONS:
+        if len(stiffness_set) >= MAX_DIRECTIONS:
             break
         gap_near = (
             0.0
@@ -501,7 +501,7 @@ def compute_transmissibility_range(
             0.0 if inner_extremes[1][0] == smallest else 1 - smallest / inner_extremes[1][0],
         ]
         worst_index = int(np.argmax(gap_sizes))
-        if gap_sizes[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MOST_DIRECTIONS:
+        if gap_sizes[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MAX_DIRECTIONS:
             return smallest, largest
         sign, disc = ((1, largest > 1), (-1, smallest < 1))[worst_index]
         frequency = (inner_extremes if disc else outer)[worst_index][1]
@@ -535,7 +535,7 @@ class StiffnessSet:
         open_ended = np.isinf(spectrum)
         if open_ended.any():
             # as good as without end, and still a point
-            support_limit = AS_GOOD_AS_INFINITE * self._inertia / np.hypot(storage, loss)
+            support_limit = INFINITE_STIFFNESS_RATIO * self._inertia / np.hypot(storage, loss)
             spectrum = np.where(open_ended, support_limit, spectrum)
         farthest_point = complex(*(self._columns @ spectrum).tolist())
         place = bisect(self._angles, angle := phase(unit))

@@ -32,23 +32,23 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # Blocks of prepared tests.
 
 
-NUISANCE = ("offset", "drift", "delay")
+NUISANCE_NAMES = ("offset", "drift", "delay")
 
 # motion after the ramp, as a part of the depth, that eq. 5 can bear
-_MOST_BY_EQ_5 = 0.05
+_MAX_HOLD_MOTION = 0.05
 # and beyond this it leads to another hold
-_ANOTHER_DEPTH = 0.25
-_FEWEST = 8
-_ROUNDED = 0.01
+_OTHER_DEPTH_MOTION = 0.25
+_MIN_SAMPLES = 8
+_ROUNDING_RATIO = 0.01
 # arms of the first solution, which shows the slope of the force
-_ROUGH = 2
+_ROUGH_ARMS = 2
 
 
 class FitSetup(NamedTuple):
     """Setup of the tests in a fit: method and nuisance terms."""
 
     method: Method
-    nuisance: tuple[str, ...] = NUISANCE
+    nuisance: tuple[str, ...] = NUISANCE_NAMES
 
     @property
     def terms(self) -> tuple[str, ...]:
@@ -136,7 +136,7 @@ def build_delay_blocks(
     stack = Stack(blocks)
     degrees_left = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rows = [*blocks, *build_prior_rows(tests, blocks, design)]
-    rough_arms = _ROUGH if log_tau_start is None else len(log_tau_start)
+    rough_arms = _ROUGH_ARMS if log_tau_start is None else len(log_tau_start)
     rough_solution = solve(
         rows,
         max(min(rough_arms, degrees_left), 0),
@@ -202,7 +202,7 @@ def first_sample(test: RampHold) -> int:
 
 def is_multi_step(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
-    return _compute_hold_travel(test) > _ANOTHER_DEPTH
+    return _compute_hold_travel(test) > _OTHER_DEPTH_MOTION
 
 
 def _compute_hold_travel(test: RampHold) -> float:
@@ -218,13 +218,13 @@ def eq5_obstacle(test: RampHold) -> str | None:
             "and hold; eq. 5 does not apply: fit ramp and hold instead, or cut the record to the "
             "test of a seal that has rested"
         )
-    if len(held_displacement) < _FEWEST:
+    if len(held_displacement) < _MIN_SAMPLES:
         return (
-            f"the hold has {len(held_displacement)} samples, and eq. 5 needs at least {_FEWEST}: "
-            "fit ramp and hold instead, or sample faster"
+            f"the hold has {len(held_displacement)} samples, and eq. 5 needs at least "
+            f"{_MIN_SAMPLES}: fit ramp and hold instead, or sample faster"
         )
     change = _compute_hold_travel(test)
-    if change > _MOST_BY_EQ_5:
+    if change > _MAX_HOLD_MOTION:
         return (
             f"the displacement moves by {100 * change:.0f} % of the depth after the first ramp, so "
             "this is no single ramp and hold; eq. 5 does not apply: fit ramp and hold instead, or "
@@ -258,7 +258,7 @@ def regularise_clock(time: FloatArray) -> FloatArray:
     """
     grid = np.linspace(time[0], time[-1], len(time))
     step = (time[-1] - time[0]) / max(len(time) - 1, 1)
-    return grid if float(np.abs(time - grid).max()) <= _ROUNDED * step else time
+    return grid if float(np.abs(time - grid).max()) <= _ROUNDING_RATIO * step else time
 
 
 def solid_of(solution: Solution) -> GeneralizedMaxwell:
@@ -276,7 +276,7 @@ def solid_of(solution: Solution) -> GeneralizedMaxwell:
 
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
-_WEIGHED = (2 / 3, 3 / 2)
+_PRIOR_WEIGHT_RANGE = (2 / 3, 3 / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -419,7 +419,10 @@ def fit_all_orders(
         noise_of(residual_series, rounding=rounding_rms(data.peak)) for residual_series in series
     )
     noise_sds = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
-    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(noise_sds, data.units, strict=False)):
+    if all(
+        _PRIOR_WEIGHT_RANGE[0] < a / b < _PRIOR_WEIGHT_RANGE[1]
+        for a, b in zip(noise_sds, data.units, strict=False)
+    ):
         return InitialFit(data, solutions, series, noises, solutions[-1])
     data = data.weight_priors(noise_sds)
     return InitialFit(data, solve_once(), series, noises, solutions[-1])

@@ -14,7 +14,7 @@ from dashpot.base.errors import Status
 from dashpot.base.option_fields import Method
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.reported_values import NORMAL
-from dashpot.datamodel.bounds import WELL_KNOWN, EndOfHold
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, EndOfHold
 from dashpot.datamodel.checks import caution_checks, numbers_unambiguous
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
@@ -123,7 +123,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
 
     Where they are so at no line, a check says it; where no error is known nothing is claimed.
     """
-    if not WELL_KNOWN < fit._error_in_band[1] < np.inf:
+    if not MAX_LOSS_FACTOR_ERROR < fit._error_in_band[1] < np.inf:
         return fit
     estimate = fit.estimate
 
@@ -136,7 +136,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
     lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
     band, error = find_loss_factor_band(errors, fit.band, {line: errors(line) for line in lines})
     checks = fit.checks
-    if error.max_errors[1] > WELL_KNOWN:
+    if error.max_errors[1] > MAX_LOSS_FACTOR_ERROR:
         checks = (*checks, loss_factor_determined(error))
     return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 

@@ -25,9 +25,9 @@ from dashpot.preprocessing.prepare import prepare
 Tests: TypeAlias = RampHold | RelaxationTest | Sequence[RampHold | RelaxationTest]
 """One or several tests, prepared or as they were read."""
 
-SAME_DEPTH = 0.02
+DEPTH_TOLERANCE = 0.02
 """Depths that differ by less, relative, are one."""
-BY_DEFAULT = Step("by_default", (), "prepared by default: the fit was given the record as read")
+DEFAULT_STEP = Step("by_default", (), "prepared by default: the fit was given the record as read")
 
 
 def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
@@ -70,7 +70,7 @@ def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     records: list[RampHold] = []
     for ramp_hold in sorted(cycle_records, key=lambda record: -record.hold_time):
         if all(
-            abs(ramp_hold.depth / earlier_record.depth - 1) > SAME_DEPTH
+            abs(ramp_hold.depth / earlier_record.depth - 1) > DEPTH_TOLERANCE
             for earlier_record in records
         ):
             records.append(ramp_hold)
@@ -109,7 +109,7 @@ def _prepare_test(test: object) -> RampHold:
             f"a fit takes relaxation tests, prepared or as read, found a {type(test).__name__}"
         )
     prepared = prepare(test)
-    return replace(prepared, steps=(BY_DEFAULT, *prepared.steps))
+    return replace(prepared, steps=(DEFAULT_STEP, *prepared.steps))
 
 
 # Temperatures of tests, and the reference temperature.
@@ -195,15 +195,15 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
 
 # noise correlates by 1/sqrt(n) in two records, and by 0.5 where one keeps a quarter of the other
 COPY_CORRELATION = 0.3
-_FEWEST_SAMPLES = 400
+_MIN_SAMPLES = 400
 # samples to a mean: enough to outlive interpolation between other samples
-_TO_A_MEAN = 4
-_SMOOTH = 9
+_SAMPLES_PER_MEAN = 4
+_SMOOTHING_MEANS = 9
 # a line of hum counts for no more than this many times the usual amplitude
-_CLIPPED = 3.0
-_LAGS = 3
+_MAX_LINE_RATIO = 3.0
+_MAX_LAG = 3
 # what is left of a record without noise is its course, which two tests of one seal share
-_COURSE = 3.0
+_MIN_COURSE_RATIO = 3.0
 
 
 class EndStiffness(NamedTuple):
@@ -240,7 +240,7 @@ def _describe_copy(first: RampHold, second: RampHold) -> str:
             return f"the same part of {first.source.file}"
     if np.array_equal(first.force, second.force):
         return "sample for sample"
-    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
+    if abs(first.depth / second.depth - 1) > DEPTH_TOLERANCE:
         return ""
     correlation = noise_correlation(first, second)
     return (
@@ -258,15 +258,15 @@ def noise_correlation(ramp_hold: RampHold, other_hold: RampHold) -> float:
     three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
     no noise.
     """
-    step = _TO_A_MEAN * max(ramp_hold.step, other_hold.step)
-    start = max(record.ramp_time for record in (ramp_hold, other_hold)) + _SMOOTH * step
+    step = _SAMPLES_PER_MEAN * max(ramp_hold.step, other_hold.step)
+    start = max(record.ramp_time for record in (ramp_hold, other_hold)) + _SMOOTHING_MEANS * step
     stop = min(record.hold_end - record.onset for record in (ramp_hold, other_hold))
-    if (stop - start) / step < _FEWEST_SAMPLES:
+    if (stop - start) / step < _MIN_SAMPLES:
         return 0.0
     edges = np.arange(start, stop, step)
     residuals = [_compute_means_off_course(record, edges) for record in (ramp_hold, other_hold)]
     if any(
-        residual.std() > _COURSE * record.force_noise
+        residual.std() > _MIN_COURSE_RATIO * record.force_noise
         for residual, record in zip(residuals, (ramp_hold, other_hold), strict=True)
     ):
         return 0.0
@@ -274,7 +274,9 @@ def noise_correlation(ramp_hold: RampHold, other_hold: RampHold) -> float:
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
     cross_correlation, pair, other_pairs = np.fft.irfft(products)
     power = float(np.sqrt(pair[0] * other_pairs[0]))
-    near_zero_lag = np.concatenate((cross_correlation[: _LAGS + 1], cross_correlation[-_LAGS:]))
+    near_zero_lag = np.concatenate(
+        (cross_correlation[: _MAX_LAG + 1], cross_correlation[-_MAX_LAG:])
+    )
     return float(near_zero_lag.max()) / power if power > 0 else 0.0
 
 
@@ -283,8 +285,8 @@ def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray
     sums = np.concatenate(([0.0], np.cumsum(record.force)))
     edge_indices = np.searchsorted(record.time - record.onset, edges)
     means = np.diff(sums[edge_indices]) / np.maximum(np.diff(edge_indices), 1)
-    course = np.convolve(means, np.full(_SMOOTH, 1 / _SMOOTH), mode="same")
-    inner = slice(_SMOOTH, -_SMOOTH)
+    course = np.convolve(means, np.full(_SMOOTHING_MEANS, 1 / _SMOOTHING_MEANS), mode="same")
+    inner = slice(_SMOOTHING_MEANS, -_SMOOTHING_MEANS)
     return np.asarray(means[inner] - course[inner])
 
 
@@ -292,7 +294,7 @@ def _clipped_spectrum(values: FloatArray) -> ComplexArray:
     # tapered, so that a line of hum stays within a few lines
     spectrum = np.fft.rfft(values * np.hanning(len(values)))
     magnitude = np.abs(spectrum)
-    ceiling = _CLIPPED * median(magnitude)
+    ceiling = _MAX_LINE_RATIO * median(magnitude)
     return np.asarray(spectrum * np.minimum(1.0, ceiling / np.maximum(magnitude, 1e-300)))
 
 

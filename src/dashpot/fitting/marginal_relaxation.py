@@ -30,12 +30,12 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a dashpot is an arm far faster than anything in the window
-DASHPOT = 1e-3
-SOLID = ("k_inf", "b")
+DASHPOT_TAU_RATIO = 1e-3
+SOLID_PARAMETERS = ("k_inf", "b")
 # of a doubtful drift, what a baseline of 10 s and a data sheet leave
-NAMED_DRIFT = 0.2
+NAMED_DRIFT_RATIO = 0.2
 LN_10 = float(np.log(10.0))
-EXACT = Prior(0.0)
+EXACT_PRIOR = Prior(0.0)
 
 
 class ThermalShift(NamedTuple):
@@ -170,7 +170,7 @@ class RelaxationData:
     misfit: float
     thermal_shift: ThermalShift | None = None
     unmeasured_effects: UnmeasuredEffects | None = None
-    drift: Prior = EXACT
+    drift: Prior = EXACT_PRIOR
 
     @property
     def window(self) -> tuple[float, float]:
@@ -183,7 +183,7 @@ class RelaxationData:
     def on_a_named_rig(self) -> RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.priors["drift"]
-        terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT * sd))
+        terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT_RATIO * sd))
         effects = self.unmeasured_effects and self.unmeasured_effects.but(
             "give", "settling", "memory"
         )
@@ -201,7 +201,7 @@ class RelaxationData:
 
     def build_weighted_block(self, index: int) -> DataBlock:
         """The certain block in rows of unit noise; `index` shows private columns of tests apart."""
-        names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
+        names = (n if n in SOLID_PARAMETERS else f"{n}@{index}" for n in self.certain.fixed_names)
         block = self.certain.scale_rows(self.weight, tuple(names))
         thermal_shift = self.thermal_shift
         if thermal_shift is None:
@@ -226,7 +226,7 @@ class RelaxationData:
         standard deviation.
         """
         count, kinds = len(log_tau), [get_column_kind(name) for name in self.block.fixed_names]
-        shortest = np.log(DASHPOT * self.block.window[0])
+        shortest = np.log(DASHPOT_TAU_RATIO * self.block.window[0])
         shift = self.thermal_shift or ThermalShift()
         doubtful = shift.shift_sd > 0
         effects, span = self.unmeasured_effects, slice(count, count + self.model.arms)
@@ -251,7 +251,7 @@ class RelaxationData:
             else columns[:, :0]
         )
         b_t = float(np.exp(shift.log_b))
-        sentences = {*SOLID, *self.terms.priors, *extra_priors}
+        sentences = {*SOLID_PARAMETERS, *self.terms.priors, *extra_priors}
         is_free = [kind not in sentences for kind in kinds]
         differences = replace(self.terms, priors=extra_priors).build_prior_columns(
             evaluation.fixed, self.block.fixed_names

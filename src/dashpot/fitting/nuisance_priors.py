@@ -125,7 +125,7 @@ def get_column_kind(name: str) -> str:
     return name.partition("@")[0]
 
 
-WARMING = Prior(0.0, DEFAULT_UNCERTAINTIES["warming in a chamber"].size)
+WARMING_PRIOR = Prior(0.0, DEFAULT_UNCERTAINTIES["warming in a chamber"].size)
 """Prior of the warming of the seal over its record, K, where several temperatures are tested."""
 # standard deviation of the warming of the seal about a recorded rise of temperature, K
 _WARMING_SD = 0.1
@@ -399,7 +399,7 @@ def _compute_reading_error(record: RampHold, noise: float) -> float:
 
 def build_recorded_warming_prior(specimen: Specimen) -> Prior:
     """Return the prior of the warming of the seal over its record, K: as recorded, if it was."""
-    return WARMING if specimen.warmed is None else Prior(specimen.warmed, _WARMING_SD)
+    return WARMING_PRIOR if specimen.warmed is None else Prior(specimen.warmed, _WARMING_SD)
 
 
 def build_warming_prior(specimen: Specimen) -> Prior:

@@ -131,13 +131,13 @@ def _parameters(solution: Solution) -> int:
 
 
 # fraction of the residual below which a step is rounding, whatever it does to tau
-_STATIONARY = 1e-6
+_STATIONARY_SHARE = 1e-6
 # fraction of the residual below which that of another spectrum shows a misfit
-_MISFIT = 0.5
+_MISFIT_SHARE = 0.5
 #: arms beyond the requested number that are tried
 EXTRA_ARMS = 2
 #: largest fraction by which a sum of squares can fall
-ALL = 1 - 1e-12
+MAX_SSE_FALL = 1 - 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +260,7 @@ class SelectedModel:
             or solution.sse <= rounding_sse
         ):
             return None
-        gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
+        gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, MAX_SSE_FALL)))
         if gain < 2 * float(np.log(solution.samples)):
             return None
         larger_selection = select_order(self.data, FitOptions(max_arms=solution.order + EXTRA_ARMS))
@@ -281,7 +281,7 @@ class SelectedModel:
     def convergence_check(self) -> Check:
         """Whether no step would change more than rounding, or a bound holds the point."""
         solution = self.solution
-        is_stationary = solution.converged or solution.relative_offset < _STATIONARY
+        is_stationary = solution.converged or solution.relative_offset < _STATIONARY_SHARE
         return optimum_found(stationary=bool(is_stationary or solution.at_bound.any()))
 
     @property
@@ -319,7 +319,7 @@ class SelectedModel:
         `rig_sensitivity`, shape (p, d), is the change of the parameters by one standard deviation
         of each unknown of the rig. It widens intervals; checks against the noise do not use it.
         """
-        is_adequate = self.data.in_time and self.certificate.gap < _MISFIT
+        is_adequate = self.data.in_time and self.certificate.gap < _MISFIT_SHARE
         estimate = ParameterEstimate(
             self.parameters,
             self.covariance,

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 
 # over the record: a longer run of equal readings is a rest, during which the seal relaxes
-_LEAST_REST = 1.0 / 20.0
+_MIN_REST_SHARE = 1.0 / 20.0
 
 
 class Encoder(NamedTuple):
@@ -134,7 +134,7 @@ def _compute_step_rows(
     time, readings = encoder.time, encoder.readings
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     stops = np.concatenate((starts[1:], [len(readings)]))
-    is_rest = stops - starts > _LEAST_REST * len(readings)
+    is_rest = stops - starts > _MIN_REST_SHARE * len(readings)
     is_rest[0] = True  # all motion is measured from the first reading
     pulses = [
         _compute_pulse_row(columns, first_row, time, kernel, (int(a), int(b)))
@@ -438,7 +438,7 @@ def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
 
 
 # below this SE(ln tau) the likelihood is Gaussian enough for intervals
-WALD_SUFFICES = 0.05
+MAX_WALD_SE = 0.05
 # confidence level that a stored profile covers; with few effective residuals, where that needs a
 # deviance above this limit, the usual level: wider intervals are then open
 _WIDEST_LEVEL, _USUAL_LEVEL, _MOST_DEVIANCE = 0.999, 0.95, 30.0
@@ -468,7 +468,7 @@ def compute_profiles(
     uncertain_arms = [
         (number, int(j))
         for number, j in enumerate(np.flatnonzero(k > 0), start=1)
-        if not estimate.standard_error(f"ln_tau_{j + 1}") < WALD_SUFFICES
+        if not estimate.standard_error(f"ln_tau_{j + 1}") < MAX_WALD_SE
     ]
     if not uncertain_arms:
         return ()

@@ -17,7 +17,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.frf import Kind
-from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
+from dashpot.datamodel.parameter_estimate import ELEMENT_PARAMETERS, parameter_names
 from dashpot.numerics.quasirandom import draw_normal
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # Parameters of a fit as a vector, and the solid of a vector.
 
 
-_LEAST_PART = 0.02
+_MIN_SHARE = 0.02
 """Part of a stiffness that is left of it, however far it is moved."""
 
 
@@ -48,7 +48,7 @@ class SolidParameters(NamedTuple):
 def get_solid_parameters(fit: Fit) -> SolidParameters:
     """Return the parameters of the solid, in the order of a covariance that is of them alone."""
     solid = fit.solid
-    names: tuple[str, ...] = ELEMENT
+    names: tuple[str, ...] = ELEMENT_PARAMETERS
     if isinstance(solid, FractionalZener):
         results = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
     else:
@@ -102,12 +102,12 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
 
 
 def _build_solid(fit: Fit, values: FloatArray, sampled_values: FloatArray) -> Solid:
-    if fit.estimate.parameters == ELEMENT:
-        k_inf, k_0 = np.maximum(sampled_values[:2], _LEAST_PART * values[:2])
+    if fit.estimate.parameters == ELEMENT_PARAMETERS:
+        k_inf, k_0 = np.maximum(sampled_values[:2], _MIN_SHARE * values[:2])
         alpha = float(np.clip(sampled_values[3], 0.05, 1.0))
         return FractionalZener(float(k_0), float(k_inf), float(np.exp(sampled_values[2])), alpha)
     arms = fit.model.arms
-    k = np.maximum(sampled_values[: 1 + arms], _LEAST_PART * values[: 1 + arms]).tolist()
+    k = np.maximum(sampled_values[: 1 + arms], _MIN_SHARE * values[: 1 + arms]).tolist()
     tau = np.exp(sampled_values[1 + arms : 1 + 2 * arms])
     order = np.argsort(tau)
     return GeneralizedMaxwell(
@@ -115,13 +115,13 @@ def _build_solid(fit: Fit, values: FloatArray, sampled_values: FloatArray) -> So
     )
 
 
-DRAWS = 400
+DRAW_COUNT = 400
 # what an unidentified ln tau or relative stiffness may do in a draw
-UNKNOWN = 3.0
+UNKNOWN_SD = 3.0
 # the resonance is sought within this factor of the fit's own
 SEARCH_FACTOR = 5.0
 # where the resonance may lie, to this part of a frequency
-PLACED = 1e-4
+FREQUENCY_TOLERANCE = 1e-4
 # lines of that range, over which the height of the peak is sought
 PEAK_LINES = 61
 # and other lines within this factor of it
@@ -359,19 +359,19 @@ def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
     solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
     if isinstance(solid, FractionalZener):
         sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
-        k_inf, k_0, log_tau, alpha = _draws(mean, covariance, UNKNOWN * sizes).T[..., None]
+        k_inf, k_0, log_tau, alpha = _draws(mean, covariance, UNKNOWN_SD * sizes).T[..., None]
         k_inf = np.maximum(k_inf, 0.0)
         power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
         K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
         return np.asarray(K + 1j * omega * solid.b)
     sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
-    draws = _draws(mean, covariance, UNKNOWN * sizes)
+    draws = _draws(mean, covariance, UNKNOWN_SD * sizes)
     N = fit.model.arms
     k = np.maximum(draws[:, 1 : 1 + N], 0.0)
     x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
     loss = k[..., None] * x / (1 + x * x)
     K = np.maximum(draws[:, :1], 0.0) + (loss * x).sum(axis=1) + 1j * loss.sum(axis=1)
-    b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), fit.model.b)
+    b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAW_COUNT, 1), fit.model.b)
     return np.asarray(K + 1j * omega * b)
 
 
@@ -381,7 +381,7 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
     is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
     covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
     covariance[is_undetermined, is_undetermined] = widest[is_undetermined] ** 2
-    normal = draw_normal(DRAWS, len(mean))
+    normal = draw_normal(DRAW_COUNT, len(mean))
     return np.asarray(mean + normal @ compute_covariance_root(covariance))
 
 
@@ -463,7 +463,7 @@ def _crossing(excess: Callable[[float], float], low: float, high: float) -> floa
         return low
     if at_high > 0:
         return np.inf
-    while high / low - 1 > PLACED:
+    while high / low - 1 > FREQUENCY_TOLERANCE:
         # between the middle, which never fails, and a straight line, which is quick
         middle = float(np.sqrt(low * high))
         line = low * (high / low) ** (at_low / (at_low - at_high))

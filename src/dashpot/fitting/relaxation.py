@@ -37,7 +37,7 @@ from dashpot.fitting.checks.solid import (
     valid_band_exists,
 )
 from dashpot.fitting.data_blocks import (
-    NUISANCE,
+    NUISANCE_NAMES,
     FitSetup,
     InitialFit,
     compress_tests,
@@ -167,7 +167,8 @@ def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, 
         raise FitError(refusal)
     model = solid_of(
         solve(
-            compress_tests([record], FitSetup(method, NUISANCE if method == "full" else ())), arms
+            compress_tests([record], FitSetup(method, NUISANCE_NAMES if method == "full" else ())),
+            arms,
         )
     )
     parameters = {"k_inf": model.k_inf}
@@ -190,7 +191,7 @@ def fit(
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
     thorough: bool = False,
-    nuisance: Sequence[str] = NUISANCE,
+    nuisance: Sequence[str] = NUISANCE_NAMES,
     max_arms: int = 6,
     law: RampLawOption = "auto",
     family: FamilyOption = "maxwell",
@@ -310,7 +311,7 @@ def fit(
 
 
 def build_setup(
-    records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE
+    records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE_NAMES
 ) -> FitSetup:
     """Return the setup of the fit; its options are checked.
 
@@ -322,12 +323,12 @@ def build_setup(
     _refuse_method(records, options.method)
     refuse_law(options)
     refuse_family(options)
-    unknown = [name for name in nuisance if name not in NUISANCE]
+    unknown = [name for name in nuisance if name not in NUISANCE_NAMES]
     if isinstance(nuisance, str) or unknown:
         raise FitError(
-            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
+            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE_NAMES)}"
         )
-    return FitSetup(options.method, tuple(name for name in NUISANCE if name in nuisance))
+    return FitSetup(options.method, tuple(name for name in NUISANCE_NAMES if name in nuisance))
 
 
 def _refuse_method(records: Sequence[RampHold], method: str) -> None:

@@ -17,7 +17,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.data_blocks import block_of, first_sample, motion
 from dashpot.fitting.marginal_relaxation import (
-    DASHPOT,
+    DASHPOT_TAU_RATIO,
     LN_10,
     RelaxationData,
     ThermalShift,
@@ -47,9 +47,9 @@ from dashpot.signals.disturbances import (
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
-_CELL = ("offset", "drift")
+_LOAD_CELL_TERMS = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
-LEAST_TAU = 1e-6
+MIN_TAU = 1e-6
 # readings that stand for a while on the way, at most
 MAX_PAUSES = 8
 # the rate of a force is that of the arms slower than so many samples
@@ -117,7 +117,9 @@ def build_relaxation_data(
         return _shift_to_reference(test, fit, single_fit, for_limits=for_limits)
     model, solid = get_fewest_arms_model(fit), get_fewest_arms_model(single_fit or fit)
     if fit.method == "hold":
-        hold_residual = _compute_arm_residual(solid, block_of(test, method="hold", terms=_CELL))
+        hold_residual = _compute_arm_residual(
+            solid, block_of(test, method="hold", terms=_LOAD_CELL_TERMS)
+        )
         return build_hold_data(test, model, hold_residual, for_limits=for_limits)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
@@ -143,7 +145,9 @@ def build_relaxation_data(
     if delay:
         effect_columns |= _build_delay_columns(test, model, time, x, delay=delay)
     columns = {name: column for name, (column, _) in effect_columns.items()}
-    data_block = block_of(test, terms=_CELL, law=law, tau_range=_get_tau_range(test, 1.0))
+    data_block = block_of(
+        test, terms=_LOAD_CELL_TERMS, law=law, tau_range=_get_tau_range(test, 1.0)
+    )
     residual = _compute_arm_residual(solid, data_block)
     power = max(estimate_noise_power(residual), data_block.rounding_floor)
     sample_weights = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
@@ -151,7 +155,7 @@ def build_relaxation_data(
         test,
         block_of(
             test,
-            terms=_CELL,
+            terms=_LOAD_CELL_TERMS,
             law=law,
             columns=columns,
             weights=sample_weights,
@@ -269,7 +273,7 @@ def build_hold_data(
     for_limits: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
-    block = block_of(test, method="hold", terms=_CELL, law=law)
+    block = block_of(test, method="hold", terms=_LOAD_CELL_TERMS, law=law)
     reference_time = float(test.ramp_end - test.time[0])
     depth = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
@@ -417,7 +421,9 @@ def _get_tau_range(test: RampHold, a_t: float) -> tuple[float, float]:
     """Relaxation times that are asked about where the solid is `a_t` times slower, s."""
     time = motion(test)[0]
     low, high = window_of(time, uniform_step(time))
-    return min(DASHPOT * low, LEAST_TAU) * min(a_t, 1.0), MAX_SLOWNESS * high * max(a_t, 1.0)
+    return min(DASHPOT_TAU_RATIO * low, MIN_TAU) * min(a_t, 1.0), MAX_SLOWNESS * high * max(
+        a_t, 1.0
+    )
 
 
 def _list_motion_errors(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:

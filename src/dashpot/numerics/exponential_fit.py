@@ -12,7 +12,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, FrozenArrays
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.least_squares import FINISHED, LocalOptimum
+from dashpot.numerics.least_squares import FINAL_TOLERANCE, LocalOptimum
 from dashpot.numerics.log_tau_descent import (
     Grid,
     Stack,
@@ -20,6 +20,7 @@ from dashpot.numerics.log_tau_descent import (
     descend,
     draw_quasirandom_starts,
     find_best_pair,
+    find_best_point,
     find_best_triple,
     is_inside_window,
     make_insertion_starts,
@@ -27,7 +28,6 @@ from dashpot.numerics.log_tau_descent import (
     peaks_of,
     point_at,
     relative_offset,
-    single,
 )
 
 # Optima for 0, 1, 2, ... arms, each started from the previous one.
@@ -40,7 +40,7 @@ EXTRA_STARTS = 16
 MAX_LN_TAU_SD = 0.1
 #: numbers of arms for which every set of points of a grid is tried, and the points of that grid
 GRID_SEARCH: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
-    1: (single, 48),
+    1: (find_best_point, 48),
     2: (find_best_pair, 48),
     3: (find_best_triple, 94),
 }
@@ -235,7 +235,7 @@ class ArmInsertion:
             winner.point.log_tau,
             (),
             restricted=restricted if bound else None,
-            step_tolerance=FINISHED,
+            step_tolerance=FINAL_TOLERANCE,
         )
         if polished is None or not _carries(polished.point, self.stack):
             return winner
@@ -312,7 +312,7 @@ class ArmInsertion:
             expected_positive=expected_positive,
             rivals=rivals,
             step_tolerance=step_tolerance,
-            cost_tolerance=0.0 if step_tolerance == FINISHED else FLAT_DEVIANCE,
+            cost_tolerance=0.0 if step_tolerance == FINAL_TOLERANCE else FLAT_DEVIANCE,
         )
 
 
@@ -342,7 +342,7 @@ def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
 # Exponential sum of a stack of blocks, without starting values.
 
 
-RESOLVED = 1e-9
+MIN_RESOLVED_SHARE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -596,7 +596,7 @@ def _resolve_exactly(
     stack: Stack, local: LocalOptimum[StackTrial]
 ) -> tuple[Stack, LocalOptimum[StackTrial]]:
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
-    if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
+    if stack.floor + local.point.sse > MIN_RESOLVED_SHARE * (stack.floor + stack.energy):
         return stack, local
     exact_stack = Stack([block.exact for block in stack.blocks])
     is_zero = local.point.beta == 0
@@ -640,8 +640,8 @@ def _solution(
 
 CERTIFICATE_GRID = 96
 CERTIFICATE_ROUNDS = 3
-ONE_ARM = 0.1
-CERTAIN = 1e-6
+MERGE_DISTANCE = 0.1
+CERTAIN_GAP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -703,10 +703,10 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
         grid = _make_refined_grid(support, round_, stack.bounds)
     sse = stack.floor + remainder
     # of a gap that is seen a few digits will do
-    cost_tolerance = 1e-3 * max(CERTAIN, (remainder - best_sse) / sse if sse > 0 else 0.0)
+    cost_tolerance = 1e-3 * max(CERTAIN_GAP, (remainder - best_sse) / sse if sse > 0 else 0.0)
     best_sse = min(best_sse, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
     optimality_gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best_sse) / sse
-    optimal = optimality_gap <= CERTAIN
+    optimal = optimality_gap <= CERTAIN_GAP
     return OptimalityCertificate(
         optimal=optimal,
         gap=float(optimality_gap),
@@ -733,7 +733,7 @@ def _compute_merged_sse(
     order = order[np.argsort(grid[order], kind="stable")]
     if not len(order):
         return np.inf
-    runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > ONE_ARM) + 1)
+    runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > MERGE_DISTANCE) + 1)
     start = np.array([weight[run] @ grid[run] / weight[run].sum() for run in runs])
     restricted = stack.get_nonnegative_mask(len(start), signed=False)
     local = descend(stack, start, restricted=restricted, cost_tolerance=cost_tolerance)

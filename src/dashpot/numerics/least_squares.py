@@ -21,19 +21,19 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 
 LONGEST_STEP = 1.5
-TAIL = 1e-5
+TAIL_CHANGE = 1e-5
 NEAR_OPTIMUM = 0.1
 #: steps shorter than this change the gradient by rounding only
 ROUNDING = 1e-7
 #: Gauss-Newton that converges creeps when a step is more than this part of the last
 SLOW_RATE = 1e-3
-FINISHED = 1e-11
+FINAL_TOLERANCE = 1e-11
 #: so short a step changes the linear parameters in proportion, to rounding
-LINEAR = 1e-6
+LINEAR_STEP = 1e-6
 #: what then may be left of theta
 THETA_TOLERANCE = 1e-9
 #: what carries less, as a part, has faded: its steps are damped as if it carried that
-FADED = 1e-12
+FADED_SHARE = 1e-12
 #: after a step that was refused none goes farther than this part of it
 STEP_REDUCTION = 0.5
 #: after one, damping falls to this part a step, and not at all where a step gained less than this
@@ -42,9 +42,9 @@ EASED, GAINED = 0.5, 0.75
 #: what was learned of the Hessian is dropped where the fall that it foretells is so far off
 MAX_PREDICTION_ERROR = 0.25
 #: a step so little damped promises what there is to gain
-DAMPED = 1e-3
+SMALL_DAMPING = 1e-3
 #: and by how much, in parts of it, the SSE may fall
-UNCHANGED = 1e-12
+SSE_TOLERANCE = 1e-12
 #: so many steps with a coefficient of the wrong sign lead to none of the right one
 MAX_WRONG_SIGN_STEPS = 12
 
@@ -102,15 +102,15 @@ class LocalOptimum(NamedTuple, Generic[T]):
 
 def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
     """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
-    return (new < old) | ((change < TAIL) & (new <= old * (1 + 1e-8) + rounding))
+    return (new < old) | ((change < TAIL_CHANGE) & (new <= old * (1 + 1e-8) + rounding))
 
 
 def has_converged(change: Any, last: Any, expected_fall: Any, sse: Any) -> Any:
     """Return whether the last undamped steps leave next to no change of theta and of the SSE."""
     return (
-        (change <= LINEAR)
+        (change <= LINEAR_STEP)
         & (change * change <= THETA_TOLERANCE * last)
-        & (expected_fall <= UNCHANGED * sse)
+        & (expected_fall <= SSE_TOLERANCE * sse)
     )
 
 
@@ -120,7 +120,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     *,
     expected_positive: BoolArray | None = None,
     is_known_optimum: Callable[[FloatArray], bool] | None = None,
-    step_tolerance: float = FINISHED,
+    step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
     damping: float = 1e-3,
     limit: int = 60,
@@ -158,19 +158,21 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
         step = trial - current.theta
         change = max(map(abs, step.tolist()), default=0.0)
         # much the step that was refused
-        while TAIL < STEP_REDUCTION * refused_change < change:
+        while TAIL_CHANGE < STEP_REDUCTION * refused_change < change:
             damping *= 10
             trial = _trial(current, hessian_correction, damping, bounds)
             step = trial - current.theta
             change = max(map(abs, step.tolist()), default=0.0)
         refused_change = np.inf
         expected_fall, sse = abs(float(current.gradient @ step)), fixed_cost + current.sse
-        if change <= step_tolerance or (expected_fall < cost_tolerance * sse and damping <= DAMPED):
+        if change <= step_tolerance or (
+            expected_fall < cost_tolerance * sse and damping <= SMALL_DAMPING
+        ):
             return LocalOptimum(current, count, True)
-        if damping < LINEAR and has_converged(change, last, expected_fall, sse):
+        if damping < LINEAR_STEP and has_converged(change, last, expected_fall, sse):
             return LocalOptimum(current.ahead(step), count, True)
         new = at(trial, current)
-        if current.sse < new.sse < np.inf and change >= TAIL:
+        if current.sse < new.sse < np.inf and change >= TAIL_CHANGE:
             # along a valley that bends the step ends on its side: from there to its floor
             floored = at(_trial(new, None, damping, bounds), new)
             if floored.sse < current.sse:
@@ -179,7 +181,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
         if is_step_acceptable(new.sse, current.sse, change, rounding):
             promised = -float(step @ (2 * current.gradient + current.curvature @ step))
             is_short = is_cautious and current.sse - new.sse < GAINED * promised
-            is_reliable = change < TAIL or _foretold(hessian_correction, current, new, step)
+            is_reliable = change < TAIL_CHANGE or _foretold(hessian_correction, current, new, step)
             hessian_correction = (
                 _update_hessian_correction(hessian_correction, current, new, change, last)
                 if is_reliable
@@ -191,8 +193,10 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 if expected_positive is not None and (current.beta[expected_positive] < 0).any()
                 else 0
             )
-            damping *= (1.0 if is_short else EASED if is_cautious else 0.1) * (change >= TAIL)
-        elif (change < TAIL and damping == 0.0) or expected_fall <= UNCHANGED * sse:
+            damping *= (1.0 if is_short else EASED if is_cautious else 0.1) * (
+                change >= TAIL_CHANGE
+            )
+        elif (change < TAIL_CHANGE and damping == 0.0) or expected_fall <= SSE_TOLERANCE * sse:
             return LocalOptimum(current, count, True)
         else:
             damping, refused_change, is_cautious = 10 * max(damping, 1e-6), change, True
@@ -246,7 +250,7 @@ def _trial(
         hessian = curvature + hessian_correction
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
-    ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
+    ridge = max(damping, 1e-15) * np.maximum(scale, FADED_SHARE * scale.max(initial=0.0))
     if _is_within_bounds(theta, bounds, allow_ends=False) and all(scale.tolist()):
         step = _solve_damped_step(curvature, gradient, ridge)
     else:
@@ -388,7 +392,7 @@ class Problem:
         *,
         max_steps: int = 100,
         rough: int = 0,
-        step_tolerance: float = FINISHED,
+        step_tolerance: float = FINAL_TOLERANCE,
         cost_tolerance: float = 0.0,
     ) -> Optimum | None:
         """Return the best of the descents from some starts; None if the model is nowhere there.
@@ -432,7 +436,7 @@ class Problem:
         *,
         same_distance: float = 0.0,
         max_steps: int = 100,
-        step_tolerance: float = FINISHED,
+        step_tolerance: float = FINAL_TOLERANCE,
         cost_tolerance: float = 0.0,
     ) -> list[Optimum]:
         """Return where descents from some starts end, as :meth:`solve` asks of them.
@@ -669,7 +673,7 @@ def require_optimum(
     *,
     max_steps: int = 100,
     rough: int = 0,
-    step_tolerance: float = FINISHED,
+    step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
 ) -> Optimum:
     """Return the optimum, as :meth:`Problem.solve`; it must be there.

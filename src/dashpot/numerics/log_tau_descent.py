@@ -12,7 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
-from dashpot.numerics.least_squares import FINISHED, LocalOptimum, Objective, triangle
+from dashpot.numerics.least_squares import FINAL_TOLERANCE, LocalOptimum, Objective, triangle
 from dashpot.numerics.least_squares import descend as descend_problem
 from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
 from dashpot.numerics.quasirandom import fill_unit_cube
@@ -91,7 +91,7 @@ class Stack:
     @property
     def nothing(self) -> float:
         """Sum of squares that a finished descent leaves of exact data."""
-        return max(self.rounding_floor, FINISHED**2 * self.energy)
+        return max(self.rounding_floor, FINAL_TOLERANCE**2 * self.energy)
 
     def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
         """Return which linear parameters must not be negative, shape (p,)."""
@@ -272,7 +272,7 @@ def descend(
     restricted: BoolArray | None = None,
     expected_positive: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
-    step_tolerance: float = FINISHED,
+    step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
     damping: float = 1e-3,
 ) -> LocalOptimum[StackTrial] | None:
@@ -325,10 +325,10 @@ def relative_offset(point: StackTrial, sse: float) -> float:
 # Starting points: peaks of the best positive spectrum, and of the dual gradient.
 
 
-GRID = 72
+GRID_POINTS = 72
 #: triples are first looked for among every so-many-th point
-COARSE = 3
-MOST_PEAKS = 9
+COARSE_STRIDE = 3
+MAX_PEAKS = 9
 #: samplings whose lattices are kept
 MAX_CACHED = 8
 
@@ -412,7 +412,7 @@ class Grid:
     def __init__(
         self,
         stack: Stack,
-        size: int = GRID,
+        size: int = GRID_POINTS,
         *,
         log_tau: FloatArray | None = None,
         is_free: BoolArray | None = None,
@@ -492,7 +492,7 @@ class Grid:
         return columns, rows.target - phi @ point.beta, phi
 
 
-def single(grid: Grid) -> FloatArray | None:
+def find_best_point(grid: Grid) -> FloatArray | None:
     """Return the grid point whose column, with a positive coefficient, fits best; for one group."""
     best_index = int(np.argmax(grid.moment))
     return grid.log_tau[best_index : best_index + 1] if grid.moment[best_index] > 0 else None
@@ -551,12 +551,12 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
     Of every third point, all triples; then around the best of them, the points between.
     """
     last = len(grid.log_tau) - 1
-    sets = _triples(1 + last // COARSE)
+    sets = _triples(1 + last // COARSE_STRIDE)
     gain = _triple_gain(grid, sets)
     best_index = int(np.argmax(gain))
     if gain[best_index] <= 0:
         return None
-    offsets = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
+    offsets = np.indices((2 * COARSE_STRIDE - 1,) * 3).reshape(3, -1) - (COARSE_STRIDE - 1)
     finer_triples = np.clip(offsets + np.array([[values[best_index]] for values in sets]), 0, last)
     return np.asarray(
         grid.log_tau[finer_triples[:, int(np.argmax(_triple_gain(grid, finer_triples)))]]
@@ -584,9 +584,9 @@ def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
 
 @lru_cache(maxsize=2)
 def _triples(size: int) -> IndexArray:
-    """Return all i < j < k below size, three rows, every COARSE-th point of a grid."""
+    """Return all i < j < k below size, three rows, with a stride of COARSE_STRIDE."""
     i = np.arange(size)
-    return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
+    return COARSE_STRIDE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 
 
 def make_insertion_starts(
@@ -613,7 +613,7 @@ def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
     runs = np.split(support, np.flatnonzero(np.diff(support) > 1) + 1)
     mass = np.array([weight[run].sum() for run in runs])
     log_tau_peaks = np.array([weight[run] @ grid.log_tau[run] for run in runs]) / mass
-    keep = np.sort(np.argsort(-mass, kind="stable")[:MOST_PEAKS])
+    keep = np.sort(np.argsort(-mass, kind="stable")[:MAX_PEAKS])
     return log_tau_peaks[keep], mass[keep]
 
 

@@ -15,12 +15,12 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import Source
 from dashpot.base.units import celsius, format_quantity
-from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
+from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING_SHARE, RampHold, quantum
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preprocessing.denoising import (
     CORNERS,
-    LOST_FORCE,
+    MIN_LOST_FORCE,
     bends,
     but_corners,
     denoise_displacement,
@@ -29,37 +29,37 @@ from dashpot.preprocessing.history import EarlierLoadings
 from dashpot.signals.clock import NEIGHBOUR_STEPS, find_clock_jumps, has_few_pauses
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three, spikes
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
-from dashpot.signals.stuck_channel import BEFORE, FEWEST, find_stuck_runs
+from dashpot.signals.stuck_channel import MIN_SAMPLES, SAMPLES_BEFORE, find_stuck_runs
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
-LAW = "by physics; a tenth for noise and drift"
+LIMIT_REASON = "by physics; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
-LATE_START = 0.2
+GROSS_PRELOAD = 0.2
 # what a smaller one still relaxes is in the limits, and no law bends by so much of its depth
 LARGE_PRELOAD = 0.1
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
-FLAT_SAMPLES = 5.0
-MAX_UNRESOLVED = 0.125
+MIN_FLAT_SAMPLES = 5.0
+MAX_UNRESOLVED_ERROR = 0.125
 # K that a temperature may be misread by, and that a chamber may drift over a record
-MAX_MISREAD, MAX_WARMED = 1.0, 1.0
+MAX_TEMPERATURE_ERROR, MAX_TEMPERATURE_DRIFT = 1.0, 1.0
 # a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
 # 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
-GROSSLY = 2.0
+GROSS_FACTOR = 2.0
 # of a hold: a channel that stood still, and a force that did so for too long
-MAX_FROZEN, GROSSLY_FROZEN = 0.005, 0.1
+MAX_FROZEN_SHARE, GROSS_FROZEN_SHARE = 0.005, 0.1
 # of the depth: a plate that moved; of the hold: in which it is braked
 MOVED_SHARE, BRAKED_SHARE = 1e-3, 0.05
 # bends of a motion that steps, at least
-TO_AND_FRO = 8
+MIN_STEPPED_BENDS = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
-MAX_PAUSE, MAX_LEAP = 0.25, 1e-3
+MAX_PAUSE, MAX_CLOCK_JUMP = 0.25, 1e-3
 # of the force of earlier loadings, and of the depth, that their memory may be off by
-MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
+MAX_HISTORY_MISFIT, MAX_FACE_ERROR = 0.03, 0.01
 # of the depth, which the plate may have moved by between rows that are missing
-MAX_PAST_JUMP = 0.1
+MAX_HISTORY_JUMP = 0.1
 # of the depth; m/N, the give of a soft machine with its load cell
 MAX_DEFLECTION, USUAL_COMPLIANCE = 0.025, 5e-5
 MACHINE_NAME = compile_on_use(
@@ -68,7 +68,9 @@ MACHINE_NAME = compile_on_use(
     "|ストローク|横梁|活塞|크로스헤드"
 )
 """Names of a displacement of crosshead, piston or grips, as test machines export it."""
-JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
+JUMP_MESSAGE = (
+    "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
+)
 
 
 class ClockedTest(Protocol):
@@ -94,7 +96,9 @@ class ClockedTest(Protocol):
 # -- what the file says of the temperature --------------------------------------------------------
 
 
-@criterion("K apart", "|x| <=", MAX_MISREAD, "simulation: no other check shows an error of 1 K")
+@criterion(
+    "K apart", "|x| <=", MAX_TEMPERATURE_ERROR, "simulation: no other check shows an error of 1 K"
+)
 def temperature_as_stated(specimen: Specimen) -> Finding:
     """The given temperature agrees with the one in the file."""
     measured, stated = (specimen.temperature or 0.0, specimen.stated_temperature or 0.0)
@@ -106,7 +110,7 @@ def temperature_as_stated(specimen: Specimen) -> Finding:
     )
 
 
-@criterion("K over the record", "|x| <=", MAX_WARMED, "our choice: chambers hold 0.5 K")
+@criterion("K over the record", "|x| <=", MAX_TEMPERATURE_DRIFT, "our choice: chambers hold 0.5 K")
 def temperature_held(specimen: Specimen) -> Finding:
     """The recorded temperature was constant during the test."""
     warmed = specimen.warmed or 0.0
@@ -174,7 +178,7 @@ def contact_found(touch: Touch, depth: float, *, is_given: bool) -> Finding:
     "<=",
     MAX_PRELOAD,
     grade="note",
-    other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
+    other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {GROSS_PRELOAD} of a plate that moves",
 )
 def preload_absent(carried: float, loading_rise: float, *, moving: bool = False) -> Finding:
     """The force before the ramp is close to zero."""
@@ -185,7 +189,7 @@ def preload_absent(carried: float, loading_rise: float, *, moving: bool = False)
             f"The load cell reads {carried:.3g} N as the ramp starts, "
             f"{round_to_error(100 * preload_ratio, digits=2)} % of the rise"
         )
-    is_late = moving and preload_ratio > LATE_START
+    is_late = moving and preload_ratio > GROSS_PRELOAD
     return Finding(
         message,
         preload_ratio,
@@ -199,7 +203,7 @@ def preload_absent(carried: float, loading_rise: float, *, moving: bool = False)
     )
 
 
-@criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LAW, grade="stop")
+@criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LIMIT_REASON, grade="stop")
 def ramp_recorded(loading_rise: float, change: float) -> Finding:
     """The record begins before its ramp."""
     return Finding(
@@ -261,7 +265,10 @@ def single_loading(
 
 
 @criterion(
-    "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
+    "their misfit / their force",
+    "<=",
+    MAX_HISTORY_MISFIT,
+    "simulation: conditioned seals that soften",
 )
 def history_explained(
     earlier_loadings: EarlierLoadings, *, broken: bool, was_pressed: bool = False
@@ -287,7 +294,10 @@ def history_explained(
 
 
 @criterion(
-    "surface less expected position / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays"
+    "surface less expected position / depth",
+    "|x| <=",
+    MAX_FACE_ERROR,
+    "simulation: a set that stays",
 )
 def face_recovered(
     measured_position: float, expected: float, *, error: float, depth: float
@@ -331,7 +341,7 @@ def history_checks(
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
-    is_jump = np.abs(change) > MAX_PAST_JUMP * record.depth
+    is_jump = np.abs(change) > MAX_HISTORY_JUMP * record.depth
     broken = bool(np.any(is_jump & (pauses > 5 * median(np.diff(record.time)))))
     all_checks = [history_explained(earlier_loadings, broken=broken, was_pressed=was_pressed)]
     plate, face = record.plate, record.displacement[stop:corner]
@@ -384,8 +394,8 @@ def samples_unbroken(test: RampHold) -> Finding:
     "<=",
     MAX_PAUSE,
     "our choice; or 3 times the pauses beside it, or 5 % of the rest",
-    other_grade=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all "
-    "the rest",
+    other_grade=f"at most {MAX_CLOCK_JUMP} for a leap of an even clock; stop if it is longer than "
+    "all the rest",
 )
 def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     """The clock has no jump.
@@ -416,7 +426,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
         f"The longest relative pause is {longest:.3g} s, {time_since_onset[at_pause]:.3g} s after "
         "onset",
         float(longest / time_since_onset[at_pause]),
-        JUMPED,
+        JUMP_MESSAGE,
         Remedy(
             "Cut the record before the pause, or correct its clock.", "time-limits", "hold-end=..."
         ),
@@ -434,7 +444,7 @@ def _leap_of(time: FloatArray, onset: float, shortest: float) -> Finding | None:
         return None
     step_ratios = [jump.step / max(abs(time[jump.at] - onset), shortest) for jump in jumps]
     jump_index = int(np.argmax(step_ratios))
-    if step_ratios[jump_index] <= MAX_LEAP:
+    if step_ratios[jump_index] <= MAX_CLOCK_JUMP:
         return None
     longest_leap, leap_time = jumps[jump_index], float(time[jumps[jump_index].at] - onset)
     is_before_contact = leap_time < 0
@@ -443,11 +453,11 @@ def _leap_of(time: FloatArray, onset: float, shortest: float) -> Finding | None:
         f"{longest_leap.expected_step:.3g} s, {abs(leap_time):.3g} s "
         f"{'before' if is_before_contact else 'after'} onset",
         step_ratios[jump_index],
-        "The clock jumped, or the record was interrupted" if is_before_contact else JUMPED,
+        "The clock jumped, or the record was interrupted" if is_before_contact else JUMP_MESSAGE,
         Remedy("Leave out the rows before it, or correct its clock.")
         if is_before_contact
         else Remedy("Cut the record there, or correct its clock.", "time-limits", "hold-end=..."),
-        limit=MAX_LEAP,
+        limit=MAX_CLOCK_JUMP,
         grade="stop"
         if not is_before_contact and 2 * longest_leap.step > time[-1] - onset
         else None,
@@ -474,9 +484,9 @@ def spikes_absent(test: RampHold) -> Finding:
 @criterion(
     "part of the hold",
     "<=",
-    MAX_FROZEN,
+    MAX_FROZEN_SHARE,
     "our choice: a shorter stretch changes no stiffness",
-    other_grade=f"stop if the force stands for more than {GROSSLY_FROZEN}",
+    other_grade=f"stop if the force stands for more than {GROSS_FROZEN_SHARE}",
 )
 def readings_not_repeated(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
     """Both channels have a new reading in each row of the hold.
@@ -490,13 +500,13 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     """
     hold, time = test.hold, test.time[test.hold]
     f, x = force[hold], displacement[hold]
-    if len(f) < FEWEST:
+    if len(f) < MIN_SAMPLES:
         return Finding("The hold has too few samples to show whether a channel stands still")
-    step = np.abs(x[BEFORE:] - x[:-BEFORE])
+    step = np.abs(x[SAMPLES_BEFORE:] - x[:-SAMPLES_BEFORE])
     is_moving = step > max(MOVED_SHARE * test.depth, 6 * test.displacement_noise)
-    is_at_rest = ~np.concatenate((is_moving, np.zeros(BEFORE, dtype=bool)))
-    is_at_rest[BEFORE:] &= ~is_moving
-    is_at_rest &= time > test.ramp_end + SETTLING * test.ramp_time
+    is_at_rest = ~np.concatenate((is_moving, np.zeros(SAMPLES_BEFORE, dtype=bool)))
+    is_at_rest[SAMPLES_BEFORE:] &= ~is_moving
+    is_at_rest &= time > test.ramp_end + SETTLING_SHARE * test.ramp_time
     onset_index, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
     # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
     sign = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
@@ -532,17 +542,17 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
         f"Its other samples rule that out: the channel was not read for "
         f"{100 * repeated_fraction:.2g} % of the hold",
         Remedy("Cut the record before that, or repeat the test.", "time-limits", "hold-end=..."),
-        grade="stop" if of_force > GROSSLY_FROZEN else None,
+        grade="stop" if of_force > GROSS_FROZEN_SHARE else None,
     )
 
 
 @criterion(
     "force lost / noise",
     "<=",
-    MAX_UNRESOLVED,
+    MAX_UNRESOLVED_ERROR,
     "our choice: 1 noise SD over the samples of a step",
     grade="note",
-    other_grade=f"limit beyond {GROSSLY:g}",
+    other_grade=f"limit beyond {GROSS_FACTOR:g}",
 )
 def motion_resolved(test: RampHold) -> Finding:
     r"""The sampling rate resolves the motion of the plate.
@@ -561,12 +571,15 @@ def motion_resolved(test: RampHold) -> Finding:
     stiffness = float(((force[is_compressed] - test.preload) / x[is_compressed]).max(initial=0.0))
     force_errors = but_corners(np.abs(motion_errors)) * stiffness
     value = force_errors / max(test.force_noise, 1e-3 * float(force.max()))
-    needed_rate = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
+    needed_rate = np.sqrt(value / MAX_UNRESOLVED_ERROR) / median(np.diff(time))
     # a motor bends to and fro all along the ramp, a servo swings a few times
     seen_errors = motion_errors[
-        np.abs(motion_errors) * stiffness * value > LOST_FORCE * force_errors
+        np.abs(motion_errors) * stiffness * value > MIN_LOST_FORCE * force_errors
     ]
-    steps_on = value > LOST_FORCE and np.count_nonzero(np.diff(np.sign(seen_errors))) >= TO_AND_FRO
+    steps_on = (
+        value > MIN_LOST_FORCE
+        and np.count_nonzero(np.diff(np.sign(seen_errors))) >= MIN_STEPPED_BENDS
+    )
     return Finding(
         "Between two samples the displacement departs from a straight line by a force of "
         f"{format_quantity(force_errors, 'mN', '.2g')}",
@@ -574,7 +587,7 @@ def motion_resolved(test: RampHold) -> Finding:
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
         f"Sample at {round_to_error(needed_rate, digits=2)} Hz or faster.",
         always_fails=bool(steps_on),
-        grade="limit" if value > GROSSLY else None,
+        grade="limit" if value > GROSS_FACTOR else None,
     )
 
 
@@ -713,7 +726,7 @@ def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], 
 @criterion(
     "samples at the peak",
     "<",
-    FLAT_SAMPLES,
+    MIN_FLAT_SAMPLES,
     "our choice; or a rest or noise explains it",
     grade="stop",
 )
@@ -721,7 +734,7 @@ def force_not_clipped(test: RampHold) -> Finding:
     """The force is not clipped at its peak."""
     highest_force, count, first, last = _flat_top(test.reading)
     change = float(np.ptp(test.displacement[first : last + 1]))
-    is_long = last - first >= FLAT_SAMPLES - 1
+    is_long = last - first >= MIN_FLAT_SAMPLES - 1
     # of most records no more need be known
     step = quantum(test.reading) if is_long else 0.0
     # over so far the force climbs by three quanta even at half its mean rate

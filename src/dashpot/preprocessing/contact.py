@@ -20,7 +20,7 @@ from dashpot.solids.maxwell import arm_response
 # samples: fewer have no scatter to speak of
 MIN_BASELINE = 5.0
 # readings of which all trials are one array
-AT_ONCE = 1 << 12
+READINGS_PER_BATCH = 1 << 12
 
 
 class Baseline(NamedTuple):
@@ -175,7 +175,9 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
     best = low
     for _ in range(3):
         trials = np.linspace(low, high, 41)
-        trial_groups = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
+        trial_groups = np.array_split(
+            trials, min(1 + len(reading) // READINGS_PER_BATCH, len(trials))
+        )
         sums = np.concatenate(
             [_compute_misfits(reading, mean, count, values, within_sse) for values in trial_groups]
         )
@@ -292,9 +294,9 @@ def find_first_contact(
 
 
 # number of trial delays, up to so many standard deviations of the clocks
-DELAYS_TRIED, MOST_DELAY_SD = 13, 4.0
+TRIAL_DELAY_COUNT, MOST_DELAY_SD = 13, 4.0
 # number of successive worse delays after which the search ends
-WORSE_IN_A_ROW = 2
+MAX_WORSE_DELAYS = 2
 # arms, from this part of the ramp to so many times it, and no faster than so many samples
 DELAY_ARMS, FASTEST_ARM, SLOWEST_ARM, SAMPLES_PER_ARM = 6, 0.02, 3.0, 2.0
 # rows near either corner of the ramp, and over all of it
@@ -346,14 +348,14 @@ def estimate_contact_delay(
     responses = [compression, *arm_response(time, compression, tau).T]
     target, is_nonnegative = force[rows], np.append(False, np.ones(len(responses), dtype=bool))
     best, failures = DelayEstimate(0.0, np.inf), 0
-    for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, DELAYS_TRIED).tolist():
+    for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, TRIAL_DELAY_COUNT).tolist():
         columns = [np.interp(time[rows] - delay, time, response) for response in responses]
         design = np.column_stack((np.ones(len(rows)), *columns))
         residual = target - design @ solve_linear(design, target, is_nonnegative)[0]
         misfit = len(rows) * float(np.log(max(float(residual @ residual), 1e-300)))
         trial = DelayEstimate(delay, misfit + (delay / delay_sd) ** 2)
         best, failures = (trial, 0) if trial.deviance < best.deviance else (best, failures + 1)
-        if failures == WORSE_IN_A_ROW:
+        if failures == MAX_WORSE_DELAYS:
             break
     return best
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, cache_on_record
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.numerics.design_matrices.data_compression import IN_CACHE
+from dashpot.numerics.design_matrices.data_compression import CACHE_SAMPLES
 from dashpot.solids.maxwell import arm_response
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
@@ -22,9 +22,9 @@ HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 3
 # means of windows disagree if they are farther apart than this many standard deviations
 MAX_MEAN_DISTANCE = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
-SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.2
+COUNT_SCATTER, COUNT_REMAINDER = 0.025, 0.2
 # a mean leaves more than this part of the noise only where the motion bends
-NARROW = 0.1
+MIN_NOISE_SHARE = 0.1
 # a reading that stays so many times as long as its neighbours is a rest
 REST_FACTOR = 4.0
 # readings so few samples apart repeat their errors, as counts beat with samples
@@ -32,19 +32,19 @@ BEAT_SAMPLES = 5.0
 # sharp corners that lie between samples of any motion
 CORNERS = 6
 # a force lost between samples that counts, in noises; samples that share an error count twice
-LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
+MIN_LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
 # the most that counts bend a motion, in counts, and three standard deviations of what noise does
-BENT_BY_COUNTS, BENT_BY_NOISE = 0.11, 3 * 6**0.5 / 8
+MAX_COUNT_BEND, NOISE_BEND = 0.11, 3 * 6**0.5 / 8
 # equal neighbours so much closer than the depth are arithmetic, not counts
-LEAST_COUNT = 1e-6
+MIN_COUNT = 1e-6
 # second difference, in counts, from which a quarter of it is more than half a count
-SHARP_COUNTS = 2.0
+MIN_SHARP_BEND = 2.0
 # a reading that returns within half as many samples has flickered
-FLICKER = 7
+FLICKER_SAMPLES = 7
 # and by less than so many counts
-MOST_FLICKER = 1.5
+MAX_FLICKER_COUNTS = 1.5
 # exchanges that bring the median of so many to the middle
-TO_MEDIAN = (
+MEDIAN_EXCHANGES = (
     (0, 5), (0, 3), (1, 6), (2, 4), (0, 1), (3, 5), (2, 6), (2, 3), (3, 6), (4, 5), (1, 4), (1, 3),
     (3, 4),
 )  # fmt: skip
@@ -101,7 +101,7 @@ def between_samples(
     noise = max(test.force_noise, 1e-3 * peak)
     if (
         len(x) < 4 * CORNERS
-        or peak / test.depth * but_corners(error_magnitude) <= LOST_FORCE * noise
+        or peak / test.depth * but_corners(error_magnitude) <= MIN_LOST_FORCE * noise
     ):
         return np.zeros(len(x))
     signs = np.sign(motion_errors)
@@ -121,12 +121,12 @@ def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray)
     motion_errors = np.zeros(len(x))
     motion_errors[1:-1] = np.diff(np.diff(x) / steps) * np.maximum(steps[1:], steps[:-1]) / 8
     if test.encoder_step:
-        tolerance = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
+        tolerance = np.full(len(x), MAX_COUNT_BEND * test.encoder_step)
     else:
         # of three readings; nor is a mean as good as the truth where the next is over more
         padded = np.pad(residual, 1, mode="edge")
         padded = np.maximum(np.maximum(padded[2:], padded[:-2]), residual)
-        tolerance = BENT_BY_NOISE * np.maximum(padded, NARROW * test.displacement_noise)
+        tolerance = NOISE_BEND * np.maximum(padded, MIN_NOISE_SHARE * test.displacement_noise)
     excess = np.maximum(np.abs(motion_errors) - np.maximum(tolerance, 1e-9 * test.depth), 0.0)
     return np.asarray(np.sign(motion_errors) * excess)
 
@@ -141,14 +141,14 @@ def _remove_counts(
 ) -> tuple[FloatArray, FloatArray]:
     """Return a reading freed of counts and noise, and the sd of what may be left of them."""
     step, noise = test.encoder_step, test.displacement_noise
-    if step > LEAST_COUNT * test.depth:
-        read, _ = denoise_values(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
+    if step > MIN_COUNT * test.depth:
+        read, _ = denoise_values(between_counts(time, x, step), COUNT_SCATTER * step)
         return read, _estimate_count_noise(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
     read, sd = denoise_values(x, noise)
     # a wide window is a rest or a steady ramp, where the mean is as good as the truth
-    return read, np.where(sd > NARROW * noise, noise, 0.0)
+    return read, np.where(sd > MIN_NOISE_SHARE * noise, noise, 0.0)
 
 
 def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> FloatArray:
@@ -183,7 +183,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     # a line from half way to half way flattens a bend by a quarter: where that is more than what
     # a reading is off, it is the better guess
     is_curved = np.zeros(len(interpolated), dtype=bool)
-    is_curved[1:-1] = np.abs(np.diff(displacement, 2)) > SHARP_COUNTS * count
+    is_curved[1:-1] = np.abs(np.diff(displacement, 2)) > MIN_SHARP_BEND * count
     return np.where(is_curved, displacement, interpolated)
 
 
@@ -239,7 +239,7 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     stay_times = np.where(np.isfinite(stop - start), stop - start, 0.0)
     count_errors = np.minimum(step / 2, stay_times * turns_per_stay)
     equal_samples = 2 * np.maximum(stay_times / float(np.mean(np.diff(time))), BEAT_SAMPLES)
-    residual = np.hypot(LEFT_OF_A_COUNT * step, count_errors) * np.sqrt(equal_samples)
+    residual = np.hypot(COUNT_REMAINDER * step, count_errors) * np.sqrt(equal_samples)
     residual[stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))
     return np.asarray(residual[reading])
@@ -259,12 +259,14 @@ def _without_flicker(values: FloatArray, count: float) -> FloatArray:
 
     It leaves a rising staircase as it is.
     """
-    padded_values = np.pad(values, FLICKER // 2, mode="edge")
-    ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER).T)
-    for i, j in TO_MEDIAN:
+    padded_values = np.pad(values, FLICKER_SAMPLES // 2, mode="edge")
+    ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER_SAMPLES).T)
+    for i, j in MEDIAN_EXCHANGES:
         ranked[i], ranked[j] = np.minimum(ranked[i], ranked[j]), np.maximum(ranked[i], ranked[j])
-    running_median = ranked[FLICKER // 2]
-    return np.where(np.abs(running_median - values) < MOST_FLICKER * count, running_median, values)
+    running_median = ranked[FLICKER_SAMPLES // 2]
+    return np.where(
+        np.abs(running_median - values) < MAX_FLICKER_COUNTS * count, running_median, values
+    )
 
 
 def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
@@ -291,8 +293,8 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
         widened[window] += open_still[window]
 
     # in stretches, whose temporaries are neither given back nor taken again page by page
-    for first, width in product(range(0, n, IN_CACHE), HALF_WIDTHS):
-        i, stop = max(first, width), min(first + IN_CACHE, n - width)
+    for first, width in product(range(0, n, CACHE_SAMPLES), HALF_WIDTHS):
+        i, stop = max(first, width), min(first + CACHE_SAMPLES, n - width)
         if i < stop:
             sums = total[i + width + 1 : stop + width + 1] - total[i - width : stop - width]
             widen(slice(i, stop), sums, 2 * width + 1)

@@ -20,20 +20,20 @@ from dashpot.signals.noise import median_of_three
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # arms of the solid that the face is followed by; fewer where so many leave more than the noise
-MOST_ARMS = (4, 3, 2, 1)
+ARM_COUNTS = (4, 3, 2, 1)
 # times the scatter of the force: what is left of the last loading is noise; of their force, what is
 # left of earlier ones
-AS_NOISE, EXPLAINED = 1.1, 5e-3
+NOISE_RATIO, MAX_EARLIER_MISFIT = 1.1, 5e-3
 # of the peak: less is no noise
-ROUNDING = 1e-4
+MIN_NOISE_SHARE = 1e-4
 # times that solid and face are found, each with the other
 MAX_ITERATIONS = 8
 # of the depth: a face that moves by less has been found
-SETTLED_FACE = 1e-4
+FACE_TOLERANCE = 1e-4
 # times its scatter, and of its peak, by which a seal that is pressed shows a force
-PRESSED, PRESSED_PART = 5.0, 0.004
+PRESSED_SCATTER, PRESSED_SHARE = 5.0, 0.004
 # of the peak, and times the scatter, by which a bonded seal pulls at a plate that went back
-PULLED_PART, PULLED = 0.01, 8.0
+PULL_SHARE, PULL_SCATTER = 0.01, 8.0
 # of the depth: a plate as near to first contact has gone back
 RETURN_SHARE = 0.1
 
@@ -64,7 +64,7 @@ def is_bonded(
 
     Force and compression of the loadings before the last, N and m; the force is 0 in air.
     """
-    force_limit = max(PULLED_PART * peak, PULLED * noise)
+    force_limit = max(PULL_SHARE * peak, PULL_SCATTER * noise)
     return bool(
         np.any((median_of_three(force) < -force_limit) & (compression < RETURN_SHARE * depth))
     )
@@ -80,17 +80,17 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     """
     plate = record.plate
     if plate is None:
-        solid, _ = _solid_of(record, MOST_ARMS[0])
+        solid, _ = _solid_of(record, ARM_COUNTS[0])
         return record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=True)
     first_record = replace(record, displacement=_first_face(record, plate))
     candidates: list[tuple[float, RampHold, EarlierLoadings]] = []
-    for arms in MOST_ARMS:
+    for arms in ARM_COUNTS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
         remainder, ramp_hold, earlier_loadings = _fit_alternately(first_record, plate, arms)
-        noise = max(record.force_noise, ROUNDING * float(record.force.max()))
-        excess = max(remainder / noise - AS_NOISE, 0.0)
+        noise = max(record.force_noise, MIN_NOISE_SHARE * float(record.force.max()))
+        excess = max(remainder / noise - NOISE_RATIO, 0.0)
         candidates.append((excess + earlier_loadings.misfit, ramp_hold, earlier_loadings))
-        if candidates[-1][0] <= EXPLAINED:
+        if candidates[-1][0] <= MAX_EARLIER_MISFIT:
             break
     _, record, earlier_loadings = min(candidates, key=lambda pair: pair[0])
     return record, earlier_loadings
@@ -108,9 +108,9 @@ def _fit_alternately(
         ratio = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
         record = replace(record, displacement=face)
         solid, remainder = _solid_of(record, arms)
-        if ratio < SETTLED_FACE:
+        if ratio < FACE_TOLERANCE:
             break
-    converged = ratio < 10 * SETTLED_FACE
+    converged = ratio < 10 * FACE_TOLERANCE
     return (
         remainder,
         record,
@@ -121,7 +121,7 @@ def _fit_alternately(
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
     """Return the face of the seal, m: the plate where in contact, else interpolated."""
     force, t = median_of_three(record.force), record.time
-    force_limit = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
+    force_limit = max(PRESSED_SCATTER * record.force_noise, PRESSED_SHARE * float(force.max()))
     is_compressed = (force > force_limit) & (plate > 0)
     first = int(np.argmax(is_compressed))
     face = np.interp(t, t[is_compressed], plate[is_compressed])
@@ -159,9 +159,11 @@ def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
     if stop < 8:
         return 0.0
     response = solid.force(time, x - x[0])
-    force_limit = PRESSED_PART * float(record.force.max())
+    force_limit = PRESSED_SHARE * float(record.force.max())
     largest_misfit = 0.0
-    for a, b in find_true_runs(response > max(force_limit, PRESSED * record.force_noise)).tolist():
+    for a, b in find_true_runs(
+        response > max(force_limit, PRESSED_SCATTER * record.force_noise)
+    ).tolist():
         response_rms = float(np.sqrt(np.mean(response[a : b + 1] ** 2)))
         if b - a < 4 or response_rms < 0.05 * float(record.force.max()):
             continue

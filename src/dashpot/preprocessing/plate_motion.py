@@ -27,8 +27,8 @@ from dashpot.signals.segments import (
 )
 
 # samples of a stand before given times
-_FEWEST_AT_REST = 5
-_BEGINS_LATE = (
+_MIN_REST_SAMPLES = 5
+_LATE_START_MESSAGE = (
     "yet the force relaxes: the record begins after its ramp. Start recording a second before the "
     "ramp, because its speed and the force before it are needed"
 )
@@ -177,7 +177,7 @@ def find_motion(
         )
     if not find_cycles(segments):
         if begins_in_hold(x, force):
-            raise DataError(f"{location}: the displacement hardly moves, {_BEGINS_LATE}")
+            raise DataError(f"{location}: the displacement hardly moves, {_LATE_START_MESSAGE}")
         raise DataError(explain_missing_hold(segments, location, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, location=location)
     return replace(_select_cycle(test, sign_found, cycles, index), segments=segments)
@@ -229,7 +229,7 @@ def build_motion_from_times(
         changes = [
             segment.last for segment in segments if segment.kind != "hold" and segment.last < first
         ]
-        stood = changes[-1] if changes and first - changes[-1] >= _FEWEST_AT_REST else 0
+        stood = changes[-1] if changes and first - changes[-1] >= _MIN_REST_SAMPLES else 0
         level_before = median(x[stood : first + 1])
         rest_segment = MotionSegment(
             "hold", stood, first, float(time[stood]), onset, level_before, level_before
@@ -350,7 +350,7 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     if find_cycles(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"
     if not has_motion and relaxes(force):
-        return _BEGINS_LATE
+        return _LATE_START_MESSAGE
     if has_motion and any(is_force_held(time, sign * force) for sign in (1, -1)):
         return "the force column ramps and rests instead. Check whether the two are swapped"
     return "expected a ramp and then a hold. Check the columns and the units"

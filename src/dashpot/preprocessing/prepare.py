@@ -58,9 +58,9 @@ MAX_ITERATIONS = 3
 # samples of a ramp that distinguish a delay from an air gap
 MAX_DELAY_SAMPLES = 8000
 # fall of the deviance from which a delay replaces an air gap
-LEAST_DEVIANCE_GAIN = 10.0
+MIN_DEVIANCE_GAIN = 10.0
 # part of the rise of the force below which a loading meets no seal
-LEAST_FORCE_RISE = 0.01
+MIN_FORCE_RISE = 0.01
 
 
 def prepare(
@@ -322,7 +322,7 @@ def _find_earlier_loading(
     peak = float(np.ptp(force[motion.start : motion.stop + 1]))
     hold_samples = slice(motion.cycle.hold.first, motion.stop + 1)
     noise = scatter(test.time[hold_samples], force[hold_samples])
-    least_force = max(8 * noise, LEAST_FORCE_RISE * peak)
+    least_force = max(8 * noise, MIN_FORCE_RISE * peak)
     first_motion = find_first_press(test, motion, force, min_rise=least_force)
     if first_motion is None:
         return None
@@ -512,13 +512,13 @@ def _correct_delayed_contact(
     best_touch, delay_estimate = first_contact, estimate_delay(first_contact.displacement)
     if first_contact.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
         rest_estimate = estimate_delay(motion.rest)
-        if rest_estimate.deviance < delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
+        if rest_estimate.deviance < delay_estimate.deviance - MIN_DEVIANCE_GAIN:
             best_touch, delay_estimate = Touch(motion.rest, 0.0), rest_estimate
     for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
         # the displacement at the time at which the force of each sample arose
         first_contact = find_touch(np.interp(time - delay_estimate.delay, time, x))
         new_estimate = estimate_delay(first_contact.displacement)
-        if new_estimate.deviance > delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
+        if new_estimate.deviance > delay_estimate.deviance - MIN_DEVIANCE_GAIN:
             break
         best_touch, delay_estimate = first_contact, new_estimate
     return best_touch

@@ -178,9 +178,9 @@ def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
 
 
 # samples that no fit needs more of
-ENOUGH_SAMPLES = 200_000
+MAX_FIT_SAMPLES = 200_000
 # and of them at least so many on the ramp
-FEWEST_ON_THE_RAMP = 500
+MIN_RAMP_SAMPLES = 500
 
 
 def decimate(record: RampHold) -> RampHold:
@@ -225,8 +225,8 @@ def decimate(record: RampHold) -> RampHold:
 def _count_neighbours(record: RampHold) -> int:
     """Return how many samples to average, an odd number; 1 where averaging does not help."""
     step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
-    max_neighbours = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
-    count = min(len(record.time) // ENOUGH_SAMPLES, max_neighbours)
+    max_neighbours = int(record.ramp_time / step / MIN_RAMP_SAMPLES)
+    count = min(len(record.time) // MAX_FIT_SAMPLES, max_neighbours)
     in_counts_of_force = record.machine_deflection is not None and record.encoder_step > 0
     if count < 2 or in_counts_of_force or not is_evenly_sampled(record.time):
         return 1
@@ -248,19 +248,19 @@ def _count_neighbours(record: RampHold) -> int:
 
 
 # a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
-_STANDS_OUT = 40.0
+_MIN_POWER_RATIO = 40.0
 # bins of the neighbourhood on either side
-_NEIGHBOURS = 40
+_NEIGHBOUR_BINS = 40
 # cycles per hold below which a line cannot be distinguished from relaxation
-_FEWEST_CYCLES = 20.0
-_MOST_LINES = 8
-_FEWEST_SAMPLES = 400
+_MIN_CYCLES = 20.0
+_MAX_LINES = 8
+_MIN_SAMPLES = 400
 # a line of the plate, looked for at one frequency, stands out by so much: by chance once in 1e5
-_PLATE_STANDS_OUT = 12.0
+_MIN_PLATE_POWER_RATIO = 12.0
 # a seal answers a vibration with at most so many times its stiffness in the hold
-_STIFFEST = 10.0
+_MAX_STIFFNESS_RATIO = 10.0
 # a line below this part of the scatter does nothing
-_TOO_SMALL = 0.02
+_MIN_LINE_SHARE = 0.02
 
 
 def hum_lines(
@@ -289,7 +289,7 @@ def hum_lines(
         m, of the same samples: lines of the force that are its response are no hum.
     """
     n, everywhere, time = len(force), time, time[hold_samples]
-    if n < _FEWEST_SAMPLES or noise == 0:
+    if n < _MIN_SAMPLES or noise == 0:
         return (), np.zeros(len(everywhere)), False
     step = (time[-1] - time[0]) / (n - 1)
     window = _hann(n)
@@ -298,21 +298,21 @@ def hum_lines(
     detrended = _remove_trend(time, force)
     stiffest = 0.0
     if displacement is not None:
-        stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
+        stiffest = _MAX_STIFFNESS_RATIO * abs(force.mean() / (displacement.mean() or np.inf))
     del force  # of a long record each array weighs beside the transform
     hums: list[Hum] = []
     responds = False
-    for _ in range(_MOST_LINES):
+    for _ in range(_MAX_LINES):
         windowed = window * detrended
         strongest = _find_strongest_line(
-            np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES))
+            np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_MIN_CYCLES))
         )
         if strongest is None:
             break
         frequency = _refine_frequency(detrended, step, strongest / (bins * step))
         c = _transform(windowed, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
-        if line.amplitude < _TOO_SMALL * noise:
+        if line.amplitude < _MIN_LINE_SHARE * noise:
             break
         if displacement is None or line.amplitude > stiffest * _plate_amplitude(
             _remove_trend(time, displacement), window, step, frequency
@@ -358,12 +358,12 @@ def _plate_amplitude(
     bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
     peak_bin = round(frequency * bins * step)
-    low, high = max(peak_bin - _NEIGHBOURS, 1), peak_bin + _NEIGHBOURS + 1
+    low, high = max(peak_bin - _NEIGHBOUR_BINS, 1), peak_bin + _NEIGHBOUR_BINS + 1
     level = median(power[low:high]) / np.log(2)
     magnitude = abs(_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
     rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
-    stands_out = magnitude**2 > _PLATE_STANDS_OUT * level and magnitude > rounding
+    stands_out = magnitude**2 > _MIN_PLATE_POWER_RATIO * level and magnitude > rounding
     return float(2 * magnitude / window.sum()) if stands_out else 0.0
 
 
@@ -381,20 +381,20 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
     """Return the bin that stands out of its neighbourhood most, if any does."""
-    if len(power) <= first + 2 * _NEIGHBOURS:
+    if len(power) <= first + 2 * _NEIGHBOUR_BINS:
         return None
-    blocks = len(power) // _NEIGHBOURS
-    ordered = np.sort(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
-    level = ordered[:, _NEIGHBOURS // 2]
+    blocks = len(power) // _NEIGHBOUR_BINS
+    ordered = np.sort(power[: blocks * _NEIGHBOUR_BINS].reshape(blocks, _NEIGHBOUR_BINS), axis=1)
+    level = ordered[:, _NEIGHBOUR_BINS // 2]
     # the median of the power of white noise is ln 2 of its mean
     local_level = np.interp(
-        np.arange(len(power)), _NEIGHBOURS * (np.arange(blocks) + 0.5), level / np.log(2)
+        np.arange(len(power)), _NEIGHBOUR_BINS * (np.arange(blocks) + 0.5), level / np.log(2)
     )
     power_ratio = power / np.maximum(local_level, 1e-300)
     power_ratio[:first] = 0.0
     power_ratio[-2:] = 0.0
     strongest = int(np.argmax(power_ratio))
-    return strongest if power_ratio[strongest] > _STANDS_OUT else None
+    return strongest if power_ratio[strongest] > _MIN_POWER_RATIO else None
 
 
 def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> float:

@@ -17,13 +17,13 @@ from dashpot.signals.noise import estimate_robust_scatter, median_of_three
 # Ramps and holds, and the loadings that they form.
 
 
-_LEAST_MOVE = 0.05
+_MIN_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
 
 
-_LEAST_STOP = 0.01
+_MIN_STOP = 0.01
 """A stop shorter than this part of the longest hold interrupts a ramp, and does not end it."""
-_MOST_VISITS = 64
+_MAX_VISITS = 64
 """Mean number of times that a sample is searched for a corner; then long spans are halved."""
 _SHORT_SPAN, _LOOP_SPAN = 1024, 32
 """Samples of a span that is never halved, and of one that a loop searches faster than NumPy."""
@@ -131,7 +131,7 @@ def _find_corners(time: FloatArray, x: FloatArray, tolerance: float) -> list[int
     """
     corners = {0, len(x) - 1}
     stack = [(0, len(x) - 1)]
-    visits_left = _MOST_VISITS * len(x)
+    visits_left = _MAX_VISITS * len(x)
     while stack:
         a, b = stack.pop()
         if b - a < 2:
@@ -166,7 +166,7 @@ def _classify_sides(time: FloatArray, x: FloatArray, travel: float) -> list[_Kin
     """Return the kind of each side of the polygon: moves are fast or long."""
     steps = np.diff(x)
     speed = np.abs(steps) / np.diff(time)
-    is_long = np.abs(steps) > _LEAST_MOVE * travel
+    is_long = np.abs(steps) > _MIN_MOVE * travel
     fastest = speed[is_long].max() if is_long.any() else speed.max()
     is_moving = (speed > 0.02 * fastest) | (np.abs(steps) > 0.25 * travel)
     return [
@@ -191,7 +191,7 @@ def _merge_small_moves(
     sides = _merge_neighbours(_merge_steps(_merge_neighbours(_merge_ringing(sides, x)), time))
     sides = _merge_neighbours(
         [
-            ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
+            ("hold" if abs(x[last] - x[first]) < _MIN_MOVE * travel else kind, first, last)
             for kind, first, last in sides
         ]
     )
@@ -212,7 +212,7 @@ def _merge_steps(sides: list[_Side], time: FloatArray) -> list[_Side]:
         kind_before, (kind, first, last), kind_after = sides[i - 1][0], sides[i], sides[i + 1][0]
         if (
             kind == "hold"
-            and time[last] - time[first] <= _LEAST_STOP * longest_hold
+            and time[last] - time[first] <= _MIN_STOP * longest_hold
             and kind_before == kind_after
         ):
             merged[i] = (kind_before, first, last)
@@ -232,9 +232,9 @@ def _merge_ringing(sides: list[_Side], x: FloatArray) -> list[_Side]:
     return merged
 
 
-_MOST_LISTED = 3
+_MAX_LISTED = 3
 """Number of loadings that a message lists."""
-_LEAST_HOLD = 0.2
+_MIN_HOLD = 0.2
 """A stop shorter than this part of the ramp before it is a turning point, not a hold."""
 
 
@@ -329,8 +329,8 @@ def choose_cycle(
 def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
     """Return the loadings of a record as text, numbered."""
     lines = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
-    if len(lines) > _MOST_LISTED:
-        lines = [*lines[: _MOST_LISTED - 1], "...", lines[-1]]
+    if len(lines) > _MAX_LISTED:
+        lines = [*lines[: _MAX_LISTED - 1], "...", lines[-1]]
     count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
     return f"{count} ({'; '.join(lines)})"
 
@@ -375,7 +375,7 @@ def _close_loading(
     """Return a loading up to its last hold, if it has one."""
     for stop in range(len(segments), 1, -1):
         hold, loading = segments[stop - 1], segments[stop - 2]
-        is_long = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * loading.duration
+        is_long = hold.last - hold.first >= 3 and hold.duration >= _MIN_HOLD * loading.duration
         if hold.kind == "hold" and is_long:
             return [RampHoldCycle(rest_segment, tuple(segments[:stop]))]
     return []
@@ -392,17 +392,17 @@ def _format_segment(segment: MotionSegment) -> str:
 # Kind of loading: ramp and hold, creep, compression and release, cycles.
 
 
-MOST_HELD_CHANGE = 0.01
+MAX_HELD_CHANGE = 0.01
 """Over its rise, most that a held signal changes."""
-LEAST_CREEP = 0.02
+MIN_CREEP = 0.02
 """Over its travel, least displacement under a held force that is creep."""
-MOST_SPEED_CHANGE = 0.05
+MAX_SPEED_CHANGE = 0.05
 """Over the move, most that the displacement at a quarter of the time differs from a quarter."""
 PART_COUNT = 10
 """Number of parts of a record whose means are compared."""
-LEAST_DRIFT = 0.1
+MIN_DRIFT = 0.1
 """Over its travel, least change from start to end that is more than scatter."""
-MOST_SETTLING = 0.05
+MAX_SETTLING = 0.05
 """Over its value, most that a displacement held from the first sample moves."""
 
 
@@ -439,13 +439,13 @@ def is_creep_test(
 def is_held_throughout(force: FloatArray) -> bool:
     """Return whether a force is constant, apart from scatter, over the whole record."""
     means = [float(part.mean()) for part in np.array_split(force, min(PART_COUNT, len(force)))]
-    return float(np.ptp(means)) < MOST_HELD_CHANGE * abs(median(force))
+    return float(np.ptp(means)) < MAX_HELD_CHANGE * abs(median(force))
 
 
 def is_drifting(x: FloatArray) -> bool:
     """Return whether a signal ends, by more than a tenth of its travel, elsewhere than it began."""
     tenth = max(len(x) // 10, 1)
-    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > LEAST_DRIFT * float(np.ptp(x))
+    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > MIN_DRIFT * float(np.ptp(x))
 
 
 def find_rising_sign(
@@ -469,7 +469,7 @@ def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSe
 def _is_straight(time: FloatArray, x: FloatArray, move: MotionSegment) -> bool:
     """Return whether a quarter of a move takes a quarter of its time; a sine lags by 0.1."""
     quarter = float(np.interp(move.start + 0.25 * move.duration, time, x))
-    return abs((quarter - move.origin) / (move.level - move.origin) - 0.25) < MOST_SPEED_CHANGE
+    return abs((quarter - move.origin) / (move.level - move.origin) - 0.25) < MAX_SPEED_CHANGE
 
 
 def _begins_with_unloading(segments: Sequence[MotionSegment]) -> bool:
@@ -487,7 +487,7 @@ def is_force_held(time: FloatArray, force: FloatArray) -> bool:
 def _is_constant_over_hold(values: FloatArray, cycle: RampHoldCycle) -> bool:
     """Return whether a signal is constant over the hold of a cycle."""
     travel = cycle.hold.level - cycle.ramp.origin
-    return abs(_compute_change_over_hold(values, cycle.hold)) < MOST_HELD_CHANGE * travel
+    return abs(_compute_change_over_hold(values, cycle.hold)) < MAX_HELD_CHANGE * travel
 
 
 def _compute_change_over_hold(values: FloatArray, hold: MotionSegment) -> float:
@@ -504,7 +504,7 @@ def is_creep(
 
     A record whose displacement is constant in each of `displacement_cycles` is none.
     """
-    least_creep = LEAST_CREEP * float(np.ptp(x))
+    least_creep = MIN_CREEP * float(np.ptp(x))
     if displacement_cycles and all(
         abs(_compute_change_over_hold(x, cycle.hold)) <= least_creep
         for cycle in displacement_cycles
@@ -522,7 +522,7 @@ def is_creep(
 
 def begins_in_hold(x: FloatArray, force: FloatArray) -> bool:
     """Return whether a record begins in the hold: the displacement settles, the force relaxes."""
-    return float(np.ptp(x)) < MOST_SETTLING * abs(median(x)) and relaxes(force)
+    return float(np.ptp(x)) < MAX_SETTLING * abs(median(x)) and relaxes(force)
 
 
 def relaxes(force: FloatArray) -> bool:
@@ -530,4 +530,4 @@ def relaxes(force: FloatArray) -> bool:
     tenth = max(len(force) // 10, 1)
     first, last = force[:tenth], force[-tenth:]
     decrease = abs(float(first.mean())) - abs(float(last.mean()))
-    return decrease > max(MOST_HELD_CHANGE * abs(float(first.mean())), 4 * float(last.std()))
+    return decrease > max(MAX_HELD_CHANGE * abs(float(first.mean())), 4 * float(last.std()))

@@ -24,7 +24,7 @@ from dashpot.base.units import format_quantity
 # a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
 GENTLE_TOLERANCE, STRAIGHT_TOLERANCE = 0.10, 0.025
 # and even, if its path leaves it by no more than this part of its tangent's, and this more
-SMOOTH, PATH_TOLERANCE = 0.30, 0.004
+EVENNESS_TOLERANCE, PATH_TOLERANCE = 0.30, 0.004
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class ElasticLaw(Serialisable):
         largest_deviation = float(np.max(np.abs(self.path(u * self.depth) / force_at_depth - u)))
         deviation = abs(float(self.factor(self.depth)) - 1)
         return deviation <= GENTLE_TOLERANCE and largest_deviation <= min(
-            STRAIGHT_TOLERANCE, SMOOTH * deviation + PATH_TOLERANCE
+            STRAIGHT_TOLERANCE, EVENNESS_TOLERANCE * deviation + PATH_TOLERANCE
         )
 
     def factor_se(self, x: npt.ArrayLike) -> FloatArray:

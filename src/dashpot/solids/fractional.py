@@ -35,13 +35,13 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 
 #: of the arms that stand for a solid where no more is asked, and of its own answer in time
-TOLERANCE, EXACT = 1e-4, 1e-11
+TOLERANCE, EXACT_TOLERANCE = 1e-4, 1e-11
 # the error of the trapezoidal rule, over the law's exponential, at most
-_FACTOR = 10.0
+_ERROR_FACTOR = 10.0
 # part of the weight beyond which no arm is distinguished from the last
 _MIN_WEIGHT = 1e-16
 # widest panel of ln tau, and what a further Gauss node gains on each
-_PANEL, _GAIN = 1.5, 4.2
+_PANEL_WIDTH, _GAIN_PER_NODE = 1.5, 4.2
 
 
 class Weights(NamedTuple):
@@ -105,7 +105,7 @@ def _build_graded_arms(max_distance: float, alpha: float, nodes: int) -> tuple[F
     """Arms at Gauss nodes of panels, as narrow at the peak of w as it is."""
     edges = [0.0, pi * (1 - alpha) / alpha]
     while edges[-1] < max_distance:
-        edges.append(edges[-1] + min(edges[-1], _PANEL))
+        edges.append(edges[-1] + min(edges[-1], _PANEL_WIDTH))
     right_edges = np.array(edges[1:])
     cuts = np.concatenate((-right_edges[::-1], [0.0], right_edges))
     x, weight = np.polynomial.legendre.leggauss(nodes)
@@ -297,8 +297,8 @@ class FractionalZener(Solid, Serialisable):
             weights = np.ones(1)
             return np.zeros(1), Weights(weights, 0 * weights, 0 * weights)
         strip = pi**2 * min(1.0, 2 * (1 - self.alpha) / self.alpha)
-        step = strip / log(_FACTOR / tolerance)
-        nodes = int(np.ceil(log(_FACTOR / tolerance) / (2 * log(_GAIN))))
+        step = strip / log(_ERROR_FACTOR / tolerance)
+        nodes = int(np.ceil(log(_ERROR_FACTOR / tolerance) / (2 * log(_GAIN_PER_NODE))))
         # the share beyond is sin(a pi)/(a pi) e^{-a u}; tau must be a number all the same
         max_distance = min(log(1 / max(0.1 * tolerance, _MIN_WEIGHT)) / self.alpha, 300.0)
         low, high = -max_distance, max_distance
@@ -310,7 +310,7 @@ class FractionalZener(Solid, Serialisable):
             margin = log(10 / tolerance)
             low = max(low, -log(2 * pi * last * self.tau) - margin)
             high = min(high, -log(2 * pi * first * self.tau) + margin)
-        if step < _PANEL / nodes:
+        if step < _PANEL_WIDTH / nodes:
             all_arms = _build_graded_arms(max_distance, self.alpha, nodes)
         else:
             all_arms = _even(max_distance, self.alpha, step)
@@ -370,4 +370,4 @@ class FractionalZener(Solid, Serialisable):
         return self._select_arms_between(float(requested.min()), float(requested.max()))
 
     def _select_arms_between(self, first: float, last: float) -> GeneralizedMaxwell:
-        return self.arms(EXACT, (1 / (2 * pi * last), 1 / (2 * pi * first)))
+        return self.arms(EXACT_TOLERANCE, (1 / (2 * pi * last), 1 / (2 * pi * first)))

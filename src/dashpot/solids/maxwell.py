@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 # numbers of a history times its arms that a scan goes through fastest at once
-_IN_CACHE = 8192
+_CACHE_SIZE = 8192
 
 
 def angular(
@@ -497,7 +497,7 @@ def arm_response(time: FloatArray, displacement: FloatArray, tau: float | FloatA
 
 def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray) -> FloatArray:
     """Return the sum of k times each :func:`arm_response`; short ones many at once."""
-    at_once = max(1, _IN_CACHE // max(len(time), 1))
+    at_once = max(1, _CACHE_SIZE // max(len(time), 1))
     total = np.zeros(len(time))
     for first in range(0, len(tau), at_once):
         sample_slice = slice(first, first + at_once)

@@ -25,7 +25,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, decaying_sum
 
 
 # samples of a stretch that are looked at first; then each time twice as many
-_FIRST_LOOK = 64
+_FIRST_STRETCH = 64
 # of the largest compression times the stiffness: a smaller pull is rounding
 _ROUNDING = 1e-12
 
@@ -54,7 +54,7 @@ def face_under_plate(
     face[0] = max(float(plate[0]), 0.0)
     force[0] = solid.k_inf * face[0]
     tensile_limit = -_ROUNDING * solid.k_0 * max(float(np.abs(plate).max()), 1e-300)
-    q, i, is_pressed, look_ahead = np.zeros(solid.arms), 0, True, _FIRST_LOOK
+    q, i, is_pressed, look_ahead = np.zeros(solid.arms), 0, True, _FIRST_STRETCH
     while i < len(plate) - 1:
         samples = slice(i, min(i + look_ahead, len(plate)))
         if is_pressed:
@@ -73,7 +73,7 @@ def face_under_plate(
         force[i + 1 : i + last_sample + 1] = response[1 : last_sample + 1]
         i += last_sample
         if change_indices.size:
-            is_pressed, look_ahead = not is_pressed, _FIRST_LOOK
+            is_pressed, look_ahead = not is_pressed, _FIRST_STRETCH
             if is_pressed:
                 # the plate meets the face within the next sample, and is there at its end
                 x = np.array([face[i], plate[i + 1]])

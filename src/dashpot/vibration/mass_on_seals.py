@@ -148,11 +148,11 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
 
 FREQUENCY_TOLERANCE = 1e-14
 """Relative change at which a frequency has converged."""
-_REAL = 1e-9
+_REAL_POLE_TOLERANCE = 1e-9
 """Relative imaginary part up to which a pole is real."""
 _MAX_NEWTON_STEPS, _POLE_TOLERANCE, _POLE_SEPARATION = 30, 1e-12, 1e-6
 """Newton steps to a pole; relative residual that needs none; that of an accepted pole."""
-LINES, FREQUENCY_FACTOR = 4001, 10.0
+LINE_COUNT, FREQUENCY_FACTOR = 4001, 10.0
 """Default lines of a prediction: their number, and the factor to either side of its peak."""
 NEGLIGIBLE_PART = 1e-6
 """Relative error of stiffness up to which an arm is replaced by a dashpot or a spring."""
@@ -305,7 +305,7 @@ def _default_frequencies(stiffness: float, mass: float) -> FloatArray:
             "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
         )
     peak_limit = compute_peak_limit(stiffness, mass)
-    return np.geomspace(peak_limit / FREQUENCY_FACTOR, peak_limit * FREQUENCY_FACTOR, LINES)
+    return np.geomspace(peak_limit / FREQUENCY_FACTOR, peak_limit * FREQUENCY_FACTOR, LINE_COUNT)
 
 
 def compute_peak_limit(stiffness: float, mass: float) -> float:
@@ -343,7 +343,9 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     """
     require_positive(mass=mass, unit=" kg")
     p = poles(model, mass)
-    p = np.append(p[p.imag > _REAL * np.abs(p)], _estimate_undamped_pole(model, mass))
+    p = np.append(
+        p[p.imag > _REAL_POLE_TOLERANCE * np.abs(p)], _estimate_undamped_pole(model, mass)
+    )
     p = _refine_poles(model, mass, p)
     return tuple(
         Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
@@ -378,7 +380,7 @@ def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
         updated = p - evaluate_characteristic(p) / (2 * mass * p + model.slope_at(p))
         p = np.where(is_unsettled & np.isfinite(updated), updated, p)
     is_settled = np.abs(evaluate_characteristic(p)) <= _POLE_SEPARATION * np.abs(mass * p**2)
-    values = p[is_settled & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
+    values = p[is_settled & (p.real <= 0) & (p.imag > _REAL_POLE_TOLERANCE * np.abs(p))]
     distinct = [
         i
         for i, value in enumerate(values)

@@ -14,7 +14,7 @@ from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.unit_systems import text
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
 # Temperature dependence.
 
@@ -33,7 +33,7 @@ def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]
         cards = ["*TRS, DEFINITION=ARRHENIUS"]
         constants = [
             "the model needs, above all materials, *PHYSICAL CONSTANTS, ABSOLUTE ZERO=0.,",
-            f"UNIVERSAL GAS={text(GAS)}: the energy on the card is in J/mol",
+            f"UNIVERSAL GAS={text(GAS_CONSTANT)}: the energy on the card is in J/mol",
         ]
     sentences = [
         "*TRS: temperatures of the model are in K",

@@ -55,7 +55,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.vibration.impact.amplitude_trend import DECAYED
+from dashpot.vibration.impact.amplitude_trend import MEAN_AMPLITUDE_RATIO
 
 if TYPE_CHECKING:
     from dashpot.extensions.amplitude.fit_files import AmplitudeResult
@@ -230,7 +230,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     hits = [hit for hit in levels.frf.hits if hit.amplitude]
-    X = DECAYED * np.array([hit.amplitude for hit in hits])
+    X = MEAN_AMPLITUDE_RATIO * np.array([hit.amplitude for hit in hits])
     low, high = levels.amplitudes
     dense = np.geomspace(low / 2, high * 2, 80)
     is_tested = (dense >= low * 0.999) & (dense <= high * 1.001)

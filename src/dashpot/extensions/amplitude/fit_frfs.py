@@ -28,7 +28,7 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.jenkins import Jenkins, jenkins_reduction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.vibration.modal.pole_fit import FLOOR
+from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 _PER_DECADE = 10
 _FINER = 8
@@ -350,7 +350,7 @@ def _compute_reliability(lines: FRF) -> FloatArray:
     """Return how well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
-    relative = np.maximum(lines.line_scatter / np.abs(lines.value), FLOOR)
+    relative = np.maximum(lines.line_scatter / np.abs(lines.value), MIN_LINE_ERROR)
     return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
@@ -377,4 +377,4 @@ def _estimate_noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> f
         min(float(np.median(values)) / _THIRD, MAX_RESIDUAL_SHARE) for values in group_residuals
     ]
     rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in group_residuals]))
-    return max(float(rms), FLOOR)
+    return max(float(rms), MIN_LINE_ERROR)

@@ -23,7 +23,7 @@ from dashpot.base.errors import DataError
 from dashpot.extensions.blank_tests.datamodel import BlankTest
 from dashpot.numerics.inference.correlated_noise import Noise, noise_of
 from dashpot.preprocessing.signal_conditioning import hum_lines
-from dashpot.signals.disturbances import MAINS
+from dashpot.signals.disturbances import MAINS_FREQUENCIES
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import find_segments
 
@@ -588,7 +588,7 @@ def _find_mains(time: FloatArray, residual: FloatArray) -> float:
     padded = 4 * len(time)
     power = np.abs(np.fft.rfft(residual, padded)) ** 2
     frequency = np.fft.rfftfreq(padded, step)
-    bands = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS]
+    bands = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS_FREQUENCIES]
     mask = np.logical_or.reduce(bands)
     if not mask.any():
         return float(frequency[len(frequency) // 2])

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import format_quantity_short
-from dashpot.fitting.checks.relaxation import MAX_FALLING
+from dashpot.fitting.checks.relaxation import MAX_END_SLOPE
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.signals.noise import estimate_robust_scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -254,7 +254,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
 @criterion(
     "fall per factor e of time",
     "<=",
-    MAX_FALLING,
+    MAX_END_SLOPE,
     "as for a hold",
     other_grade=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
@@ -270,7 +270,7 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
         relative_slope,
         "A model that continues like this has another plateau, or none",
         end.remedy,
-        limit=min(MAX_FALLING, OF_ALL * max(decrease, 0.0)),
+        limit=min(MAX_END_SLOPE, OF_ALL * max(decrease, 0.0)),
     )
 
 

@@ -23,7 +23,7 @@ from dashpot.base.option_fields import ShiftLaw, require_choice
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 MAX_MISSED = 0.15
 """Decades by which a law may miss a shift: a factor 1.4 in time."""
@@ -275,7 +275,7 @@ def _compute_whitener(covariance: FloatArray) -> FloatArray:
 
 
 def _fit_arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
-    column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
+    column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS_CONSTANT * np.log(10.0))
     best = require_optimum(Problem(lambda _: shifts.rows(column), positive=True))
     energy = float(best.beta[0])
     return _SolvedLaw(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None

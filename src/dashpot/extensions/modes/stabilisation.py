@@ -25,7 +25,7 @@ from dashpot.vibration.modal.modal_methods import (
     lines_of,
     select_mode_band,
 )
-from dashpot.vibration.modal.pole_fit import MOST_DAMPED, FRFLines, mac
+from dashpot.vibration.modal.pole_fit import MAX_DAMPING, FRFLines, mac
 
 HIGHEST = 30
 ARC = 1.5 * np.pi
@@ -141,7 +141,7 @@ def _fit_orders(
         angle = np.angle(z)
         angle[angle < 0.5 * (ARC - 2 * np.pi)] += 2 * np.pi  # the gap is beyond both ends
         poles = (np.log(np.abs(z)) + 1j * angle) / tick + 1j * omega[0] + lines.s[0].real
-        keep = (poles.real < 0) & (-poles.real < MOST_DAMPED * poles.imag)
+        keep = (poles.real < 0) & (-poles.real < MAX_DAMPING * poles.imag)
         keep &= (poles.imag > omega[0]) & (poles.imag < omega[-1])
         z, poles = z[keep], poles[keep]
         order_of = np.argsort(poles.imag)

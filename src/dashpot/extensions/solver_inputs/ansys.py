@@ -13,7 +13,7 @@ from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
 from dashpot.export.seal_line_springs import SpringRow, row_of
 from dashpot.export.unit_systems import format_tbdata, text
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
 # Temperature dependence.
 
@@ -27,7 +27,7 @@ def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]
     if isinstance(law, WLF):
         head, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
     else:
-        head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS)
+        head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS_CONSTANT)
     sentences = [
         "TB,SHIFT: temperatures of the model are in K (TOFFST,0)",
         *format_temperature_lines("deck remarks", shifts),

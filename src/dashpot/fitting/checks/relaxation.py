@@ -15,39 +15,39 @@ from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.checks.solid import ROUNDING, format_arm_count
-from dashpot.fitting.input_tests import SAME_DEPTH, EndStiffness
+from dashpot.fitting.input_tests import DEPTH_TOLERANCE, EndStiffness
 from dashpot.preprocessing.signal_conditioning import Filter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # per factor e of time
-MAX_FALLING = 0.03
+MAX_END_SLOPE = 0.03
 MAX_DRIFT_CORRELATION = 0.9
 MAX_METHOD_DIFFERENCE = 0.10
-MAX_APART = 3.0
+MAX_DEVIATION = 3.0
 # repeats on one seal differ by as much
 SAME_STIFFNESS = 0.02
 # a force followed to so many times its noise is; beyond the second the solid is another
-FOLLOWED_TO_NOISE = 1.75
-NOT_FOLLOWED = 10.0
+MAX_NOISE_RATIO = 1.75
+GROSS_NOISE_RATIO = 10.0
 # a k known to this part of it is known, however fast its arm
-KNOWN_K = 0.01
+MAX_K_ERROR = 0.01
 # a plate that has moved by less of the depth is at rest
-AT_REST = 1e-3
+REST_TOLERANCE = 1e-3
 # a wander of this part of the peak is noise that the limits count
-SLIGHT = 0.005
+SLIGHT_WANDER = 0.005
 # a misfit below this part of the peak force matters to no use of the solid
-FINE_ENOUGH = 1e-3
+NEGLIGIBLE_MISFIT = 1e-3
 # shapes that differ by less are the same for every use of them
 NEGLIGIBLE_DIFFERENCE = 1e-3
 # an interval of k_inf wider than this part of the stiffness left says little of it
-UNSURE = 0.5
+MAX_K_INF_WIDTH = 0.5
 
 
 # -- several tests --------------------------------------------------------------------------------
 
 
 @criterion(
-    "difference / its error", "<=", MAX_APART, "3 standard errors, and 2 % of it", grade="stop"
+    "difference / its error", "<=", MAX_DEVIATION, "3 standard errors, and 2 % of it", grade="stop"
 )
 def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     """Tests at one compression and temperature have the same stiffness."""
@@ -77,7 +77,7 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
 
 def _is_same_condition(first: EndStiffness, second: EndStiffness) -> bool:
     """True of two tests of one depth at one temperature, as far as it is known."""
-    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
+    if abs(first.depth / second.depth - 1) > DEPTH_TOLERANCE:
         return False
     if first.temperature is None or second.temperature is None:
         return True
@@ -112,7 +112,7 @@ def depth_and_time_separable(chance: float | None, deviation: float | None) -> F
 @criterion(
     "fall per factor e of time",
     "<=",
-    MAX_FALLING,
+    MAX_END_SLOPE,
     "our choice: k_inf is extrapolated by as much",
     grade="note",
 )
@@ -154,7 +154,7 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None =
 @criterion(
     "width of the 95 % interval of k(T) / k(T)",
     "<=",
-    UNSURE,
+    MAX_K_INF_WIDTH,
     "our choice; of k_inf where no hold ends",
     other_grade="stop beyond 1",
 )
@@ -242,7 +242,11 @@ def ramp_accounted_for(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> 
 
 
 @criterion(
-    "fastest tau / ramp", ">=", 0.1, f"our choice; or k known to {100 * KNOWN_K:g} %", grade="note"
+    "fastest tau / ramp",
+    ">=",
+    0.1,
+    f"our choice; or k known to {100 * MAX_K_ERROR:g} %",
+    grade="note",
 )
 def fast_arm_visible(
     model: GeneralizedMaxwell, tests: Sequence[RampHold], *, error: float = np.inf
@@ -259,7 +263,7 @@ def fast_arm_visible(
         ratio,
         "It relaxes during the ramp. Only the product b = k tau is known, not k",
         "Ramp faster, or add a hammer test.",
-        always_passes=error < KNOWN_K,
+        always_passes=error < MAX_K_ERROR,
     )
 
 
@@ -297,9 +301,9 @@ def drift_distinguished_from_arm(
 @criterion(
     "misfit / noise",
     "<=",
-    FOLLOWED_TO_NOISE,
+    MAX_NOISE_RATIO,
     "our choice; noise of at least 0.1 % of the peak",
-    other_grade=f"stop beyond {NOT_FOLLOWED:g}",
+    other_grade=f"stop beyond {GROSS_NOISE_RATIO:g}",
 )
 def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     """The model fits the force to within its noise.
@@ -309,7 +313,7 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     """
     misfit, location_text = worst_misfit(test, residual)
     peak = float(np.abs(test.force).max())
-    of_samples = max(noise_of_force(test), FINE_ENOUGH * peak)
+    of_samples = max(noise_of_force(test), NEGLIGIBLE_MISFIT * peak)
     noise = max(of_samples, slow_noise(residual, peak))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
@@ -318,7 +322,7 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
         ratio,
         "Stiffening, friction, slip, or a late force may cause this. The arms mean nothing then",
         "Check the motion and the clocks, and repeat the test.",
-        grade="stop" if misfit > NOT_FOLLOWED * of_samples else None,
+        grade="stop" if misfit > GROSS_NOISE_RATIO * of_samples else None,
     )
 
 
@@ -327,15 +331,15 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     "<=",
     4.0,
     "our choice: white residuals give 1",
-    other_grade=f"note up to {100 * SLIGHT:g} % of the peak",
+    other_grade=f"note up to {100 * SLIGHT_WANDER:g} % of the peak",
 )
 def residuals_steady(
     residuals: Sequence[FloatArray], *, rounding: float = 0.0, peak: float = 0.0
 ) -> Finding:
     """The residuals do not wander slowly, as drift or a missing slow arm would make them.
 
-    Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT` of the `peak`, N, the
-    limits of every stiffness count their power.
+    Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT_WANDER` of the `peak`, N,
+    the limits of every stiffness count their power.
     """
     noisy_residuals = [residual for residual in residuals if _rms(residual) > rounding]
     ratios = [wander(residual) for residual in noisy_residuals if len(residual) >= 800]
@@ -348,7 +352,7 @@ def residuals_steady(
         "The force wanders slowly: drift, temperature, or a missed arm. The interval of the "
         "slowest arm is too narrow. Other limits count this as noise",
         "Let the load cell warm up, and repeat the test.",
-        grade="note" if max(map(_rms, noisy_residuals)) <= SLIGHT * peak else None,
+        grade="note" if max(map(_rms, noisy_residuals)) <= SLIGHT_WANDER * peak else None,
     )
 
 
@@ -511,12 +515,16 @@ def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) ->
 
 
 def slow_noise(residual: FloatArray, peak: float) -> float:
-    """The median rms of eight stretches of a residual, N, and no more than `SLIGHT` of the peak.
+    """Return the median rms of eight stretches of a residual, N, up to a limit.
+
+    The limit is `SLIGHT_WANDER` of the peak.
 
     Slow noise does not scatter between samples, and a misfit of the ramp is in few stretches.
     """
     pieces = np.array_split(residual, 8)
-    return min(median(np.array([_rms(piece) for piece in pieces if len(piece)])), SLIGHT * peak)
+    return min(
+        median(np.array([_rms(piece) for piece in pieces if len(piece)])), SLIGHT_WANDER * peak
+    )
 
 
 def _rms(values: FloatArray) -> float:
@@ -527,7 +535,7 @@ def noise_of_force(test: RampHold) -> float:
     """Return the noise of the force, N: the scatter between samples, and about the baseline."""
     if test.loading_start is None:
         unloaded_force = test.force[
-            (test.time < test.onset) & (test.displacement < AT_REST * test.depth)
+            (test.time < test.onset) & (test.displacement < REST_TOLERANCE * test.depth)
         ]
     else:
         unloaded_force = test.force[test.baseline_samples]

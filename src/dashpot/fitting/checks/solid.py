@@ -9,7 +9,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.plain_text import sentence
 from dashpot.base.units import format_quantity, get_display_unit
-from dashpot.datamodel.bounds import WELL_KNOWN, BandError
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.numerics.inference.model_order import (
     MAX_SE_LN_TAU,
     MIN_K_OVER_SE,
@@ -22,11 +22,11 @@ MIN_TAU_RATIO = 1.5
 # what is left of zero in a sum of stiffnesses, relative to it
 ROUNDING = 1e-12
 # an error of a loss factor beyond which its size says nothing
-FAR_OFF = 1.0
+MAX_STATED_ERROR = 1.0
 # so many independent samples beyond the parameters show the size of a noise to a third
-FREEDOM = 5.0
+MIN_DOF = 5.0
 # residuals of which no more say the same are as good as white
-SAME_TIME_FACTOR = 10.0
+MAX_KAPPA = 10.0
 
 
 @criterion(
@@ -230,7 +230,7 @@ def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Findi
 
 
 @criterion(
-    "independent samples beyond the parameters", ">=", FREEDOM,
+    "independent samples beyond the parameters", ">=", MIN_DOF,
     "our choice; only if at least ten samples count as one",
 )  # fmt: skip
 def samples_independent(effective: float, parameters: int, kappa: float) -> Finding:
@@ -241,7 +241,7 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
         effective - parameters,
         "So few do not show how large the noise is",
         "Look at the residuals: use more arms, or reduce slow noise.",
-        always_passes=kappa < SAME_TIME_FACTOR,
+        always_passes=kappa < MAX_KAPPA,
     )
 
 
@@ -267,13 +267,15 @@ def valid_band_exists(band: tuple[float, float]) -> Finding:
     )
 
 
-@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %, over all spectra")
+@criterion(
+    "error of the loss factor", "<=", MAX_LOSS_FACTOR_ERROR, "our choice; 95 %, over all spectra"
+)
 def loss_factor_determined(band_error: BandError | None) -> Finding:
     """The loss factor is known in the valid band, for every spectrum that fits the data."""
     if band_error is None:
         return Finding("How well the loss factor is known was not computed")
     error = band_error.max_errors[1]
-    size_text = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
+    size_text = f"±{100 * error:.2g} %" if error < MAX_STATED_ERROR else "a factor of two or worse"
     return Finding(
         f"In the valid band the loss factor is known to {size_text}",
         error,

@@ -15,12 +15,12 @@ from dashpot.base.errors import FitError
 from dashpot.base.plain_text import sentence
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Alternative, OrderScore
-from dashpot.datamodel.parameter_estimate import ELEMENT, Profile
+from dashpot.datamodel.parameter_estimate import ELEMENT_PARAMETERS, Profile
 from dashpot.fitting.data_blocks import FitData, solid_of
 from dashpot.fitting.fractional_model.checks import (
-    HEARD,
-    LOSS_MATTERS,
-    STIFFNESS_MATTERS,
+    MAX_HEARD_FREQUENCY,
+    MIN_LOSS_DIFFERENCE,
+    MIN_STIFFNESS_DIFFERENCE,
     fractional_model_suffices,
     fractional_slope_determined,
     model_families_distinguished,
@@ -54,17 +54,17 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # step of ln tau of the columns, and how far beyond the window of a stack they stand: an arm that
 # far out is a spring or nothing
-STEP, BEYOND = 0.2, float(np.log(1e3))
+GRID_STEP, GRID_MARGIN = 0.2, float(np.log(1e3))
 # slopes between which elements are sought: nearly a spring, and nearly an arm
-ALPHA = (0.05, 0.92)
+ALPHA_RANGE = (0.05, 0.92)
 # relaxation times are sought this far beyond the window
-SOUGHT = float(np.log(100.0))
-_SLOPES, _PER_FOLD = (0.2, 0.4, 0.6, 0.8), 1.0
+TAU_MARGIN = float(np.log(100.0))
+_START_SLOPES, _STARTS_PER_FOLD = (0.2, 0.4, 0.6, 0.8), 1.0
 _STARTS = 3
 # sizes of steps of ln tau and alpha
-_SIZES = (1.0, 0.13)
+_STEP_SIZES = (1.0, 0.13)
 # columns evaluated on every sample at once
-_AT_ONCE = 16
+_COLUMNS_PER_BATCH = 16
 
 
 class ArmColumns:
@@ -73,16 +73,16 @@ class ArmColumns:
     def __init__(self, blocks: Sequence[DataBlock]) -> None:
         self.stack = stack = Stack(blocks)
         low, high = stack.bounds
-        count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
-        self.log_tau = low - BEYOND + STEP * np.arange(count + 1.0)
+        count = int(np.ceil((high - low + 2 * GRID_MARGIN) / GRID_STEP))
+        self.log_tau = low - GRID_MARGIN + GRID_STEP * np.arange(count + 1.0)
         rows = stack.evaluate(self.log_tau, derivative=False)
         factor = triangle(rows.columns)
         q = len(stack.names)
         self.fixed, self.arms, self.target = factor[:, :q], factor[:, q:-1], factor[:, -1]
         self.restricted = stack.get_nonnegative_mask(1, signed=False)
         self.bounds = (
-            np.array([low - SOUGHT, ALPHA[0]]),
-            np.array([high + SOUGHT, ALPHA[1]]),
+            np.array([low - TAU_MARGIN, ALPHA_RANGE[0]]),
+            np.array([high + TAU_MARGIN, ALPHA_RANGE[1]]),
         )
 
     def weights(self, element: FloatArray) -> Weights:
@@ -99,7 +99,7 @@ class ArmColumns:
             A = np.concatenate((self.fixed, column[:, None]), axis=1)
             return Rows(self.target, A, lambda beta: beta[-1] * np.column_stack(by))
 
-        return Problem(model, [*map(Parameter, low, high, _SIZES)], self.restricted)
+        return Problem(model, [*map(Parameter, low, high, _STEP_SIZES)], self.restricted)
 
     def best(self) -> Optimum:
         """Return the element that leaves least, from the best of a grid of starts."""
@@ -110,14 +110,17 @@ class ArmColumns:
     def starts(self, count: int) -> list[Optimum]:
         """Return the best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
-        times = np.arange(low[0], high[0], 1 / _PER_FOLD)
+        times = np.arange(low[0], high[0], 1 / _STARTS_PER_FOLD)
         grid_optima = [
-            self.problem.solve_linear(np.array([t, slope])) for t in times for slope in _SLOPES
+            self.problem.solve_linear(np.array([t, slope]))
+            for t in times
+            for slope in _START_SLOPES
         ]
         optima: list[Optimum] = []
         for grid_optimum in sorted(grid_optima, key=lambda optimum: optimum.cost):
             if all(
-                abs(grid_optimum.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima
+                abs(grid_optimum.theta[0] - optimum.theta[0]) > 2 / _STARTS_PER_FOLD
+                for optimum in optima
             ):
                 optima.append(grid_optimum)
             if len(optima) == count:
@@ -154,8 +157,8 @@ def fractional_jacobian(
     stack, weights = Stack(blocks), columns.weights(best.theta)
     matrix = np.stack(weights, axis=1)
     values = None
-    for first in range(0, len(columns.log_tau), _AT_ONCE):
-        part = slice(first, first + _AT_ONCE)
+    for first in range(0, len(columns.log_tau), _COLUMNS_PER_BATCH):
+        part = slice(first, first + _COLUMNS_PER_BATCH)
         rows = stack.evaluate(columns.log_tau[part], derivative=False)
         q = len(stack.names)
         if values is None:
@@ -178,11 +181,11 @@ def fractional_jacobian(
 
 
 # fall of BIC below which arms keep their place
-VERY_STRONG = 10.0
+DECISIVE_FAMILY_BIC = 10.0
 #: what distinguishes two families that explain ramps and holds, and sweeps
-RAMPS = "A faster ramp, a colder test or a hammer test"
+FAMILY_ADVICE = "A faster ramp, a colder test or a hammer test"
 # lines per decade on which two solids are compared
-_LINES = 40
+_LINES_PER_DECADE = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +228,9 @@ class FractionalFit(SelectedModel):
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the solid's parameters."""
-        return (*ELEMENT, "b") if "b" in self.solution.fixed_names else ELEMENT
+        return (
+            (*ELEMENT_PARAMETERS, "b") if "b" in self.solution.fixed_names else ELEMENT_PARAMETERS
+        )
 
     @cached_property
     def covariance(self) -> FloatArray:
@@ -327,7 +332,9 @@ class FamilySelection:
     arms: SelectedModel
     other: AlternativeFamily | None = None
 
-    def alternative(self, band: tuple[float, float], extra: str = RAMPS) -> Alternative | None:
+    def alternative(
+        self, band: tuple[float, float], extra: str = FAMILY_ADVICE
+    ) -> Alternative | None:
         """Return the other family, as a fit keeps it; `band` is what the data inform, Hz."""
         if self.other is None:
             return None
@@ -343,7 +350,7 @@ class FamilySelection:
         check = model_families_distinguished(alternative)
         if not isinstance(self.best, FractionalFit):
             return (check,)
-        error = float(self.best.error[ELEMENT.index("alpha")])
+        error = float(self.best.error[ELEMENT_PARAMETERS.index("alpha")])
         return (
             fractional_slope_determined(error, edge=self.best.is_at_edge),
             fractional_model_suffices(self.other.residual, self.other.solid.maxwell.arms),
@@ -398,14 +405,15 @@ def chosen_family(
     maxwell_candidate, arm_solutions = _candidate(fit), _list_orders(arms)
     selected = arm_solutions[0]
     is_better = (
-        criterion(maxwell_candidate) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
+        criterion(maxwell_candidate) + DECISIVE_FAMILY_BIC < criterion(selected)
+        and not fit.is_at_edge
     )
     best, contenders = (
         (maxwell_candidate, arm_solutions)
         if is_better or family == "fractional"
         else (selected, [maxwell_candidate])
     )
-    bic_limit = criterion(best) + VERY_STRONG
+    bic_limit = criterion(best) + DECISIVE_FAMILY_BIC
     explain = [
         rival for rival in contenders if criterion(rival) < bic_limit or is_as_good(rival, best)
     ]
@@ -486,14 +494,14 @@ def with_linear_fractional(
     bic_difference = deviance_fall + (len(fit.estimate.names) - parameters) * float(
         np.log(effective)
     )
-    explains = bic_difference < VERY_STRONG or not is_significant_fall(deviance_fall, 1)
+    explains = bic_difference < DECISIVE_FAMILY_BIC or not is_significant_fall(deviance_fall, 1)
     linear_alternative = build_alternative(
         nonlinear_fit.solid,
         fit.solid,
         bic_difference,
         nonlinear_fit.band,
         explains=explains,
-        extra=RAMPS,
+        extra=FAMILY_ADVICE,
     )
     checks = (*nonlinear_fit.checks, model_families_distinguished(linear_alternative))
     return replace(
@@ -516,8 +524,8 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
     From the middle of `band`, what the data inform, Hz, to where parts vibrate.
     """
     # the slow half of what the data inform is of the end of the hold, not of vibration
-    low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], HEARD)
-    count = int(np.ceil(_LINES * np.log10(high / low))) + 1
+    low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], MAX_HEARD_FREQUENCY)
+    count = int(np.ceil(_LINES_PER_DECADE * np.log10(high / low))) + 1
     f = np.geomspace(low, high, count)
     indices = np.flatnonzero(_find_disagreement(first, second, f))
     return float(f[indices[0]]) if indices.size else None
@@ -529,7 +537,9 @@ def _find_disagreement(first: Solid, other_solid: Solid, f: FloatArray) -> Float
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
     of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
-    return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
+    return np.asarray(
+        (np.abs(a.real / b.real - 1) > MIN_STIFFNESS_DIFFERENCE) | (of_loss > MIN_LOSS_DIFFERENCE)
+    )
 
 
 def build_alternative(
@@ -565,7 +575,7 @@ def build_alternative(
     if not explains:
         message = f"{name} does not explain the data; its BIC is {bic_difference:.3g} higher"
     elif frequency is None:
-        message = f"{both_text}. It predicts the same up to {HEARD:g} Hz"
+        message = f"{both_text}. It predicts the same up to {MAX_HEARD_FREQUENCY:g} Hz"
     else:
         decade = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (

@@ -44,12 +44,12 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
 #: what the model lacks may decide between causes by this part of what they explain
-LACKING = 0.02
+MODEL_ERROR_SHARE = 0.02
 TOLERANCE = 1e-11
 # standard errors beyond which a stiffness is said to be another
-_OTHER = 2.0
+_MAX_STANDARD_ERRORS = 2.0
 # stiffnesses within this part of a whole multiple look like another number of seals
-_LIKE_A_COUNT = 0.1
+_COUNT_TOLERANCE = 0.1
 
 
 class DiscrepancyCause(NamedTuple):
@@ -200,7 +200,7 @@ def _rank_causes(
     lowest_criterion = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also distinguishes causes: only a decisive lead counts
     threshold = lowest_criterion + max(
-        DECISIVE_BIC, LACKING * (refit_candidate.criterion - lowest_criterion)
+        DECISIVE_BIC, MODEL_ERROR_SHARE * (refit_candidate.criterion - lowest_criterion)
     )
     by = sorted(
         zip(free_causes, candidates, strict=True),
@@ -338,7 +338,7 @@ def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate)
     if not cause.paired_stiffness:
         return ""
     value, error = _read_free_quantity(candidate, cause.paired_stiffness)
-    if abs(value - 1) < _OTHER * error:
+    if abs(value - 1) < _MAX_STANDARD_ERRORS * error:
         return ""
     return f". Then {_SENTENCES[cause.paired_stiffness](value, error)}"
 
@@ -351,7 +351,7 @@ def _format_stiffness_change(value: float, error: float) -> str:
 def format_seal_count_hint(value: float) -> str:
     """Say so where the seals are as stiff as another number of them would be."""
     times = max(value, 1 / value)
-    if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
+    if round(times) < 2 or abs(times / round(times) - 1) > _COUNT_TOLERANCE:
         return ""
     remedy = f"{round(times)} times as many seals" if value > 1 else f"one seal in {round(times)}"
     return f". So would be {remedy}"

@@ -12,7 +12,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.reported_values import NORMAL
-from dashpot.datamodel.bounds import WELL_KNOWN, BandError, EndOfHold
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError, EndOfHold
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
 from dashpot.datamodel.fit_diagnostics import (
     Alternative,
@@ -39,7 +39,7 @@ from dashpot.fitting.fractional_model.checks import (
     fractional_slope_determined,
     model_families_distinguished,
 )
-from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, build_alternative
+from dashpot.fitting.fractional_model.family_selection import DECISIVE_FAMILY_BIC, build_alternative
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agreement
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
@@ -60,7 +60,10 @@ from dashpot.solids.maxwell import Solid
 
 
 # what would distinguish families that explain a hammer alone, and with relaxation tests
-_ALONE, _JOINT = "a relaxation test of the seal", "a colder test or a hammer on another mass"
+_HAMMER_ADVICE, _JOINT_ADVICE = (
+    "a relaxation test of the seal",
+    "a colder test or a hammer on another mass",
+)
 
 
 class AlternativeCandidate(NamedTuple):
@@ -91,7 +94,7 @@ class AlternativeCandidate(NamedTuple):
         hammer_only = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
             self.best.point.model, self.other.point.model, bic_difference, band,
-            explains=self.explains, extra=_ALONE if hammer_only else _JOINT,
+            explains=self.explains, extra=_HAMMER_ADVICE if hammer_only else _JOINT_ADVICE,
         )  # fmt: skip
 
 
@@ -111,7 +114,7 @@ def chosen_rival(
     family : "fractional" or "auto"
     """
     arm_candidates = [arms, *(other for other in candidates if other.arms > arms.arms)]
-    is_better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
+    is_better = candidate.bic + DECISIVE_FAMILY_BIC < arms.bic and not is_at_bound(candidate)
     best, contenders = (
         (candidate, arm_candidates) if family == "fractional" or is_better else (arms, [candidate])
     )
@@ -161,7 +164,7 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
     extra_parameters = len(best.theta) - len(rival.theta)
     bic_difference = rival.bic - best.bic
     deviance_fall = bic_difference + extra_parameters * float(np.log(best.samples))
-    return bic_difference < VERY_STRONG or not is_significant_fall(
+    return bic_difference < DECISIVE_FAMILY_BIC or not is_significant_fall(
         deviance_fall, max(extra_parameters, 1)
     )
 
@@ -243,7 +246,7 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
 
 
 # arms nearer than this in ln tau are the same arm
-SAME = 1.0
+SAME_ARM_DISTANCE = 1.0
 
 
 def build_identified_fit(
@@ -500,7 +503,7 @@ def _find_loss_factor_band(
     full_errors, noise = errors_by(estimate), errors_by(of_noise)
     # an error by a covariance costs little: so many lines place the ends to a few per cent
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
-    errors = full_errors if full_errors(peak)[1] <= WELL_KNOWN else noise
+    errors = full_errors if full_errors(peak)[1] <= MAX_LOSS_FACTOR_ERROR else noise
     values, band_error = find_loss_factor_band(
         errors, band, {line: errors(line) for line in lines}, included_line=peak
     )
@@ -636,7 +639,7 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
     pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
     entries: dict[int, int] = {}
     for distance, i, j in pairs:
-        if distance < SAME and j not in entries and i not in entries.values():
+        if distance < SAME_ARM_DISTANCE and j not in entries and i not in entries.values():
             entries[j] = i
     return entries
 

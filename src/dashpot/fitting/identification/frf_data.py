@@ -13,15 +13,15 @@ from dashpot.numerics.least_squares import stack_real_rows
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import Response
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.modal.pole_fit import FLOOR
+from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 # lines within this factor of the peak are fitted unless a band is given
-AROUND_THE_PEAK = 3.0
-FEWEST_LINES = 8
+PEAK_BAND_FACTOR = 3.0
+MIN_LINES = 8
 # a relaxation time can be determined up to so many times beyond the lines, and farther where the
 # lines are better known than any that were measured: of an arm so slow they show k/tau alone, but
 # for a part of (omega tau)^-2, which must stand so far above what is left of them
-REACH, FARTHEST, ABOVE = 10.0, 3e3, 100.0
+TAU_REACH, MAX_TAU_REACH, TAU_SIGNAL_RATIO = 10.0, 3e3, 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +54,13 @@ class FRFData:
     peak_hz: float
     kind: Kind = Kind.ACCELERANCE
     weighed_mass: float | None = None
-    reach: float = REACH
+    reach: float = TAU_REACH
 
     def reaching(self, remainder: float) -> FRFData:
         """Return the data with the reach at which a part of that size stays unexplained."""
-        slowest_factor = min(max(1 / np.sqrt(ABOVE * max(remainder, 1e-300)), REACH), FARTHEST)
+        slowest_factor = min(
+            max(1 / np.sqrt(TAU_SIGNAL_RATIO * max(remainder, 1e-300)), TAU_REACH), MAX_TAU_REACH
+        )
         return replace(self, reach=float(slowest_factor))
 
     def response(self, model: Solid, mass: float) -> Response:
@@ -166,12 +168,12 @@ def frf_data_of(
         )
     accelerance = frf.to(Kind.ACCELERANCE, mass=mass)
     peak = find_peak(accelerance if band is None else accelerance.band(*band)).frequency
-    low, high = (peak / AROUND_THE_PEAK, peak * AROUND_THE_PEAK) if band is None else band
+    low, high = (peak / PEAK_BAND_FACTOR, peak * PEAK_BAND_FACTOR) if band is None else band
     keep = accelerance.usable & (accelerance.frequency >= low) & (accelerance.frequency <= high)
-    if np.count_nonzero(keep) < FEWEST_LINES:
+    if np.count_nonzero(keep) < MIN_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
-            f"needs at least {FEWEST_LINES}, and the FRF has lines from {frf.frequency[0]:.3g} to "
+            f"needs at least {MIN_LINES}, and the FRF has lines from {frf.frequency[0]:.3g} to "
             f"{frf.frequency[-1]:.4g} Hz: widen --band, or record longer for more lines"
         )
     lines = accelerance.only(keep)
@@ -179,12 +181,12 @@ def frf_data_of(
     has_scatter = scatter is not None
     if scatter is None and lines.single_average_sd is not None:
         # of an unknown number of hits: the lines' shares of the misfit, which shows its size
-        relative_scatter = np.hypot(lines.single_average_sd / magnitude, FLOOR)
+        relative_scatter = np.hypot(lines.single_average_sd / magnitude, MIN_LINE_ERROR)
         scatter = magnitude * relative_scatter / np.sqrt(np.mean(relative_scatter**2))
     sd = (
         _size(lines, frf.quantity, mass)
         if scatter is None
-        else np.hypot(scatter, FLOOR * magnitude)
+        else np.hypot(scatter, MIN_LINE_ERROR * magnitude)
     )
     rig_mass = mass if over_base else None
     return FRFData(lines, sd, has_scatter, float(seals), peak, frf.quantity, rig_mass)

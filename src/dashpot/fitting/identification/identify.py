@@ -29,7 +29,7 @@ from dashpot.fitting.identification.fit_construction import (
     chosen_rival,
     reselect_family,
 )
-from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
+from dashpot.fitting.identification.frf_data import MAX_TAU_REACH, frf_data_of
 from dashpot.fitting.identification.likelihood import (
     Candidate,
     IdentificationProblem,
@@ -37,7 +37,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.identification.parametrisation import (
-    GONE,
+    MIN_STIFFNESS_SHARE,
     Arms,
     FractionalElement,
     with_dashpot,
@@ -61,17 +61,17 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a criterion this much above the best ends the search for more arms
-WORSE = 6.0
+MAX_CRITERION_RISE = 6.0
 # a fractional element lies in a narrow valley of slope and relaxation time: so many starts along it
 ELEMENT_STARTS = 4
 # steps after which the best of them are known, and how many are then taken to the end
-ROUGH, FINISHED = 25, 2
+ROUGH_STEPS, FINISHED_STARTS = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 COARSE_TOLERANCE, FINE_TOLERANCE = 1e-9, 1e-13
 # fall of chi-square over a whole descent: along a valley so flat the optimum is no better known
-SETTLED = 0.5
+SETTLED_FALL = 0.5
 # a larger number of arms that leaves so many times what the last one leaves
-ASTRAY = 1.01
+FAILED_DESCENT_RATIO = 1.01
 
 
 def identify(
@@ -229,7 +229,7 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
     if optimum.optimum.stationary:
         return optimum
     candidate = descend(problem, optimum.theta, tolerance=FINE_TOLERANCE)
-    is_settled = optimum.cost - candidate.cost <= SETTLED
+    is_settled = optimum.cost - candidate.cost <= SETTLED_FALL
     stationary = candidate.optimum.stationary or bool(is_settled)
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
@@ -282,7 +282,7 @@ def _fit_fractional(
                 problem,
                 problem.pack(_start(problem, *start)),
                 tolerance=COARSE_TOLERANCE,
-                max_steps=ROUGH,
+                max_steps=ROUGH_STEPS,
             )
             for start in starts
             if start[1] > 0 and start[0].k_0 > 0
@@ -290,7 +290,7 @@ def _fit_fractional(
         rough_optima.sort(key=lambda candidate: candidate.cost)
         attempts += [
             descend(problem, candidate.theta, tolerance=COARSE_TOLERANCE)
-            for candidate in rough_optima[:FINISHED]
+            for candidate in rough_optima[:FINISHED_STARTS]
         ]
     if not attempts:
         raise FitError("no fractional model explains the FRF; widen --band, or fit arms")
@@ -344,11 +344,11 @@ def _candidates(
         best = _lowest(problem, [*starts, *_spread(problem, earlier_fit)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.is_complete(best.point.model) and not (
-            candidates and best.cost > ASTRAY * candidates[-1].cost
+            candidates and best.cost > FAILED_DESCENT_RATIO * candidates[-1].cost
         ):
             candidates.append(best)
         lowest_bic = min((candidate.bic for candidate in candidates), default=np.inf)
-        if candidates and (candidates[-1].exact or best.bic > lowest_bic + WORSE):
+        if candidates and (candidates[-1].exact or best.bic > lowest_bic + MAX_CRITERION_RISE):
             break
     return candidates
 
@@ -501,7 +501,7 @@ def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Para
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),
-            tuple(np.maximum(k, GONE * k.max(initial=0.0))),
+            tuple(np.maximum(k, MIN_STIFFNESS_SHARE * k.max(initial=0.0))),
             tuple(solution.tau),
             max(solution.coefficient("b"), 0.0) if problem.dashpot else 0.0,
         )
@@ -551,7 +551,8 @@ def _reaching(problems: list[IdentificationProblem], max_arms: int) -> list[Iden
     ):
         return problems
     far_reaching = replace(
-        identification_problem, frf_data=replace(identification_problem.frf_data, reach=FARTHEST)
+        identification_problem,
+        frf_data=replace(identification_problem.frf_data, reach=MAX_TAU_REACH),
     )
     lowest_sse = min(
         solution.sse for solution in iterate_orders(_stiffness_blocks(far_reaching), max_arms)

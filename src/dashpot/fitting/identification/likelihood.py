@@ -55,12 +55,12 @@ from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
 # arms are sought this far, as a factor in time, beyond what the lines and tests could show
-BEYOND = 3.0
+TAU_MARGIN = 3.0
 SMALLEST_SCATTER = 1e-9
 # a step that ends a search
-SHORT = 1e-10
+STEP_TOLERANCE = 1e-10
 # what moves the rows by less, as a part of what anything does, has left the solid
-UNFELT = 1e-7
+MIN_COLUMN_SHARE = 1e-7
 SPRING = Arms(0)
 
 
@@ -186,9 +186,9 @@ class IdentificationProblem:
         if prior is not None and prior.model.arms:
             solid = prior.solid
             tau = (solid.tau,) if isinstance(solid, FractionalZener) else prior.model.tau
-            windows.append((tau[0] / BEYOND, tau[-1] * BEYOND))
+            windows.append((tau[0] / TAU_MARGIN, tau[-1] * TAU_MARGIN))
         low, high = min(w[0] for w in windows), max(w[1] for w in windows)
-        return float(np.log(low / BEYOND)), float(np.log(high * BEYOND))
+        return float(np.log(low / TAU_MARGIN)), float(np.log(high * TAU_MARGIN))
 
     # -- parameters ---------------------------------------------------------------------------
 
@@ -488,7 +488,10 @@ class Candidate:
     def estimate(self) -> Estimate:
         """Every row has unit variance; what has faded from the solid is held."""
         column_norms = np.linalg.norm(self.optimum.jacobian, axis=0)
-        noise, faded = white_noise(self.optimum, 1.0), column_norms <= UNFELT * column_norms.max()
+        noise, faded = (
+            white_noise(self.optimum, 1.0),
+            column_norms <= MIN_COLUMN_SHARE * column_norms.max(),
+        )
         # lines that nobody measured stand far above what is known of the mass
         return estimate(
             self.optimum, noises=[noise], is_fixed=faded, prior_variance=1.0, with_fine_scales=True
@@ -596,7 +599,7 @@ def descend(
             whole_problem,
             [start],
             max_steps=max_steps,
-            step_tolerance=SHORT,
+            step_tolerance=STEP_TOLERANCE,
             cost_tolerance=tolerance,
         ),
     )

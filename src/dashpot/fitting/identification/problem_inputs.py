@@ -23,7 +23,7 @@ from dashpot.vibration.mass_on_seals import MassOnSeals, OperatingPoint, operati
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001
-MOST_ARMS = 3
+MAX_ARMS = 3
 
 
 class PriorTests(NamedTuple):
@@ -132,7 +132,7 @@ def list_arm_counts(arms: int | str, earlier_fit: Fit | None) -> list[int]:
     """Return the numbers of arms to try: from those of the earlier fit on, or as asked."""
     fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
     if arms == "auto":
-        return list(range(fewest_arms, fewest_arms + MOST_ARMS + 1))
+        return list(range(fewest_arms, fewest_arms + MAX_ARMS + 1))
     if not isinstance(arms, int | np.integer) or arms < 0:
         raise FitError(f'arms = {arms!r}; expected a number >= 0 or "auto"')
     if arms < fewest_arms:

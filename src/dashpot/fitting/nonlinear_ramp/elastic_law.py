@@ -51,7 +51,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 # a law that lowers BIC by less is as good
-LEAST_GAIN = 10.0
+MIN_BIC_GAIN = 10.0
 
 
 class KnotSpacing(NamedTuple):
@@ -245,17 +245,17 @@ def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
 
 # a law that moves the path by less than this part of the depth is not worth having: behind one of
 # .1 to 1 % that is not taken, what a linear solid leaves on the ramp doubts sound records
-LEAST_GAP = 5e-4
+MIN_GAP = 5e-4
 
 # a knot of the law needs so many rows of the ramp
 _ROWS_PER_KNOT = 2
 # so many depths bear finer laws
-_SEVERAL = 3
+_MIN_DEPTHS = 3
 
-LINEAR = KnotSpacing(2)
-LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
+LINEAR_KNOTS = KnotSpacing(2)
+KNOT_LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
 # several depths show the law's integral at each, to the noise of a hold
-DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
+DEPTHS_KNOT_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 
 
 def select_elastic_law(
@@ -292,14 +292,22 @@ def select_elastic_law(
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     linear_qualities, optimum = _assess_linear_law(rows, hold, noise, arms)
     if law != "nonlinear" and all(quality.is_adequate for quality in linear_qualities):
-        score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
+        score = ElasticLawScore(
+            LINEAR_KNOTS, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold
+        )
         return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
     max_knots = int(rows.ramp.sum()) // _ROWS_PER_KNOT
-    finer_laws = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
+    finer_laws = DEPTHS_KNOT_LADDER if len(set(rows.depths)) >= _MIN_DEPTHS else ()
     nonlinear_laws = [
-        item for item in (*LADDER, *finer_laws) if item.knots <= max(max_knots, LADDER[0].knots)
+        item
+        for item in (*KNOT_LADDER, *finer_laws)
+        if item.knots <= max(max_knots, KNOT_LADDER[0].knots)
     ]
-    laws = {"linear": [LINEAR], "nonlinear": nonlinear_laws, "auto": [LINEAR, *nonlinear_laws]}[law]
+    laws = {
+        "linear": [LINEAR_KNOTS],
+        "nonlinear": nonlinear_laws,
+        "auto": [LINEAR_KNOTS, *nonlinear_laws],
+    }[law]
     start = recorded_hold(rows, hold)
     optima = {law: _solve_law(rows, law, hold, start) for law in laws}
     scores = _scores(optima, hold)
@@ -377,7 +385,7 @@ def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
     best_score = min(scores, key=lambda score: score.bic)
     linear = scores[0]
-    is_better = linear.bic - best_score.bic > LEAST_GAIN and best_score.gap > LEAST_GAP
+    is_better = linear.bic - best_score.bic > MIN_BIC_GAIN and best_score.gap > MIN_GAP
     return best_score if is_better else linear
 
 
@@ -391,7 +399,7 @@ def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum
     gain = _bic(optimum, hold, delayed.ramp_correlation) - _bic(
         delayed, hold, delayed.ramp_correlation
     )
-    return delayed if gain > LEAST_GAIN else optimum
+    return delayed if gain > MIN_BIC_GAIN else optimum
 
 
 def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
@@ -407,7 +415,7 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     cost_fall = optimum.optimum.cost - trial.cost
     if (
         solid.split_parameters(trial.theta)[0].min() > fastest - np.log(2.0)
-        or cost_fall < LEAST_GAIN
+        or cost_fall < MIN_BIC_GAIN
     ):
         return optimum
     refined = fit_ramp_and_hold(solid, hold, optimum, trial.theta, value=optimum.weighted.nuisances)
@@ -417,7 +425,7 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     )
     return (
         refined
-        if is_faster and bool((refined.k[0, 1:] > 0).all()) and gain > LEAST_GAIN
+        if is_faster and bool((refined.k[0, 1:] > 0).all()) and gain > MIN_BIC_GAIN
         else optimum
     )
 

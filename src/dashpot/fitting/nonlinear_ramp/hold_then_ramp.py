@@ -36,13 +36,13 @@ from dashpot.numerics.least_squares import Optimum
 
 MAX_ARMS = 5
 _MAX_ITERATIONS = 10
-_CONVERGED = 0.005
+_CONVERGENCE_TOLERANCE = 0.005
 # motion of a plate at rest, as a fraction of the depth
-STANDSTILL = 1e-3
+REST_TOLERANCE = 1e-3
 # least degrees of freedom of a ramp, as a fraction of its rows
-_LEAST_DOF = 0.2
+_MIN_DOF_SHARE = 0.2
 # residual by rounding, as a fraction of the largest force
-ROUNDING = 3e-6
+ROUNDING_SHARE = 3e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     root = np.sqrt(rows.count[hold_rows])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
     displacement = rows.displacement[hold_rows] - rows.depths[i]
-    if float(np.ptp(displacement)) > STANDSTILL * rows.depths[i]:
+    if float(np.ptp(displacement)) > REST_TOLERANCE * rows.depths[i]:
         fixed[f"settling@{i}"] = displacement
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -229,7 +229,7 @@ def _build_hold_estimate(
 
 def rounding(rows: DownsampledRows, i: int) -> float:
     """Return the residual of record i by block means and rounding, N."""
-    return ROUNDING * rows.peak(i)
+    return ROUNDING_SHARE * rows.peak(i)
 
 
 # -- and its ramp ---------------------------------------------------------------------------------
@@ -310,7 +310,7 @@ def fit_ramp_and_hold(
         optimum = with_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = optimum.optimum.theta
         change = np.array(optimum.ramp_scatter) / np.array(previous.ramp_scatter) - 1
-        if float(np.abs(change).max()) < _CONVERGED:
+        if float(np.abs(change).max()) < _CONVERGENCE_TOLERANCE:
             break
     return optimum
 
@@ -329,7 +329,7 @@ def with_residual_statistics(
     for i in range(len(rows.depths)):
         ramp, hold = rows.ramp & (rows.record == i), rows.select_hold(i)
         ramp_rows = int(ramp.sum())
-        remainder = max(ramp_rows - float(leverage[ramp].sum()), _LEAST_DOF * ramp_rows)
+        remainder = max(ramp_rows - float(leverage[ramp].sum()), _MIN_DOF_SHARE * ramp_rows)
         kappa = noise_of(scaled_residual[ramp]).kappa
         ramps.append(max(float(np.sqrt(np.mean(scaled_residual[ramp] ** 2))), rounding(rows, i)))
         holds.append(max(float(np.sqrt(np.mean(scaled_residual[hold] ** 2))), rounding(rows, i)))

@@ -45,11 +45,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
 # one independent residual, and than the hold alone in the hold
-SOUND_RAMP, SOUND_SHAPE, SOUND_HOLD = 1.2, 1.5, 1.1
+MAX_RAMP_RATIO, MAX_SHAPE_RATIO, MAX_HOLD_RATIO = 1.2, 1.5, 1.1
 # what a residual of this part of the peak stands for moves no stiffness that anyone would notice
-NEGLIGIBLE = 1e-4
+NEGLIGIBLE_RESIDUAL = 1e-4
 # and more than this part is not what an encoder leaves
-UNREAD = 1e-3
+MAX_ENCODER_RESIDUAL = 1e-3
 
 
 class LinearFitQuality(NamedTuple):
@@ -100,13 +100,13 @@ def assess_linear_fit(
     unread : float
         Force on the ramp that what the encoder leaves of the motion stands for, N.
     """
-    negligible = NEGLIGIBLE * peak
+    negligible = NEGLIGIBLE_RESIDUAL * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
-    is_small = ramp <= max(SOUND_RAMP, by_chance) * noise
-    is_structureless = discrepancy <= SOUND_SHAPE * by_chance
-    unread = min(SOUND_SHAPE * unread, UNREAD * peak)
+    is_small = ramp <= max(MAX_RAMP_RATIO, by_chance) * noise
+    is_structureless = discrepancy <= MAX_SHAPE_RATIO * by_chance
+    unread = min(MAX_SHAPE_RATIO * unread, MAX_ENCODER_RESIDUAL * peak)
     is_followed = (is_small and is_structureless) or ramp <= max(negligible, unread)
-    valid = bool(is_followed and (hold <= SOUND_HOLD * single or hold <= negligible))
+    valid = bool(is_followed and (hold <= MAX_HOLD_RATIO * single or hold <= negligible))
     return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
 
 
@@ -160,11 +160,11 @@ def sample_noise(scatter: float, rms: float) -> float:
 
 
 # arms that a hold alone is given at least: what it leaves is noise
-_FEWEST_HOLD_ARMS = 2
+_MIN_HOLD_ARMS = 2
 # an arm that lowers the sum of squares by less than this is none that the hold alone needs
-_AS_GOOD = 1.01
+_MIN_SSE_RATIO = 1.01
 # arms nearer than this in ln tau are one
-_SAME_ARM = 1e-6
+_SAME_ARM_DISTANCE = 1e-6
 
 
 class LinearityResult(NamedTuple):
@@ -209,7 +209,7 @@ class HoldBlocks:
     def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
         """Return the residual of one hold alone, with at most as many arms as it supports."""
         block = self.blocks[i]
-        arms = min(max(len(start), _FEWEST_HOLD_ARMS), max_determinable_arms([block]))
+        arms = min(max(len(start), _MIN_HOLD_ARMS), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
         initial = start if len(start) == arms and _has_distinct_times(start, block.window) else None
         negligible = bic_penalty_per_arm([block])
@@ -240,7 +240,7 @@ def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
 
 def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> bool:
     clipped = np.clip(np.sort(log_tau), *np.log(window))
-    return bool(np.all(np.diff(clipped) > _SAME_ARM))
+    return bool(np.all(np.diff(clipped) > _SAME_ARM_DISTANCE))
 
 
 def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
@@ -270,7 +270,7 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
 
 def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
     """Return how well the best arms explain every record to its noise, ramp and hold alike."""
-    sse_limit = _AS_GOOD * first.solutions[-1].sse
+    sse_limit = _MIN_SSE_RATIO * first.solutions[-1].sse
     smallest = next(solution for solution in first.solutions if solution.sse <= sse_limit)
     return _find_worst_record(holds, first.residuals, smallest.log_tau)
 

@@ -26,11 +26,11 @@ from dashpot.preprocessing.denoising import denoise_displacement
 
 
 # blocks per e-fold of the time since a corner
-_IN_RAMP, _IN_HOLD = 64, 26
+_RAMP_BLOCKS, _HOLD_BLOCKS = 64, 26
 # the fewest samples that can show a ramp and a hold
-_FEWEST_ON_RAMP, _FEWEST = 3, 8
+_MIN_RAMP_SAMPLES, _MIN_HOLD_SAMPLES = 3, 8
 # motion after the ramp, as a part of the depth, that a law of the ramp can bear
-_MOST_BY_RAMP_LAW = 0.15
+_MAX_HOLD_MOTION = 0.15
 # a force that peaks this part of the hold late, by so many times its scatter and this part of
 # itself, had not seen the end of the ramp
 _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
@@ -128,14 +128,15 @@ def ramp_obstacle(test: RampHold) -> str | None:
     """Return why a record shows no elastic law by its ramp, in a sentence; None if it may."""
     corner, hold_stop = relaxes_from(test), test.hold.stop
     climbing = corner - int(np.searchsorted(test.time, test.onset))
-    if climbing < _FEWEST_ON_RAMP or hold_stop - corner < _FEWEST:
+    if climbing < _MIN_RAMP_SAMPLES or hold_stop - corner < _MIN_HOLD_SAMPLES:
         return (
             f"the record has {climbing} samples on the ramp and {hold_stop - corner} in the hold; "
-            f"an elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
-            "faster"
+            f"an elastic law from the ramp needs at least {_MIN_RAMP_SAMPLES} and "
+            f"{_MIN_HOLD_SAMPLES}: "
+            "sample faster"
         )
     ratio = float(np.ptp(test.displacement[corner:hold_stop])) / test.depth
-    if ratio > _MOST_BY_RAMP_LAW:
+    if ratio > _MAX_HOLD_MOTION:
         return (
             f"the displacement moves by {100 * ratio:.0f} % of the depth after the first ramp; an "
             "elastic law from the ramp needs one ramp and its hold: cut the record to them"
@@ -151,10 +152,10 @@ def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDA
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
     corner = relaxes_from(test)
     usual_step = median(np.diff(time[first:corner]))
-    median_step = median(np.diff(time[corner : corner + _FEWEST]))
+    median_step = median(np.diff(time[corner : corner + _MIN_HOLD_SAMPLES]))
     cuts = distinct(np.concatenate((
         _place_ramp_blocks(time[first:corner], usual_step) + first,
-        _place_hold_blocks(time[corner:], median_step, _IN_HOLD) + corner,
+        _place_hold_blocks(time[corner:], median_step, _HOLD_BLOCKS) + corner,
     )))  # fmt: skip
     count = np.diff(np.append(cuts, len(x))).astype(float)
     mean_time, mean_x, mean_force = (
@@ -182,8 +183,10 @@ def relaxes_from(test: RampHold) -> int:
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
     """Return where blocks start that widen from both corners of a ramp."""
     middle_index = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
-    first_half = _place_hold_blocks(time[:middle_index], interval, _IN_RAMP)
-    second_half = len(time) - _place_hold_blocks(-time[middle_index:][::-1], interval, _IN_RAMP)[1:]
+    first_half = _place_hold_blocks(time[:middle_index], interval, _RAMP_BLOCKS)
+    second_half = (
+        len(time) - _place_hold_blocks(-time[middle_index:][::-1], interval, _RAMP_BLOCKS)[1:]
+    )
     return np.concatenate((first_half, [middle_index], second_half))
 
 
@@ -298,9 +301,9 @@ def _run_recursion(decay: FloatArray, increments: FloatArray) -> FloatArray:
 # well as the ramps show their own size.
 
 
-_STEPS = 40
+_MAX_STEPS = 40
 # a fall of the cost, in units of noise variance, that is not worth a further step
-_FINISHED = 1e-5
+_COST_TOLERANCE = 1e-5
 
 
 class Nuisances(NamedTuple):
@@ -413,5 +416,5 @@ class Weighted:
         """Return the nearest optimum, ln tau in the window of the rows, shape >= 0 of mean 1."""
         problem = self.problem(len(self.solid.split_parameters(theta)[0]))
         return require_optimum(
-            problem, [theta], max_steps=_STEPS, cost_tolerance=_FINISHED / len(self.root)
+            problem, [theta], max_steps=_MAX_STEPS, cost_tolerance=_COST_TOLERANCE / len(self.root)
         )

@@ -30,18 +30,18 @@ from dashpot.numerics.design_matrices.block import Columns, DataBlock, Rows, des
 # *Math. Comp.* 23 (1969), give nodes and weights from the Jacobi matrix P' x P.
 
 
-NODES = 13
-SUB_NODES = 8
-#: samples of a piece, which starts at NODES times its length or later
-PIECES = (1, 32, 256, 2048)
+NODES_PER_PIECE = 13
+NODES_PER_SUBPIECE = 8
+#: samples of a piece, which starts at NODES_PER_PIECE times its length or later
+PIECE_LENGTHS = (1, 32, 256, 2048)
 SMALL_BLOCK = 300
 #: samples worked on at once
-IN_CACHE = 16_384
-_COUNTED = np.arange(float(IN_CACHE))
+CACHE_SAMPLES = 16_384
+_SAMPLE_NUMBERS = np.arange(float(CACHE_SAMPLES))
 #: relative accuracy of a compressed model's columns
 ACCURACY = 1e-11
 #: share of the data's sum of squares from which a difference of such sums keeps 10 digits
-PLAIN = 1e-5
+MIN_REMAINDER_SHARE = 1e-5
 
 
 class _RecordSection(NamedTuple):
@@ -89,7 +89,7 @@ class DataCompression:
         z = _apply_stages(differences, self.stages)
         energy = _squares(differences)
         remainder_sse = energy - _squares(z)
-        if (remainder_sse < PLAIN * energy).any():
+        if (remainder_sse < MIN_REMAINDER_SHARE * energy).any():
             z, remainder_sse = self._explicit(differences)
         return z + last_value * self.root_weight, remainder_sse
 
@@ -159,7 +159,7 @@ def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, Float
 def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
     total = np.zeros(shaped.shape[:-2])
-    pieces_at_once = max(1, IN_CACHE // (total.size * len(basis)))
+    pieces_at_once = max(1, CACHE_SAMPLES // (total.size * len(basis)))
     for first in range(0, shaped.shape[-2], pieces_at_once):
         span = slice(first, first + pieces_at_once)
         residual = z[..., span, :] @ basis.T
@@ -210,9 +210,9 @@ def uniform_step(position: FloatArray) -> float | None:
     if not step > 0:
         return None
     tolerance = max(1e-9 * step, 8e-16 * float(max(abs(position[0]), abs(position[-1]))))
-    grid = step * _COUNTED[: len(position)]
-    for first in range(0, len(position), IN_CACHE):
-        span = position[first : first + IN_CACHE]
+    grid = step * _SAMPLE_NUMBERS[: len(position)]
+    for first in range(0, len(position), CACHE_SAMPLES):
+        span = position[first : first + CACHE_SAMPLES]
         deviation = span - grid[: len(span)]
         deviation -= float(position[0]) + step * first
         # the sum of squares, which is cheaper, bounds the largest
@@ -234,9 +234,12 @@ def make_sample_plan(count: int) -> DataCompression:
     sections: list[_RecordSection] = []
     start = 0
     # ever longer pieces while they are short beside their distance from the start, then the rest
-    stops = [*(min(count, NODES * length_factor) for length_factor in PIECES[1:]), count]
-    rest = [(length, count) for length in PIECES[::-1]]
-    for length, stop in [*zip(PIECES, stops, strict=True), *rest]:
+    stops = [
+        *(min(count, NODES_PER_PIECE * length_factor) for length_factor in PIECE_LENGTHS[1:]),
+        count,
+    ]
+    rest = [(length, count) for length in PIECE_LENGTHS[::-1]]
+    for length, stop in [*zip(PIECE_LENGTHS, stops, strict=True), *rest]:
         pieces = (stop - start) // length
         if pieces > 0:
             nodes, root, basis = _piece(length)
@@ -256,12 +259,12 @@ def _piece(length: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes, root weights and basis of one short piece of equal samples."""
     if length == 1:
         return np.zeros(1), np.ones(1), np.ones((1, 1))
-    return gauss(np.arange(float(length)), np.ones(length), SUB_NODES)
+    return gauss(np.arange(float(length)), np.ones(length), NODES_PER_SUBPIECE)
 
 
 def _doubling(count: int) -> list[int]:
     """Edges 0, 13, 26, 52, ... count; a last block that would be short joins its neighbour."""
-    edges = [0, NODES]
+    edges = [0, NODES_PER_PIECE]
     while 2 * edges[-1] < count:
         edges.append(2 * edges[-1])
     if count - edges[-1] < edges[-1] // 8 and len(edges) > 2:
@@ -274,19 +277,19 @@ def _blocks(
 ) -> tuple[FloatArray, FloatArray, tuple[_RecordSection, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
     if block_edges is None:
-        first = position[NODES]
+        first = position[NODES_PER_PIECE]
         doublings = int(np.ceil(np.log2(position[-1] / first)))
         block_edges = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
     edges = sorted({0, *block_edges.tolist(), len(position)})
     nodes, roots, sections = [], [], []
     for start, stop in pairwise(edges):
         span = slice(start, stop)
-        if span.stop - span.start <= NODES:
+        if span.stop - span.start <= NODES_PER_PIECE:
             nodes.append(position[span])
             roots.append(root_weight[span])
             sections.append(_RecordSection(span.start, span.stop, np.ones((1, 1))))
             continue
-        node, root, basis = gauss(position[span], root_weight[span], NODES)
+        node, root, basis = gauss(position[span], root_weight[span], NODES_PER_PIECE)
         nodes.append(node)
         roots.append(root)
         sections.append(_RecordSection(span.start, span.stop, basis))
@@ -336,13 +339,13 @@ def gauss(
 # that any long record, whatever its clock, weights and history, is a block of some seventy rows.
 
 
-LAGS = 300
+MAX_LAG = 300
 TIMES_PER_FOLD = 9.5
-RANK = 1e-15
+RANK_TOLERANCE = 1e-15
 #: the same where a few digits do
-FEW_TIMES_PER_FOLD, FEW_RANK, FEW_DIGITS = 5.0, 1e-9, 1e-7
-AT_ONCE = 16
-ROWS_AT_ONCE = 2048
+FEW_TIMES_PER_FOLD, FEW_DIGITS_RANK_TOLERANCE, FEW_DIGITS_ACCURACY = 5.0, 1e-9, 1e-7
+TIMES_PER_BATCH = 16
+ROWS_PER_BATCH = 2048
 
 
 class Kernels(NamedTuple):
@@ -386,8 +389,8 @@ class Kernels(NamedTuple):
         `change` is a linear one of the rows.
         """
         projected = np.zeros(())
-        for first in range(0, len(self.tau), AT_ONCE):
-            rows = slice(first, first + AT_ONCE)
+        for first in range(0, len(self.tau), TIMES_PER_BATCH):
+            rows = slice(first, first + TIMES_PER_BATCH)
             arms = change(exact.evaluate(np.log(self.tau[rows]), False).arms)
             projected = projected + arms @ self.right[rows]
         return projected
@@ -414,7 +417,7 @@ class Kernels(NamedTuple):
 @lru_cache(maxsize=8)
 def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
     tau = np.exp(np.linspace(-0.3, folds + 0.3, round(per_fold * folds)))
-    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, LAGS))))
+    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, MAX_LAG))))
     u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
     keep = s > rank * s[0]
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
@@ -433,12 +436,14 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     tau_range : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
-    kernels = Kernels.from_window(tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
+    kernels = Kernels.from_window(
+        tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK_TOLERANCE
+    )
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     all_columns = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
     factor = all_columns[:0]
-    for first in range(0, len(all_columns), ROWS_AT_ONCE):
-        rows = np.concatenate((factor, all_columns[first : first + ROWS_AT_ONCE]))
+    for first in range(0, len(all_columns), ROWS_PER_BATCH):
+        rows = np.concatenate((factor, all_columns[first : first + ROWS_PER_BATCH]))
         factor = np.asarray(np.linalg.qr(rows, mode="r"))
     factor = _to_its_floor(factor)
     return replace(
@@ -474,7 +479,9 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
     """
     shortest, longest = block.window
     kernels = Kernels.from_window(
-        (shortest / excess, longest * excess), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
+        (shortest / excess, longest * excess),
+        per_fold=FEW_TIMES_PER_FOLD,
+        rank=FEW_DIGITS_RANK_TOLERANCE,
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
     column_groups = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
@@ -485,7 +492,7 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
         block,
         rows=kernels.rows(factor),
         floor=block.floor + float(factor[-1, -1] ** 2),
-        accuracy=FEW_DIGITS,
+        accuracy=FEW_DIGITS_ACCURACY,
         rotated_basis=False,
         sampling=None,
         full=None,

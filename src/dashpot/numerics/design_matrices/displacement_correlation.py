@@ -51,7 +51,7 @@ LARGEST_RIDGE = 2e-9
 #: part of the whole motion that is rest: rounding
 REST_SHARE = 1e-13
 #: so many columns of decays are dependent to rounding
-DEPENDENT_COUNT = 24
+MAX_INDEPENDENT_COLUMNS = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,7 +312,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     FitError
         If a number is not finite, or rounding takes more than 1e-9 of the columns.
     """
-    if gram.shape[-1] <= DEPENDENT_COUNT:
+    if gram.shape[-1] <= MAX_INDEPENDENT_COLUMNS:
         try:
             return np.asarray(np.swapaxes(np.linalg.cholesky(gram), -1, -2))
         except np.linalg.LinAlgError:  # so it is asked again, with all that follows
@@ -325,7 +325,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     if not is_positive.all():
         unit += (~is_positive)[..., None] * np.eye(unit.shape[-1])
     ridge = 0.0
-    if unit.shape[-1] > DEPENDENT_COUNT:
+    if unit.shape[-1] > MAX_INDEPENDENT_COLUMNS:
         ridge = ROUNDING
         unit = unit + ridge * np.eye(unit.shape[-1])
     while True:

@@ -20,8 +20,8 @@ from dashpot.base.arrays import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock, design_rows
 from dashpot.numerics.design_matrices.data_compression import (
-    FEW_DIGITS,
-    FEW_RANK,
+    FEW_DIGITS_ACCURACY,
+    FEW_DIGITS_RANK_TOLERANCE,
     FEW_TIMES_PER_FOLD,
     Kernels,
 )
@@ -42,20 +42,20 @@ if TYPE_CHECKING:
 
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
-_SINGULAR = 1e-13
+_SINGULAR_SHARE = 1e-13
 # residuals of which so many count as one are too nearly white to be worth the question
-_NEARLY_WHITE = 3.0
+_MIN_KAPPA = 3.0
 # noise as even as this costs least squares no more than a tenth of what the data know
-_EVEN_GAIN = 2.0
+_MAX_EVEN_GAIN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
-_WORTH_GIVING_BACK = 0.005
+_MIN_ABSORBED_SHARE = 0.005
 _ITERATIONS = 3
 # so few lags cost less one by one than by Fourier transforms
 _FEW_LAGS, _FEW_TERMS = 16, 8
 # most noise ends within this part of all lags, which costs two thirds of all
-_MOST_END = 1 / 3
+_MAX_LAG_SHARE = 1 / 3
 # frequencies that stay in cache
-_AT_ONCE = 4096
+_FREQUENCIES_PER_BATCH = 4096
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
 _MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
@@ -238,9 +238,9 @@ def _estimate_noise(
     if kept_autocovariance[0] <= rounding**2:
         return Noise(n, kept_autocovariance[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept_autocovariance)
-    if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
+    if columns is not None and parameters * kappa > _MIN_ABSORBED_SHARE * n:
         if gamma is None:
-            gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
+            gamma = autocovariance(series.values, max(int(_MAX_LAG_SHARE * n), 1))
         kept_autocovariance = _restore_autocovariance(gamma, kappa, columns)
         if len(kept_autocovariance) == len(gamma) < n:
             kept_autocovariance = _restore_autocovariance(
@@ -276,10 +276,10 @@ def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> Flo
     even_spectra = columns.even
     fft_length, spectra = columns.spectra(len(columns.matrix) + lags)
     rows, power = spectra.view(np.float64), np.empty(fft_length // 2 + 1)
-    for first in range(0, len(power), _AT_ONCE):
-        rotated = even_spectra.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
+    for first in range(0, len(power), _FREQUENCIES_PER_BATCH):
+        rotated = even_spectra.T @ rows[:, 2 * first : 2 * (first + _FREQUENCIES_PER_BATCH)]
         squares = (rotated * rotated).sum(axis=0)
-        power[first : first + _AT_ONCE] = squares[::2] + squares[1::2]
+        power[first : first + _FREQUENCIES_PER_BATCH] = squares[::2] + squares[1::2]
     return np.asarray(np.fft.irfft(power, fft_length)[:lags])
 
 
@@ -309,7 +309,7 @@ def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | Non
         if values[-2] + values[-1] <= 0.0:
             return np.array(values[: max(lag - 1, 1)]) / n, None
         values.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
-    gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
+    gamma = autocovariance(residual, max(int(_MAX_LAG_SHARE * n), 1))
     if (cut_lag := geyer_cut(gamma)) == len(gamma):
         gamma = autocovariance(residual)
         cut_lag = geyer_cut(gamma)
@@ -372,12 +372,12 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
     """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
-    return all(noise.kappa <= _NEARLY_WHITE for noise in noises)
+    return all(noise.kappa <= _MIN_KAPPA for noise in noises)
 
 
 def noise_gain_differs(ratio: float) -> bool:
     """Return True if least squares is no fair judge of what meets so different amounts of noise."""
-    return ratio > _EVEN_GAIN
+    return ratio > _MAX_EVEN_GAIN
 
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
@@ -411,8 +411,8 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
     # real and imaginary parts in turn, so that one real product serves both
     rows, power = spectra.view(np.float64), np.repeat(spectrum * line_weights / fft_length, 2)
     form = np.zeros((len(rows), len(rows)))
-    for first in range(0, len(power), 2 * _AT_ONCE):
-        span = slice(first, first + 2 * _AT_ONCE)
+    for first in range(0, len(power), 2 * _FREQUENCIES_PER_BATCH):
+        span = slice(first, first + 2 * _FREQUENCIES_PER_BATCH)
         form += (rows[:, span] * power[span]) @ rows[:, span].T
     return form
 
@@ -503,10 +503,10 @@ def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     values, vectors = np.linalg.eigh(
         information / np.outer(scale, scale) - np.diag(~is_determined * 1.0)
     )
-    sharp = values > _SINGULAR * max(values[-1], 0.0)
+    sharp = values > _SINGULAR_SHARE * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
     rotation = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
-    return rotation, ~is_determined | (dull > np.sqrt(_SINGULAR))
+    return rotation, ~is_determined | (dull > np.sqrt(_SINGULAR_SHARE))
 
 
 def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -515,10 +515,10 @@ def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
     value = column_norms > 0.0
     scale = np.where(value, column_norms, 1.0)
     _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
-    sharp = values > _SINGULAR * values[0]
+    sharp = values > _SINGULAR_SHARE * values[0]
     dull = np.abs(rows[~sharp]).max(axis=0, initial=0.0)
     rotation = rows[sharp].T / (values[sharp] * scale[:, None])
-    return rotation, ~value | (dull > np.sqrt(_SINGULAR))
+    return rotation, ~value | (dull > np.sqrt(_SINGULAR_SHARE))
 
 
 # Whitening of a record by its own noise.
@@ -542,7 +542,7 @@ def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
 
 
 # rows of a tall matrix that a cache holds
-AT_ONCE = 1024
+ROWS_PER_BATCH = 1024
 
 
 def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
@@ -622,7 +622,9 @@ def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
 
 
 def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
-    kernels = Kernels.from_window(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
+    kernels = Kernels.from_window(
+        exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_DIGITS_RANK_TOLERANCE
+    )
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
 
     def means(columns: FloatArray) -> FloatArray:
@@ -632,13 +634,16 @@ def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
     rank = kernels.right.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
-    return ReducedBasis(JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
+    return ReducedBasis(
+        JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS_ACCURACY)
+    )
 
 
 def compute_blockwise_qr(tall_matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Q and R of a tall matrix, by pieces that a cache holds."""
     pieces = [
-        np.linalg.qr(tall_matrix[i : i + AT_ONCE]) for i in range(0, len(tall_matrix), AT_ONCE)
+        np.linalg.qr(tall_matrix[i : i + ROWS_PER_BATCH])
+        for i in range(0, len(tall_matrix), ROWS_PER_BATCH)
     ]
     joint_basis, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
     basis, row, piece_start = np.empty((len(tall_matrix), joint_basis.shape[1])), 0, 0

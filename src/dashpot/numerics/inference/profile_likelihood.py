@@ -17,9 +17,9 @@ from dashpot.numerics.log_tau_descent import Stack
 
 
 #: points of a walk, and how many of them may be too far: beyond there is a cliff
-_POINTS, _LEAPS = 20, 5
+_MAX_POINTS, _MAX_LEAPS = 20, 5
 #: an arm whose absence costs less deviance is one that the data do without
-_SPARE = 2.0
+_SPARE_DEVIANCE = 2.0
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
 
@@ -98,7 +98,7 @@ class ProfileTrace:
         """Take note of the deviance without its arm, which no value of the arm's exceeds."""
         if deviance < self.limit:
             self.without = self.limit = deviance
-            self.ended = self.ended or deviance < _SPARE
+            self.ended = self.ended or deviance < _SPARE_DEVIANCE
 
     def update_walk(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
@@ -112,14 +112,14 @@ class ProfileTrace:
             # too far to interpolate to: walk towards it in smaller steps
             self.leapt = [(self.goal, deviance)]
             self.leaps += 1
-        self.ended = (is_close and deviance > self.limit) or self.leaps > _LEAPS
+        self.ended = (is_close and deviance > self.limit) or self.leaps > _MAX_LEAPS
         self._aim()
         return is_close
 
     def _aim(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
         self.step = self.goal - self.at
-        self.ended = self.ended or self.trials >= _POINTS or self.step == 0.0
+        self.ended = self.ended or self.trials >= _MAX_POINTS or self.step == 0.0
         self.trials += 1
 
 
@@ -136,10 +136,10 @@ _ITERATIONS = 8
 _MAX_STEP, _STEP_REDUCTION = 1.5, 0.25
 RIDGE = 1e-13
 #: the curvature of the residual that is believed, as parts of J'J
-_BENT = -0.9, 4.0
+_CURVATURE_LIMITS = -0.9, 4.0
 #: an SSE whose fall is foretold to so many tolerances is taken as fallen: Newton is right to a few
 #: hundredths of it
-_LEAST_PROMISE = 50.0
+_MIN_PREDICTED_FALL = 50.0
 
 
 class SolvedTrials(NamedTuple):
@@ -191,7 +191,7 @@ class BatchedDescent:
     def best(self, i: int) -> tuple[float, FloatArray]:
         """The least SSE of one descent and its ln tau, a last move foretold if that is little."""
         sse, promised = float(self.known.sse[i]), float(self.promised[i])
-        if promised < _LEAST_PROMISE * self.tolerance[i]:
+        if promised < _MIN_PREDICTED_FALL * self.tolerance[i]:
             return sse - promised, self.here[i] + self.move[i]
         return sse, self.here[i]
 
@@ -217,7 +217,7 @@ class BatchedDescent:
         self.move[indices], self.promised[indices] = self._step(indices)
         return np.asarray(
             (np.abs(gain) < self.tolerance[indices])
-            | (self.promised[indices] < _LEAST_PROMISE * self.tolerance[indices])
+            | (self.promised[indices] < _MIN_PREDICTED_FALL * self.tolerance[indices])
             | (self.damping[indices] > 1e6)
             | (self.tried[indices] >= _ITERATIONS)
         )
@@ -253,7 +253,7 @@ class BatchedDescent:
 def _moderate(share: FloatArray) -> BoolArray:
     """Return which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
-    lowest, highest = _BENT
+    lowest, highest = _CURVATURE_LIMITS
     is_moderate = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-lowest, highest) ** 2
     if not is_moderate.all():
         doubtful_eigenvalues = np.linalg.eigvals(share[~is_moderate]).real
@@ -297,12 +297,14 @@ WINDOW_FACTOR = 20.0
 #: a stiffness so many times that of the whole solid, or a b so many folds from the optimum, is open
 _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
-_NODES_APART = 0.08
+_NODE_SPACING = 0.08
 #: a change of ln tau from one point of a walk to the next that may be foretold
-_FORETOLD_SHARE = 0.7
+_MAX_PREDICTED_CHANGE = 0.7
 _POWERS = np.arange(4.0)
 #: what each power of u gives to the powers of a cubic, of its slope and of its curve
-_DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
+_DERIVATIVE_POWERS = np.array(
+    [np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]
+).swapaxes(0, 1)
 
 
 def profiles(
@@ -346,7 +348,7 @@ class _SimultaneousProfiles:
         self.window = stack.bounds
         self.restricted = stack.get_nonnegative_mask(self.arms, signed=False)
         self.reach = stack.bounds[0] - window_margin, stack.bounds[1] + window_margin
-        count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
+        count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODE_SPACING)) + 1
         nodes, difference = np.linspace(*self.reach, count, retstep=True)
         rows = stack.evaluate(nodes)
         self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
@@ -368,7 +370,7 @@ class _SimultaneousProfiles:
             ),
             axis=2,
         )
-        derivative_weights = _DERIVED / difference ** np.arange(3.0)[:, None]
+        derivative_weights = _DERIVATIVE_POWERS / difference ** np.arange(3.0)[:, None]
         self.apart, self.turn = float(difference), derivative_weights.reshape(4, -1)
         start = self._phi(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
@@ -413,7 +415,7 @@ class _SimultaneousProfiles:
                 descents.start(
                     i,
                     residual[i]
-                    + min(1.0, _FORETOLD_SHARE / max(largest_change, _FORETOLD_SHARE))
+                    + min(1.0, _MAX_PREDICTED_CHANGE / max(largest_change, _MAX_PREDICTED_CHANGE))
                     * predicted_steps,
                 )
                 goals[i] = trace.goal

@@ -13,15 +13,15 @@ from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.spectral_estimators import Spectra
 
-FEWEST = 3
+MIN_HITS = 3
 """Hits that show no trend: a line through them leaves too little to judge it by."""
 RESONANCE_BANDWIDTHS = 4.0  # bandwidths to either side of a resonance show it
 RESONANCE_LINES = 5.0  # lines on either side of a resonance from which a single hit shows it
 CONFIDENCE = 0.99  # of records without a trend show less than is called one
-EQUAL = 0.2  # of a doubling: hits so alike show no trend
+MIN_AMPLITUDE_RANGE = 0.2  # of a doubling: hits so alike show no trend
 TREND_CONFIDENCE, POWER = 0.95, 0.6  # two-sided: a change is found at 5 %, by four of five tests
-_OF_MEDIAN = 1.25  # its standard error over that of a mean
-DECAYED = 0.55
+_MEDIAN_SE_RATIO = 1.25  # its standard error over that of a mean
+MEAN_AMPLITUDE_RATIO = 0.55
 """One frequency of a whole decay is that of this part of its first amplitude (friction, Iwan's)."""
 
 
@@ -67,8 +67,8 @@ class Trend:
     mass, mass_se : float
         Modal mass, kg: the median over the hits, and the standard error of its logarithm.
     amplitudes : (float, float)
-        Amplitudes of the motion that their resonances are of: `DECAYED` times that after the hit,
-        m.
+        Amplitudes of the motion that their resonances are of: `MEAN_AMPLITUDE_RATIO` times that
+        after the hit, m.
     range : float
         Highest over lowest.
     """
@@ -180,17 +180,17 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
         ],
         dtype=float,
     )
-    if len(rows) <= FEWEST:
+    if len(rows) <= MIN_HITS:
         return None
-    X = DECAYED * rows[:, 0]
+    X = MEAN_AMPLITUDE_RATIO * rows[:, 0]
     log_amplitude = np.log2(X)
-    if np.ptp(log_amplitude) < EQUAL:
+    if np.ptp(log_amplitude) < MIN_AMPLITUDE_RANGE:
         return None
     return Trend(
         _fit_line(log_amplitude, 2 * np.log(rows[:, 1])),
         _fit_line(log_amplitude, np.log(rows[:, 2])),
         float(np.median(rows[:, 3])),
-        float(_OF_MEDIAN * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
+        float(_MEDIAN_SE_RATIO * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
         (float(X.min()), float(X.max())),
         float(X.max() / X.min()),
     )

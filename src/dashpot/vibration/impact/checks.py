@@ -21,19 +21,19 @@ from dashpot.vibration.impact.hit_faults import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra, estimate, leave_one_out
 
-NO_TURN = 0.95
+MAX_PEAK_POSITION = 0.95
 """Part of the lines beyond which the highest is where they end, and no peak."""
 MIN_HITS = 3  # good hits
-COHERENT = 0.9
+MIN_COHERENCE = 0.9
 # lines on either side of a resonance from which a single hit shows it
-LINES = 1.5  # in the half-power band
-TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
-OUTLIER = 5.0  # times the usual disagreement between a hit and the others
+MIN_RESONANCE_LINES = 1.5  # in the half-power band
+MIN_TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
+OUTLIER_RATIO = 5.0  # times the usual disagreement between a hit and the others
 MAX_DISAGREEMENT = 0.1
-TOLERANCE = 0.05
-GROSS = 1.5  # so far off it is a unit, a sign or another body
+MASS_TOLERANCE = 0.05
+GROSS_MASS_RATIO = 1.5  # so far off it is a unit, a sign or another body
 MASS_LINE_FACTOR = 2.5  # times the natural frequency the mass line begins
-SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
+MIN_SOFTENING, MIN_BANDWIDTH_CHANGE = 0.01, 0.2  # of the stiffness; of the half-power band
 
 
 def agreement(
@@ -52,7 +52,7 @@ def agreement(
         return qualities, accepted
     typical = float(np.median(differences))
     for i, value in zip(np.flatnonzero(accepted), differences, strict=True):
-        if value < max(OUTLIER * typical, MAX_DISAGREEMENT):
+        if value < max(OUTLIER_RATIO * typical, MAX_DISAGREEMENT):
             continue
         message = (
             f"incoherent: its response differs by {100 * value:.0f} % from that of the other "
@@ -146,7 +146,7 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
     return int(np.argmin(np.abs(frf.frequency - main.frequency)))
 
 
-@criterion("least coherence about the peak", ">=", COHERENT, "common practice")
+@criterion("least coherence about the peak", ">=", MIN_COHERENCE, "common practice")
 def coherence(frf: FRF, line: int) -> Finding:
     """The coherence is high at the resonance and at the lines beside it."""
     if frf.coherence is None:
@@ -160,7 +160,7 @@ def coherence(frf: FRF, line: int) -> Finding:
     location = "at" if lowest_line == line else "beside"
     return Finding(
         f"The coherence {location} the resonance ({frf.frequency[lowest_line]:.4g} Hz) is "
-        f"{value:.4f}; at least {COHERENT:g} is expected",
+        f"{value:.4f}; at least {MIN_COHERENCE:g} is expected",
         value,
         "The hits differ there",
         Remedy("Strike the same place squarely, and record longer.", "hit-length"),
@@ -259,7 +259,7 @@ def _find_peak_line(magnitude: FloatArray) -> int | None:
         int(magnitude.argmin()),
         len(magnitude) - 1,
     )
-    if 0 < highest_index < NO_TURN * last_index:
+    if 0 < highest_index < MAX_PEAK_POSITION * last_index:
         return highest_index
     return lowest_index if highest_index > 0 and lowest_index > 0 else None
 
@@ -291,15 +291,15 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     )
 
 
-@criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
+@criterion("record, s", ">=", source=f"{MIN_TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
 def record_long_enough(frf: FRF, main: Mode) -> Finding:
     """The record contains the whole decay."""
     record_length = frf.record or 0.0
-    needed_length = TIME_CONSTANTS / main.decay
+    needed_length = MIN_TIME_CONSTANTS / main.decay
     cut_percent = 100 * np.exp(-(main.decay + frf.shift) * record_length)
     return Finding(
-        f"The record lasts {record_length:.3g} s after the hit; {TIME_CONSTANTS} time constants of "
-        f"the decay are {needed_length:.3g} s",
+        f"The record lasts {record_length:.3g} s after the hit; {MIN_TIME_CONSTANTS} time "
+        f"constants of the decay are {needed_length:.3g} s",
         record_length,
         f"At its end {cut_percent:.2g} % of the response is left, which flattens the peak of the "
         "FRF. The modes allow for that",
@@ -356,16 +356,19 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
 
 
 @criterion(
-    "lines", ">=", LINES, "measured: damping and height to 1 %; a third of them reads 17 % high"
+    "lines",
+    ">=",
+    MIN_RESONANCE_LINES,
+    "measured: damping and height to 1 %; a third of them reads 17 % high",
 )
 def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     """The frequency resolution is fine enough for the peak."""
     spacing = float(np.median(np.diff(frf.frequency)))
     width = main.bandwidth + frf.shift / np.pi
-    needed_length = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
+    needed_length = max(MIN_RESONANCE_LINES / main.bandwidth, MIN_TIME_CONSTANTS / main.decay)
     return Finding(
         f"The half-power band of {width:.3g} Hz has {width / spacing:.1f} lines; at least "
-        f"{LINES:g} are needed. The frequency resolution is {spacing:.3g} Hz",
+        f"{MIN_RESONANCE_LINES:g} are needed. The frequency resolution is {spacing:.3g} Hz",
         width / spacing,
         "The peak lies between the lines",
         Remedy(
@@ -421,7 +424,7 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
             f"A change with amplitude needs more than {MIN_HITS} hits of different height"
         )
     doublings = float(np.log2(trend.range))
-    notable_change = min(SOFTENING, 4 * NARROW * main.damping_ratio) / doublings
+    notable_change = min(MIN_SOFTENING, 4 * MIN_BANDWIDTH_CHANGE * main.damping_ratio) / doublings
     stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, notable_change)
     damping = abs(trend.damping) / max(trend.damping_sure, MAX_DISAGREEMENT / doublings)
     return Finding(
@@ -514,9 +517,9 @@ def apparent_mass(
 @criterion(
     "apparent / weighed mass - 1",
     "|x| <=",
-    TOLERANCE,
+    MASS_TOLERANCE,
     "ISO 7626-2, 7.5.2",
-    other_grade=f"stop beyond a factor {GROSS:g}",
+    other_grade=f"stop beyond a factor {GROSS_MASS_RATIO:g}",
 )
 def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above the resonance the FRF shows the stated mass."""
@@ -538,7 +541,7 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
         failure=message,
         reason=_format_likely_cause(factor),
         remedy=Remedy("Check the mass, then sensitivities and units.", "mass"),
-        grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,
+        grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS_MASS_RATIO) else None,
     )
 
 
@@ -554,6 +557,6 @@ def _format_likely_cause(factor: float) -> str:
         ("A sensitivity looks ten times too large or small, such as 10 mV/g for 100 mV/g", 0.1),
     )
     cause, ratio = min(causes, key=lambda item: abs(np.log(factor / item[1])))
-    if abs(factor / ratio - 1) < 2 * TOLERANCE:
+    if abs(factor / ratio - 1) < 2 * MASS_TOLERANCE:
         return f"{cause} (factor {factor:.4g})"
     return f"If the mass is right, a sensor sensitivity is wrong by a factor of {1 / factor:.4g}"

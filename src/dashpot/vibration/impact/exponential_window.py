@@ -27,26 +27,26 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.vibration.impact.hits import GUARD, HitBlock
+from dashpot.vibration.impact.hits import GUARD_SAMPLES, HitBlock
 
-EVIDENT = 0.5
+EVIDENT_SHARE = 0.5
 """Scatter at the end over that before the pulse, below which a channel was windowed."""
-_FEWEST_QUIET = 8
+_MIN_QUIET_SAMPLES = 8
 """Samples of a quarter of the quiet that is judged by itself."""
-_HEARD = 3.0
+_NOISE_RISE = 3.0
 """Times the usual mean square beyond which a quarter of the quiet heard something."""
-_STRETCHES = 40
-_FEWEST_STRETCHES = 5
+_STRETCH_COUNT = 40
+_MIN_STRETCHES = 5
 _TAPS = 65
-_FEWEST_TAPS = 9
-_PASSED = 0.3
+_MIN_TAPS = 9
+_PASS_BAND_EDGE = 0.3
 """Share of the sampling rate above which a channel is noise."""
-_BETA = 8.0
-_STEPS = 1.5
+_KAISER_BETA = 8.0
+_MIN_ROUNDING_RATIO = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
 _WINDOW_DEVIANCE = 4.0
 """Fall of the deviance by which a window begins with the pulse."""
-_LINEAR = 15.0
+_LINEAR_LIMIT = 15.0
 """The same below which rounding distorts a variance: noise of a step and more only adds to it."""
 _MIN_VARIANCE_SHARE = 1e-5
 """Part of the variance before the pulse down to which its decay is followed."""
@@ -54,7 +54,7 @@ _DECISIVE_DEVIANCE = 30.0
 """Fall of the deviance by which a slower decay is evident, too."""
 _SLOW_DECAY_RATIO = 0.8
 """Ratio of the scatters that it then must have."""
-_SPAN = (0.02, 60.0)
+_DECAY_RANGE = (0.02, 60.0)
 """Decays that are sought, times the length of the block."""
 _CONTRADICTION_SE = 4.0
 """Standard errors between what is stated and what the scatter shows."""
@@ -220,7 +220,7 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
     """
     if window.rate <= 0:
         return hit
-    count = max(hit.onset - GUARD, 0)
+    count = max(hit.onset - GUARD_SAMPLES, 0)
     centred_time = (np.arange(len(hit.force)) - (count - 1) / 2) / hit.rate
     correction = 1 - np.exp(-window.rate * centred_time)
     length = len(hit.force) - hit.missing
@@ -252,25 +252,25 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     hits : sequence of HitBlock
     """
     quiet_samples = min(hit.onset for hit in hits)
-    quiet_samples -= max(GUARD, quiet_samples // 8)
+    quiet_samples -= max(GUARD_SAMPLES, quiet_samples // 8)
     taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
     sample_count = min(len(hit.force) - hit.missing for hit in hits)
-    if taps < _FEWEST_TAPS or sample_count < 4 * _STRETCHES + taps:
+    if taps < _MIN_TAPS or sample_count < 4 * _STRETCH_COUNT + taps:
         return None
     filters = _high_pass(taps)
     squares = np.array([np.convolve(row[:sample_count], filters, "valid") ** 2 for row in rows])
     early_power = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
     rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
-    if not early_power > _STEPS * rounding:
+    if not early_power > _MIN_ROUNDING_RATIO * rounding:
         return None
     start = max(hit.pulse(0.01).stop for hit in hits)
-    stretches = np.array_split(np.arange(start, squares.shape[1]), _STRETCHES)
+    stretches = np.array_split(np.arange(start, squares.shape[1]), _STRETCH_COUNT)
     if min(map(len, stretches)) < 2:
         return None
     rate, onset = hits[0].rate, hits[0].onset
     mean_times = [(stretch.mean() + (taps - 1) / 2 - onset) / rate for stretch in stretches]
     variance = [float(squares[:, stretch].mean()) for stretch in stretches]
-    expected_spread = 2 * (0.5 - _PASSED) * len(rows)
+    expected_spread = 2 * (0.5 - _PASS_BAND_EDGE) * len(rows)
     time = np.array([(quiet_samples / 2 - onset) / rate, *mean_times])
     values = np.array([early_power, *variance])
     freedom = expected_spread * np.array([quiet_samples, *map(len, stretches)], dtype=float)
@@ -287,18 +287,23 @@ def _estimate_noise_power(squares: FloatArray) -> float:
     quarters = [
         quarter
         for quarter in np.array_split(squares, 4, axis=1)
-        if quarter.shape[1] >= _FEWEST_QUIET
+        if quarter.shape[1] >= _MIN_QUIET_SAMPLES
     ]
     means = np.array([quarter.mean(axis=1) for quarter in quarters]).ravel()
     typical_power = float(np.median(means)) if len(means) else 0.0
-    quiet_means = means[means <= _HEARD * typical_power]
+    quiet_means = means[means <= _NOISE_RISE * typical_power]
     return float(quiet_means.mean()) if len(quiet_means) else float(squares.mean())
 
 
 def _high_pass(taps: int) -> FloatArray:
     """Return a linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
     taps_from_centre = np.arange(taps) - (taps - 1) / 2
-    low = 2 * _PASSED * np.sinc(2 * _PASSED * taps_from_centre) * np.kaiser(taps, _BETA)
+    low = (
+        2
+        * _PASS_BAND_EDGE
+        * np.sinc(2 * _PASS_BAND_EDGE * taps_from_centre)
+        * np.kaiser(taps, _KAISER_BETA)
+    )
     low /= low.sum()
     return np.asarray((taps_from_centre == 0) - low)
 
@@ -333,14 +338,14 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
 def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     """Return the decay that all channels share, 1/s, and its standard error."""
     noise_segments = [_select_noise_segments(decay) for decay in scatter_decays]
-    if not noise_segments or max(len(decay.time) for decay in noise_segments) < _FEWEST_STRETCHES:
+    if not noise_segments or max(len(decay.time) for decay in noise_segments) < _MIN_STRETCHES:
         return float("nan"), np.inf
     length = max(decay.time[-1] for decay in noise_segments)
 
     def total(rate: float) -> float:
         return sum(decay.deviance(rate) for decay in noise_segments)
 
-    grid = np.geomspace(*_SPAN, 60) / length
+    grid = np.geomspace(*_DECAY_RANGE, 60) / length
     values = [total(rate) for rate in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
@@ -364,7 +369,7 @@ def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches that neither a high mode nor rounding drowns."""
-    low = max(_LINEAR * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
+    low = max(_LINEAR_LIMIT * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
     rising_indices = np.flatnonzero(decay.variance[1:] > decay.variance[0])
     low_indices = np.flatnonzero(decay.variance[1:] < low)
     first = 1 + (int(rising_indices[-1]) + 1 if rising_indices.size else 0)
@@ -375,12 +380,12 @@ def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
 
 def _is_windowed(decay: ScatterDecay) -> bool:
     """Return whether the noise of a channel decays: by half, or by less beyond any chance."""
-    if decay.ratio < EVIDENT:
+    if decay.ratio < EVIDENT_SHARE:
         return True
     if decay.ratio > _SLOW_DECAY_RATIO:
         return False
     noise_segments = _select_noise_segments(decay)
-    if len(noise_segments.time) < _FEWEST_STRETCHES:
+    if len(noise_segments.time) < _MIN_STRETCHES:
         return False
     rates = np.geomspace(0.1, 3.0, 12) / noise_segments.time[-1]
     lowest_deviance = min(noise_segments.deviance(float(rate)) for rate in rates)

@@ -47,11 +47,11 @@ from dashpot.vibration.modal.pole_fit import FRFLines
 # Average of hits: windows, signs and weights.
 
 
-FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
+MIN_FORCE_RATIO = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
 ALIAS_FREE = 0.4  # of the sampling rate
 POLARITY_SHARE = 0.5  # of all motion must go one way to show the polarity of an accelerometer
 WINDOW_END = 0.01  # what an exponential window leaves of the response at the end of the record
-FORMS = "none, force, exponential, exponential:0.01, force+exponential"
+WINDOW_FORMS = "none, force, exponential, exponential:0.01, force+exponential"
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Window:
                 end = _find_end(value, window) if value else None
             elif name != "none" or value or window != "none":
                 raise DataError(
-                    f"window {window!r} does not suit a hammer test; expected one of {FORMS}"
+                    f"window {window!r} does not suit a hammer test; expected one of {WINDOW_FORMS}"
                 )
         return cls(force, exponential, end)
 
@@ -220,7 +220,7 @@ def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
     """Return lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
     power = (np.abs(np.fft.rfft([b.force * _make_force_window(b) for b in hits])) ** 2).mean(axis=0)
-    weak_lines = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
+    weak_lines = np.flatnonzero(power < MIN_FORCE_RATIO**2 * power[: max(n // 500, 2)].max())
     highest_line = float(weak_lines[0]) if weak_lines.size else np.inf
     return 0.5 * rate / n, min(max(highest_line - 0.5, 8.5), ALIAS_FREE * n) * rate / n
 

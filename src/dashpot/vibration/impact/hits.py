@@ -16,12 +16,12 @@ from dashpot.vibration.modal.peaks import run_about
 # Detection of hits, blocks, and removal of residual ringing.
 
 
-TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits
+TRIGGER_SHARE = 0.1  # of the largest force of the test: smaller pulses are not hits
 MIN_HIT_DISTANCE = 0.5  # s: pulses closer than this are one hit, perhaps a double one
-PRETRIGGER = 0.1  # s, where that much is recorded
-GUARD = 2  # samples before the onset that may already feel the pulse
-HISTORY = 1.0  # s before a hit that are kept to show how the block still moves
-EXPLAINED = 0.5  # of the motion before a hit must be free decay to be taken off
+PRETRIGGER_SHARE = 0.1  # s, where that much is recorded
+GUARD_SAMPLES = 2  # samples before the onset that may already feel the pulse
+HISTORY_LENGTH = 1.0  # s before a hit that are kept to show how the block still moves
+MIN_EXPLAINED_SHARE = 0.5  # of the motion before a hit must be free decay to be taken off
 RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed with few digits
 
 
@@ -200,7 +200,7 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
     pulse_onsets: list[_PulseOnset] = []
     for record, force in zip(records, centred_forces, strict=True):
         noise = 1.4826 * float(np.median(np.abs(force)))
-        triggered_indices = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
+        triggered_indices = np.flatnonzero(sign * force > max(TRIGGER_SHARE * peak, 8 * noise))
         if peak <= 0 or not triggered_indices.size:
             continue
         firsts = triggered_indices[
@@ -232,7 +232,7 @@ def _choose_pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: f
     if pretrigger is not None:
         require_nonnegative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
-    max_pretrigger = round(PRETRIGGER * rate)
+    max_pretrigger = round(PRETRIGGER_SHARE * rate)
     # a hit without anything before it is judged later; it must not shorten the others
     return min(
         [max_pretrigger, *(hit.onset for hit in onsets if hit.onset >= min(8, max_pretrigger))]
@@ -266,7 +266,7 @@ def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> H
     start = hit.record.start + hit.onset - onset
     stop = min(start + length, hit.record.start + record_length)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
-    quiet_rows = rows[:, : max(onset - GUARD, 0)]
+    quiet_rows = rows[:, : max(onset - GUARD_SAMPLES, 0)]
     offset, quiet_sd, noise = np.zeros((3, len(rows)))
     if quiet_rows.shape[1] >= 4:
         offset, quiet_sd = quiet_rows.mean(axis=1), quiet_rows.std(axis=1)
@@ -299,9 +299,9 @@ def _get_earlier_motion(hit: _PulseOnset) -> FloatArray:
     """Accelerations before a hit, well after the one before."""
     rate, record = hit.test.rate, hit.record
     history_start = 0 if hit.previous is None else (hit.previous + hit.onset) // 2
-    first = max(hit.onset - round(HISTORY * rate), history_start)
+    first = max(hit.onset - round(HISTORY_LENGTH * rate), history_start)
     return hit.test.acceleration[
-        :, record.start + first : record.start + max(hit.onset - GUARD, first)
+        :, record.start + first : record.start + max(hit.onset - GUARD_SAMPLES, first)
     ]
 
 
@@ -315,11 +315,11 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     ringing = hit.past
     if ringing.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
         return hit
-    time_before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD) / hit.rate
+    time_before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD_SAMPLES) / hit.rate
     basis = _make_decays(time_before, np.array(poles))
     c, *_ = np.linalg.lstsq(basis, ringing.T, rcond=1e-10)
     residual = ringing.T - basis @ c
-    if residual.var() > (1 - EXPLAINED) * ringing.var():
+    if residual.var() > (1 - MIN_EXPLAINED_SHARE) * ringing.var():
         return hit
     time_since_onset = (np.arange(len(hit.force)) - hit.onset) / hit.rate
     return replace(

@@ -13,10 +13,16 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.pole_fit import FLOOR, FRFLines, find_poles, pole_kernel, residues_at
+from dashpot.vibration.modal.pole_fit import (
+    MIN_LINE_ERROR,
+    FRFLines,
+    find_poles,
+    pole_kernel,
+    residues_at,
+)
 
 FREQUENCY_FACTOR = 1.2  # times their frequencies lie the lines that decide about two modes
-FEWEST = 12  # lines for that
+MIN_LINES = 12  # lines for that
 
 
 @dataclass(frozen=True)
@@ -78,7 +84,7 @@ def null_rocking(
     # what is left is small: only lines about the two modes distinguish it from other modes' skirts
     omega, pair = lines.s.imag, (bounce.imag, rocking.imag)
     is_near_poles = (omega > min(pair) / FREQUENCY_FACTOR) & (omega < max(pair) * FREQUENCY_FACTOR)
-    if np.count_nonzero(is_near_poles) > FEWEST:
+    if np.count_nonzero(is_near_poles) > MIN_LINES:
         lines, hits = lines.only(is_near_poles), hits[:, :, is_near_poles]
         poles = poles[
             (poles.imag > min(pair) / FREQUENCY_FACTOR)
@@ -117,7 +123,9 @@ def _find_poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     row_maxima = np.abs(rows).max(axis=1)
     if row_maxima[1] < 1e-9 * row_maxima[0]:
         return None
-    error = np.stack((np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, FLOOR * row_maxima[1])))
+    error = np.stack(
+        (np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, MIN_LINE_ERROR * row_maxima[1]))
+    )
     fit = find_poles(replace(lines, value=rows, sd=error), max_modes=5)
     if fit is None:
         return None

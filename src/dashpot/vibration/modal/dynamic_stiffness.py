@@ -40,7 +40,7 @@ def compute_stiffness_change(slope: ComplexArray, eta: FloatArray) -> tuple[Floa
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
 # the slope of ln K' is taken over this factor in frequency to either side
-SLOPE_REACH = 1.6
+SLOPE_BAND_FACTOR = 1.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,7 +273,9 @@ def _make_slope_weights(
 ) -> tuple[BoolArray, FloatArray]:
     """Return the lines about `centre`, and their weights in the slope of a straight line."""
     is_near = (
-        (frequency >= centre / SLOPE_REACH) & (frequency <= centre * SLOPE_REACH) & (storage > 0)
+        (frequency >= centre / SLOPE_BAND_FACTOR)
+        & (frequency <= centre * SLOPE_BAND_FACTOR)
+        & (storage > 0)
     )
     if np.count_nonzero(is_near) < 3:
         raise DataError(f"fewer than 3 lines about {centre:g} Hz: no slope of the stiffness there")

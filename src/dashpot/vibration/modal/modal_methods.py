@@ -18,8 +18,8 @@ from dashpot.vibration.modal.pole_fit import FRFLines, find_poles
 # Modes common to several FRFs.
 
 
-FEWEST_BAND_LINES = 8
-MOST_MODES, MOST_OF_A_SET = 6, 24
+MIN_BAND_LINES = 8
+MAX_MODES, MAX_MODES_OF_SET = 6, 24
 """Modes sought in one FRF, about a mount's resonance, and in a set of them."""
 
 
@@ -57,10 +57,10 @@ def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet
     f = all_of_them.frequency
     low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
     keep = (f >= low) & (f <= high) & (f > 0)
-    if np.count_nonzero(keep) < FEWEST_BAND_LINES:
+    if np.count_nonzero(keep) < MIN_BAND_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} lines between {low:g} and {high:g} Hz; modes need at least "
-            f"{FEWEST_BAND_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: "
+            f"{MIN_BAND_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: "
             "give a band within, or record longer"
         )
     accelerances = tuple(frf.to(Kind.ACCELERANCE).only(keep) for frf in points.frfs)
@@ -76,7 +76,7 @@ def find_shapes(
 
 def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
     """Modes on all lines of accelerances, by `find_poles`; the largest motion first."""
-    max_modes = MOST_MODES if len(band_frfs.frfs) == 1 else MOST_OF_A_SET
+    max_modes = MAX_MODES if len(band_frfs.frfs) == 1 else MAX_MODES_OF_SET
     fit = find_poles(lines_of(band_frfs), max_modes=max_modes, count=count)
     if fit is None:
         return ()

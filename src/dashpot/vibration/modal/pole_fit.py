@@ -47,8 +47,8 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
 
 
 # no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
-FLOOR = 1e-3
-FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
+MIN_LINE_ERROR = 1e-3
+MIN_ERROR_OF_PEAK = 3e-4  # and of the highest line: leakage is modelled that well
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +86,12 @@ class FRFLines:
         """Return lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
         magnitude = np.abs(value)
         largest_magnitude = magnitude.max(axis=1, keepdims=True)
-        error = np.broadcast_to(FLOOR * largest_magnitude, magnitude.shape)
+        error = np.broadcast_to(MIN_LINE_ERROR * largest_magnitude, magnitude.shape)
         if sd is not None:
             error = np.sqrt(
-                sd**2 + (FLOOR * magnitude) ** 2 + (FLOOR_OF_TOP * largest_magnitude) ** 2
+                sd**2
+                + (MIN_LINE_ERROR * magnitude) ** 2
+                + (MIN_ERROR_OF_PEAK * largest_magnitude) ** 2
             )
         return cls(s, value, error, record, pulse)
 
@@ -131,9 +133,9 @@ def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArra
 
 
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
-RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
+TRIAL_DAMPING_RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
 MAX_BLOCK_SIZE = 1 << 20  # numbers of a block that is worked on at once
-MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
+MAX_DAMPING = 0.75  # sigma / omega of a mode; beyond it is relaxation
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +176,11 @@ class BackgroundProjection:
         frequencies = np.geomspace(omega[0], omega[-1], 16)[1:-1]
         return scans(
             self.lines,
-            [(r * frequency, float(frequency)) for r in RATIOS[5:] for frequency in frequencies],
+            [
+                (r * frequency, float(frequency))
+                for r in TRIAL_DAMPING_RATIOS[5:]
+                for frequency in frequencies
+            ],
         )
 
     def parts(self, columns: int) -> list[slice]:
@@ -279,7 +285,7 @@ class PoleTrial:
     @cached_property
     def sse(self) -> float:
         """Sum of squared residuals; infinite where a pole does not oscillate."""
-        if (self.theta[0::2] - self.theta[1::2] >= np.log(MOST_DAMPED)).any():
+        if (self.theta[0::2] - self.theta[1::2] >= np.log(MAX_DAMPING)).any():
             return np.inf
         return float((self.solution.residuals**2).sum())
 
@@ -378,11 +384,11 @@ def _multiply(matrix: FloatArray, vector: FloatArray) -> FloatArray:
 # mass line, modes above the band and, as slow real poles, relaxation and modes below it.
 
 
-STEPS = 60
+MAX_STEPS = 60
 STEP_TOLERANCE = 0.2  # variances: what a last step may explain while modes are sought
-NOTHING_NEW = 1e-10  # of a column's square: what rounding leaves of one that is known
-SMALLEST_MODE = 0.01  # of the largest value in the band
-OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
+MIN_NEW_RESIDUAL = 1e-10  # of a column's square: what rounding leaves of one that is known
+MIN_MODE_SHARE = 0.01  # of the largest value in the band
+OUTER_FACTORS = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
 BACKGROUND_FACTOR = 2.0  # beyond which the background says the same
 MAX_MAC = 0.8  # by the modal assurance criterion: two shapes too alike to separate close poles
 
@@ -477,7 +483,7 @@ def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
     is_free = np.full(len(trial.theta), np.inf)
     objective = Objective(lambda theta, _: replace(trial, theta=theta), -is_free, is_free)
     cost_tolerance = max(1e-13, tolerance / trial.ground.rest.size)
-    descent = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=STEPS)
+    descent = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=MAX_STEPS)
     return trial if descent is None else descent.point
 
 
@@ -488,7 +494,9 @@ def _with_next_pole(trial: PoleTrial) -> PoleTrial:
     worst_line, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
     starts = [
-        (r * worst_line, worst_line + i * step) for r in RATIOS for i in np.linspace(-1.5, 1.5, 7)
+        (r * worst_line, worst_line + i * step)
+        for r in TRIAL_DAMPING_RATIOS
+        for i in np.linspace(-1.5, 1.5, 7)
     ]
     return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
 
@@ -513,7 +521,7 @@ def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
         explained = (scan.rows @ values).reshape(count, 2, -1)
         x, y = (scan.rows @ (r * weight)).reshape(-1, 2).T
         a, b, c = scan.squares[:, i]
-        margin = NOTHING_NEW * (a + c)
+        margin = MIN_NEW_RESIDUAL * (a + c)
         a, c = (
             value - (explained[:, k] ** 2).sum(axis=1) + margin for k, value in enumerate((a, c))
         )
@@ -527,7 +535,7 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
     omega, value_count = trial.ground.lines.s.imag, trial.ground.rest.size
     low, high = float(omega[0]), float(omega[-1])
     outer_frequencies = [
-        float(pole_frequency) for by in OUTSIDE for pole_frequency in (low / by, high * by)
+        float(pole_frequency) for by in OUTER_FACTORS for pole_frequency in (low / by, high * by)
     ]
     starts = [
         (ratio * pole_frequency, pole_frequency)
@@ -615,7 +623,7 @@ def _is_mode(trial: PoleTrial, i: int) -> bool:
     """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
     lines, p = trial.ground.lines, trial.poles[i]
     omega, record = lines.s.imag, lines.record
-    if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
+    if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MAX_DAMPING * p.imag:
         return False
     # what stands on one line is hum: lines are no closer than a record is long
     record_length = record or 2 * np.pi / float(np.median(np.diff(omega)))
@@ -629,4 +637,4 @@ def _is_mode(trial: PoleTrial, i: int) -> bool:
     if (np.abs(trial.poles - p)[taller & is_similar] < difference).any():
         return False
     height = residue[:, i] * float(np.abs(pole_kernel(lines, p)).max())
-    return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())
+    return bool((height >= MIN_MODE_SHARE * np.abs(lines.value).max(axis=1)).any())

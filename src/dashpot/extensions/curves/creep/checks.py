@@ -12,7 +12,7 @@ from dashpot.base.number_format import round_to_error
 from dashpot.extensions.curves.checks import MAX_MISFIT
 from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import format_arm_count
-from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
+from dashpot.preprocessing.checks import MAX_FROZEN_SHARE, MAX_PRELOAD
 from dashpot.preprocessing.contact import MIN_BASELINE
 from dashpot.signals.stuck_channel import find_stuck_runs
 
@@ -77,7 +77,7 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
 
 
 @criterion(
-    "part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch changes no stiffness"
+    "part of the hold", "<=", MAX_FROZEN_SHARE, "our choice: a shorter stretch changes no stiffness"
 )
 def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
     """The displacement is a new reading in each row while the load is held.

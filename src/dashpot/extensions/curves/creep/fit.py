@@ -64,7 +64,12 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
     valid_band_exists,
 )
-from dashpot.fitting.data_blocks import NUISANCE, FitData, max_determinable_arms, regularise_clock
+from dashpot.fitting.data_blocks import (
+    NUISANCE_NAMES,
+    FitData,
+    max_determinable_arms,
+    regularise_clock,
+)
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
@@ -306,7 +311,9 @@ def _integrate_load(time: FloatArray, load: FloatArray) -> FloatArray:
 def _compute_response(block: DataBlock, solution: Solution) -> FloatArray:
     """Return the displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
-    fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
+    fixed = [
+        0.0 if name in NUISANCE_NAMES else solution.coefficient(name) for name in block.fixed_names
+    ]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.units import celsius
-from dashpot.datamodel.shift_factors import ABOVE_GLASS
+from dashpot.datamodel.shift_factors import GLASS_MARGIN
 from dashpot.extensions.curves.shift_law_fit import MAX_MISSED, LawScore, ShiftLawFit, ShiftOutlier
 from dashpot.numerics.inference.model_order import is_significant_fall
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
@@ -187,11 +187,11 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
     """
     if not isinstance(law, WLF):
         return Finding("No WLF law was fitted, so none gives a glass transition")
-    short = law.glass + ABOVE_GLASS - coldest
+    short = law.glass + GLASS_MARGIN - coldest
     return Finding(
         f"The WLF law puts the glass transition near {celsius(law.glass)}",
         short,
-        f"The coldest test, at {celsius(coldest)}, is less than {ABOVE_GLASS:g} K above it, where "
+        f"The coldest test, at {celsius(coldest)}, is less than {GLASS_MARGIN:g} K above it, where "
         "no such law is valid",
         Remedy("Check the temperatures. Until then use the shifts themselves.", "shift", "free"),
         always_passes=short < MAX_RISE * error,

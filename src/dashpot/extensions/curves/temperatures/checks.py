@@ -10,7 +10,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import celsius
 from dashpot.datamodel.parameter_estimate import Nuisance
-from dashpot.datamodel.shift_factors import CONTRADICT, TemperatureShifts
+from dashpot.datamodel.shift_factors import MIN_CONTRADICTING_TESTS, TemperatureShifts
 
 # decades of time that neighbours both inform: pairs of simulated tests that shared 1.9 found their
 # shift within its error, of those that shared 0.8 to 1.4 some missed it by five
@@ -134,7 +134,7 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
 @criterion(
     "temperatures",
     ">=",
-    CONTRADICT,
+    MIN_CONTRADICTING_TESTS,
     "our choice: two temperatures always fit a law",
     grade="note",
 )

@@ -27,7 +27,7 @@ from dashpot.extensions.materials.csr.law import (
     AgingLaw,
     retained_fraction,
 )
-from dashpot.solids.shift_laws import GAS
+from dashpot.solids.shift_laws import GAS_CONSTANT
 
 _HOURS = (
     0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000, 1500, 2000, 3000, 4000, 5000, 7000,
@@ -134,8 +134,8 @@ class PlannedOvens:
         for k, kelvin in enumerate(self.temperatures):
             D = np.zeros((_OVEN_PARAMETERS, size))
             D[0, 0] = D[1, 1] = D[2, 3] = D[3, 4] = 1.0
-            D[1, 2] = _ENERGY_UNIT * (1 / kelvin - 1 / law.reference) / GAS
-            D[1, 5 + k] = -law.activation * test.oven_sd / (GAS * kelvin**2)
+            D[1, 2] = _ENERGY_UNIT * (1 / kelvin - 1 / law.reference) / GAS_CONSTANT
+            D[1, 5 + k] = -law.activation * test.oven_sd / (GAS_CONSTANT * kelvin**2)
             D = D[:, self._free]
             self._parts.append(D.T @ test.compute_specimen_information(kelvin) @ D)
 

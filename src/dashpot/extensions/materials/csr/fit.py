@@ -24,7 +24,7 @@ from dashpot.extensions.materials.csr.law import BOUND, THOUSAND_HOURS, AgingLaw
 from dashpot.extensions.materials.csr.preprocess import Readings, collect_readings
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
-from dashpot.solids.shift_laws import GAS
+from dashpot.solids.shift_laws import GAS_CONSTANT
 
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0
 """Standard deviation of an oven's temperature, K: the usual one, and the largest accepted."""
@@ -183,11 +183,16 @@ def _fit_arrhenius(
         float(1 / np.mean(1 / kelvin)),
         len(ovens) if has_several_ovens and sd else 0,
     )
-    inverse_kelvin_difference = (1 / kelvin - 1 / mean_inverse_kelvin) / GAS
+    inverse_kelvin_difference = (1 / kelvin - 1 / mean_inverse_kelvin) / GAS_CONSTANT
 
     def rates(theta: FloatArray) -> tuple[FloatArray, float]:
         oven_temperature = kelvin + sd * theta[4 : 4 + oven_count] if oven_count else kelvin
-        slope = _ENERGY_UNIT * theta[2] * (1 / oven_temperature - 1 / mean_inverse_kelvin) / GAS
+        slope = (
+            _ENERGY_UNIT
+            * theta[2]
+            * (1 / oven_temperature - 1 / mean_inverse_kelvin)
+            / GAS_CONSTANT
+        )
         return np.exp(-theta[1] - slope), float(np.exp(theta[3]))
 
     fastest = max(oven.rate for oven in ovens)

@@ -20,7 +20,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.units import parse_quantity
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
-from dashpot.solids.shift_laws import GAS
+from dashpot.solids.shift_laws import GAS_CONSTANT
 
 F0_TIME = 1800.0
 """Time of F0 after the compression, s."""
@@ -86,7 +86,7 @@ class AgingLaw(EqualByValue):
 
     def tau(self, temperature: float) -> float:
         """Return time of the chemical factor at a temperature, s."""
-        inverse_kelvin_difference = (1 / temperature - 1 / self.reference) / GAS
+        inverse_kelvin_difference = (1 / temperature - 1 / self.reference) / GAS_CONSTANT
         return float(np.exp(self.chemical + self.activation * inverse_kelvin_difference))
 
     def compute_retention(self, temperature: float, time: float) -> float:

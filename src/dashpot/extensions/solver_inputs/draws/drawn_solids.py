@@ -34,7 +34,7 @@ from dashpot.extensions.solver_inputs.draws.stratified_sampling import (
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.prediction_bounds import (
-    UNKNOWN,
+    UNKNOWN_SD,
     compute_covariance_root,
     get_solid_parameters,
 )
@@ -111,7 +111,7 @@ def draw_solids(
         raise DataError(
             "the fit has no covariance, so nothing can be drawn from it; fit with fewer arms"
         )
-    widest = UNKNOWN * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
+    widest = UNKNOWN_SD * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
     variance = np.diag(covariance)
     is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
     covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
