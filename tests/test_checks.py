@@ -2543,7 +2543,9 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
 
 def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
     def judge_overlap(decades: float) -> Check:
-        return checks.isotherms_overlap([decades, 2.0], [273.0, 283.0, 296.0], several.SHARED)
+        return checks.isotherms_overlap(
+            [decades, 2.0], [273.0, 283.0, 296.0], several.MIN_SHARED_DECADES
+        )
 
     assert not judge_overlap(1.501).failed
     assert judge_overlap(1.499).failed

@@ -33,7 +33,7 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 MIN_SI_MAGNITUDE, MAX_SI_MAGNITUDE = 1e-30, 1e30
 """Smallest and largest magnitude of any measured array, in SI units."""
 
-MOST_SAMPLES = 2e7
+MAX_SAMPLES = 2e7
 """Largest length of a planned or simulated record: a day at 200 Hz, a minute at 300 kHz."""
 
 
@@ -164,13 +164,13 @@ def sample_count(duration: float, rate: float) -> int:
     Raises
     ------
     DataError
-        If they are more than :data:`MOST_SAMPLES`.
+        If they are more than :data:`MAX_SAMPLES`.
     """
     count = duration * rate
-    if not count <= MOST_SAMPLES:
+    if not count <= MAX_SAMPLES:
         raise DataError(
             f"{duration:.6g} s at {rate:.6g} Hz are {count:.3g} samples; expected at most "
-            f"{MOST_SAMPLES:.0e}: give a shorter time or a lower rate"
+            f"{MAX_SAMPLES:.0e}: give a shorter time or a lower rate"
         )
     return round(count)
 

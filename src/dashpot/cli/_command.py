@@ -21,7 +21,7 @@ WIDTH = 80
 """Columns of a page of help."""
 NAME_WIDTH = 27
 """Columns of them them for the name of an option; what is longer stands on a line of its own."""
-MOST_HELP_LINES = 40
+MAX_HELP_LINES = 40
 """Lines that the help of a verb may take."""
 
 TYPED_VALUES = "dashpot.typed"

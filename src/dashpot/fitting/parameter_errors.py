@@ -441,7 +441,7 @@ def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
 MAX_WALD_SE = 0.05
 # confidence level that a stored profile covers; with few effective residuals, where that needs a
 # deviance above this limit, the usual level: wider intervals are then open
-_WIDEST_LEVEL, _USUAL_LEVEL, _MOST_DEVIANCE = 0.999, 0.95, 30.0
+_WIDEST_LEVEL, _USUAL_LEVEL, _MAX_DEVIANCE = 0.999, 0.95, 30.0
 
 
 def compute_profiles(
@@ -493,7 +493,7 @@ def compute_profiles(
     widest, usual = (
         t_quantile(value, estimate.dof) ** 2 for value in (_WIDEST_LEVEL, _USUAL_LEVEL)
     )
-    limit = min(widest, max(1.1 * usual, _MOST_DEVIANCE))
+    limit = min(widest, max(1.1 * usual, _MAX_DEVIANCE))
     results = walk_profiles(stack, solution, list(targets.values()), limit=limit)
     return tuple(Profile(name, *result) for name, result in zip(targets, results, strict=True))
 

@@ -68,7 +68,7 @@ HUM_RATIO = 20.0
 # slower noise counts where its power is so much larger: by chance it never is
 SLOW_NOISE_RATIO = 2.0
 # standard errors of a shift within which other spectra may move it, and never less than this, ln
-_FREE_SE, _LEAST_SHIFT = 5.0, 0.007
+_FREE_SE, _MIN_SHIFT = 5.0, 0.007
 # standard errors of a slope from which on arms do shift apart
 _SIGNIFICANT_SE = 3.0
 # another temperature may change every stiffness by so much more than b_T
@@ -251,7 +251,7 @@ def _shift_to_reference(
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
         shifts.slope if abs(shifts.slope) > _SIGNIFICANT_SE * slope_sd else 0.0,
-        0.0 if at_reference else max(_FREE_SE * shift.se * LN_10, _LEAST_SHIFT),
+        0.0 if at_reference else max(_FREE_SE * shift.se * LN_10, _MIN_SHIFT),
         0.0 if at_reference else _FREE_SE * slope_sd,
     )
     return build_relaxation_data(

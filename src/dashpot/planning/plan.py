@@ -43,7 +43,7 @@ from dashpot.vibration.mass_on_seals import mass_for_peak
 # Advice on a planned test, as text.
 
 
-LEAST_GAIN = 0.9
+MIN_GAIN = 0.9
 """A repeat is advised if it lowers the standard deviation below this part of that without it."""
 
 
@@ -114,7 +114,7 @@ def _format_cold_advice(
     )
     temperatures = format_temperatures(expected.repeated)
     before = format_relative_sd(without_repeats.loss_factor_sd)
-    if expected.loss_factor_sd > LEAST_GAIN * without_repeats.loss_factor_sd:
+    if expected.loss_factor_sd > MIN_GAIN * without_repeats.loss_factor_sd:
         hint = "" if min(expected.repeated) < test_temperature else " Test in the cold instead."
         sd_after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
@@ -243,7 +243,7 @@ HAMMER_SPAN = 3.5
 LINE_STEP = 0.1
 # default temperature of a repeat, a refrigerator, K; it is tried if so much colder than the test
 USUAL_COLD = 273.15
-LEAST_COOLING = 10.0
+MIN_COOLING = 10.0
 
 
 @dataclass(frozen=True)
@@ -464,7 +464,7 @@ def _build_alternatives(
 def _list_cold_repeats(test_temperature: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
     """Return the repeat in a refrigerator, if it is colder and within the range of the law."""
     plan_repeats = find_handler("plan repeats", "temperatures")
-    if plan_repeats is None or test_temperature < USUAL_COLD + LEAST_COOLING:
+    if plan_repeats is None or test_temperature < USUAL_COLD + MIN_COOLING:
         return []
     try:
         return [plan_repeats([USUAL_COLD], test_temperature, law)]

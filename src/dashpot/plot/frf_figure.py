@@ -130,13 +130,13 @@ DISPLAY_UNITS = {
 INTERVAL, BOUND = "95 % interval of the parameters", "95 % bounds over all spectra"
 
 # a magnitude axis ends that far above the median line at most
-HIGHEST = 1e4
+MAX_MAGNITUDE_RATIO = 1e4
 
 # px: a joint solid shows on both sides of the measured line that it lies under
-UNDER = 7.0
+JOINT_LINE_WIDTH = 7.0
 
 # about a peak, as factors of its frequency
-VIEW = (0.48, 2.3)
+VIEW_FACTORS = (0.48, 2.3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -412,7 +412,7 @@ def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
     peaks = [curve.peak[0] for curve in curves if curve.peak is not None]
     first = min(curve.frf.frequency[curve.frf.frequency > 0][0] for curve in curves)
     last = max(curve.frf.frequency[-1] for curve in curves)
-    return (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
+    return (max(VIEW_FACTORS[0] * min(peaks), first), min(VIEW_FACTORS[1] * max(peaks), last))
 
 
 def curves_of(
@@ -458,8 +458,11 @@ def magnitude_panel(
     ]
     all_sizes = np.concatenate(sizes)
     # neither a few vanishing lines nor a resonance without damping can stretch the axis
-    highest = min(float(all_sizes.max()), HIGHEST * float(np.median(all_sizes)))
-    limits = [0.6 * max(float(np.percentile(all_sizes, 1)), highest / HIGHEST), 1.9 * highest]
+    highest = min(float(all_sizes.max()), MAX_MAGNITUDE_RATIO * float(np.median(all_sizes)))
+    limits = [
+        0.6 * max(float(np.percentile(all_sizes, 1)), highest / MAX_MAGNITUDE_RATIO),
+        1.9 * highest,
+    ]
     marks: list[Mark] = []
     for limit in prediction_bands:
         own_curve = next((curve for curve in curves if curve.pen is limit.pen), predicted)
@@ -475,7 +478,7 @@ def magnitude_panel(
             marks.append(_scatter(item, scale))
     for item in _sort_by_layer(curves):
         at, value = smoothed[id(item)]
-        pen = replace(item.pen, width=UNDER) if item.pen is JOINT else item.pen
+        pen = replace(item.pen, width=JOINT_LINE_WIDTH) if item.pen is JOINT else item.pen
         marks.append(Line(at, scale * np.abs(value), pen, item.label))
     if tagged:
         marks += [replace(peak, y=min(peak.y, limits[1])) for peak in _peaks(curves, unit)]

@@ -80,7 +80,10 @@ def hero(study: Story) -> Picture:
         sources += c.measured.source
         failed = study.joint is not None and study.joint.verdict.use == "do not use"
         curves = frf_figure.curves_of(c, study.joint_comparison, failed=failed)
-        view = (frf_figure.VIEW[0] * c.measured_hz, frf_figure.VIEW[1] * c.measured_hz)
+        view = (
+            frf_figure.VIEW_FACTORS[0] * c.measured_hz,
+            frf_figure.VIEW_FACTORS[1] * c.measured_hz,
+        )
         bounds = frf_figure.make_prediction_bands(study.frf_band)[:1]
         upper = frf_figure.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
         mass = "" if study.mass is None else f"{format_quantity(study.mass, 'g')} on "

@@ -294,7 +294,7 @@ def find_first_contact(
 
 
 # number of trial delays, up to so many standard deviations of the clocks
-TRIAL_DELAY_COUNT, MOST_DELAY_SD = 13, 4.0
+TRIAL_DELAY_COUNT, MAX_DELAY_SD = 13, 4.0
 # number of successive worse delays after which the search ends
 MAX_WORSE_DELAYS = 2
 # arms, from this part of the ramp to so many times it, and no faster than so many samples
@@ -302,7 +302,7 @@ DELAY_ARMS, FASTEST_ARM, SLOWEST_ARM, SAMPLES_PER_ARM = 6, 0.02, 3.0, 2.0
 # rows near either corner of the ramp, and over all of it
 CORNER_ROWS = 100
 # rows that could show a delay beside its arms
-FEWEST_DELAY_ROWS = 4 * DELAY_ARMS
+MIN_DELAY_ROWS = 4 * DELAY_ARMS
 # span after the ramp that is fitted, over its duration
 SPAN_AFTER_RAMP = 0.5
 
@@ -339,8 +339,8 @@ def estimate_contact_delay(
     DelayEstimate
         No delay, with a deviance of 0, where the ramp has too few rows to show one.
     """
-    rows = _select_delay_rows(time, corners, MOST_DELAY_SD * delay_sd)
-    if len(rows) < FEWEST_DELAY_ROWS:
+    rows = _select_delay_rows(time, corners, MAX_DELAY_SD * delay_sd)
+    if len(rows) < MIN_DELAY_ROWS:
         return DelayEstimate(0.0, 0.0)
     ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
     fastest = max(FASTEST_ARM * ramp, SAMPLES_PER_ARM * step)
@@ -348,7 +348,7 @@ def estimate_contact_delay(
     responses = [compression, *arm_response(time, compression, tau).T]
     target, is_nonnegative = force[rows], np.append(False, np.ones(len(responses), dtype=bool))
     best, failures = DelayEstimate(0.0, np.inf), 0
-    for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, TRIAL_DELAY_COUNT).tolist():
+    for delay in np.linspace(0.0, MAX_DELAY_SD * delay_sd, TRIAL_DELAY_COUNT).tolist():
         columns = [np.interp(time[rows] - delay, time, response) for response in responses]
         design = np.column_stack((np.ones(len(rows)), *columns))
         residual = target - design @ solve_linear(design, target, is_nonnegative)[0]

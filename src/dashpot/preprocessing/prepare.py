@@ -20,8 +20,8 @@ from dashpot.datamodel.machine import Machine, MachineCalibration
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.preprocessing import checks
 from dashpot.preprocessing.contact import (
+    MAX_DELAY_SD,
     MIN_BASELINE,
-    MOST_DELAY_SD,
     SPAN_AFTER_RAMP,
     Baseline,
     DelayEstimate,
@@ -510,7 +510,7 @@ def _correct_delayed_contact(
         )
 
     best_touch, delay_estimate = first_contact, estimate_delay(first_contact.displacement)
-    if first_contact.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
+    if first_contact.gap <= MAX_DELAY_SD * delay_sd * motion.line.speed:
         rest_estimate = estimate_delay(motion.rest)
         if rest_estimate.deviance < delay_estimate.deviance - MIN_DEVIANCE_GAIN:
             best_touch, delay_estimate = Touch(motion.rest, 0.0), rest_estimate

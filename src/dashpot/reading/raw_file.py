@@ -25,8 +25,8 @@ from dashpot.registry import format_install_command
 # Time limit of reading a file.
 
 
-_LEAST_SECONDS = 30.0
-_MOST_SECONDS = 600.0
+_MIN_SECONDS = 30.0
+_MAX_SECONDS = 600.0
 _ROWS_SHARE = 2 / 3
 """Part of that time for the rows of a text; the rest is for what is made of them."""
 _BYTES_PER_SECOND = 1e6
@@ -35,7 +35,7 @@ _BYTES_PER_SECOND = 1e6
 
 def compute_time_allowed(size: int) -> float:
     """Return the time that reading so many bytes may take."""
-    return min(max(_LEAST_SECONDS, size / _BYTES_PER_SECOND), _MOST_SECONDS)
+    return min(max(_MIN_SECONDS, size / _BYTES_PER_SECOND), _MAX_SECONDS)
 
 
 class TimeBudget:
@@ -50,7 +50,7 @@ class TimeBudget:
     """
 
     def __init__(self, size: int | None) -> None:
-        self._most = _ROWS_SHARE * (_MOST_SECONDS if size is None else compute_time_allowed(size))
+        self._most = _ROWS_SHARE * (_MAX_SECONDS if size is None else compute_time_allowed(size))
         self._spent = self._began = 0.0
         self._line = 1
 
@@ -85,13 +85,13 @@ class TimeBudget:
 
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
-_BESIDE = 10_000
+_MAX_FOLDER_NAMES = 10_000
 """Names of a folder among which that of a missing file is looked for."""
 _MAX_IN_MEMORY = 1 << 24
 """Bytes of the largest file that is kept in memory, and so opened once."""
-PIPED = 1 << 29
+MAX_PIPE_SIZE = 1 << 29
 """Bytes that may come through a pipe: they are held in memory."""
-SILENCE = 30
+PIPE_TIMEOUT = 30
 """Seconds that a pipe may bring nothing."""
 
 
@@ -191,7 +191,9 @@ def missing(path: str | Path) -> str:
         return f"{missing_path}: there is no folder {missing_parent}. Check the path."
     try:
         with os.scandir(missing_path.parent) as result:
-            extras = [entry.name for entry in islice(result, _BESIDE) if entry.name[:1] != "."]
+            extras = [
+                entry.name for entry in islice(result, _MAX_FOLDER_NAMES) if entry.name[:1] != "."
+            ]
     except OSError:
         extras = []
     names_by_lower_case = {name.casefold(): name for name in extras}
@@ -252,10 +254,10 @@ def _read_pipe(stream: BinaryIO, name: str) -> bytes:
     while block := _next_block(stream, name):
         parts.append(block)
         size += len(block)
-        if size > PIPED:
+        if size > MAX_PIPE_SIZE:
             raise ReadError(
-                f"{name} brings more than {PIPED >> 20} MiB through a pipe; save it as a file and "
-                "give its path"
+                f"{name} brings more than {MAX_PIPE_SIZE >> 20} MiB through a pipe; save it as a "
+                "file and give its path"
             )
     return b"".join(parts)
 
@@ -266,9 +268,9 @@ def _next_block(stream: BinaryIO, name: str) -> bytes:
         mode = os.fstat(stream.fileno()).st_mode
         waiting = select.poll()
         waiting.register(stream, select.POLLIN)
-        if (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)) and not waiting.poll(1000 * SILENCE):
+        if (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)) and not waiting.poll(1000 * PIPE_TIMEOUT):
             raise ReadError(
-                f"{name} is a pipe into which nothing was written for {SILENCE} s; "
+                f"{name} is a pipe into which nothing was written for {PIPE_TIMEOUT} s; "
                 "save the test as a file and give its path"
             )
     block: bytes = stream.read1(_BLOCK)  # type: ignore[attr-defined]

@@ -245,7 +245,7 @@ class ReadOptions:
     def unit_of(self, role: str, column: str) -> str | None:
         """Return the unit given for a column, by its name or by its role, or None."""
         options, name = self.get_units_by_name(), column.strip().casefold()
-        by_role = options.get(role, options.get(_ALSO.get(role, "")))
+        by_role = options.get(role, options.get(_ROLE_SYNONYMS.get(role, "")))
         # "force=N" concerns the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else options.get(name, by_role)
 
@@ -322,8 +322,8 @@ _HEAD: Mapping[str, tuple[Dimension, str]] = {
 """Quantities at the head of a profile: their dimension and SI unit."""
 PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
 """Keys of a profile: its tables, and the quantities at its head."""
-_ASKED = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
-_ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
+_OPTION_FIELDS = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
+_ROLE_SYNONYMS = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
 _FLAGS = {
     field.name: f"{flag_of(field)} {key_of(field)}" if "under" in field.metadata else flag_of(field)
@@ -449,7 +449,7 @@ def _option(section: str, name: str, value: Any) -> Any:
     if name not in _SECTIONS[section]:
         text = ", ".join(_SECTIONS[section])
         raise DataError(f"[{section}] {name} is unknown; known are {text}")
-    options = _ASKED[name]
+    options = _OPTION_FIELDS[name]
     if "multiple" in options:
         return tuple(map(str, value)) if isinstance(value, list) else (str(value),)
     return int(value) if "least" in options else str(value)

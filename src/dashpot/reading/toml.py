@@ -45,7 +45,7 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
 
 Vector: TypeAlias = tuple[float, float, float]
 
-_LARGEST = 1 << 24
+_MAX_SIZE = 1 << 24
 """Bytes: nobody writes more by hand."""
 
 
@@ -59,7 +59,7 @@ def tables_of(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
     """
     raw = open_raw(path)
     try:
-        return raw, parsed_toml(raw.head(_LARGEST))
+        return raw, parsed_toml(raw.head(_MAX_SIZE))
     except ReadError as error:
         raise ReadError(f"{path}: {error}") from None
 

@@ -13,16 +13,16 @@ from dashpot.registry import find_handler
 from dashpot.vibration.mass_on_seals import predict_frf
 from dashpot.workflow.study import Study
 
-PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0
+PHONE_WIDTH, PAPER_WIDTH, PAGE_WIDTH = 350.0, 680.0, 1204.0
 """Widths of the drawing for a phone, for paper, and of all the columns on a screen, px."""
 
-LOW = 172.0
+LOW_HEIGHT = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 _GUTTER, _FEW = 24.0, 2
 """Gap between strips, px; number of small multiples side by side on a phone."""
 
-LEAD, HALF = 728.0, 590.0
+LEAD_WIDTH, HALF_WIDTH = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
 
 BESIDE_WORDS = {"fit", "spectrum", "nyquist"}
@@ -71,12 +71,12 @@ def render_figure(
     """
     name = validate_svg_id(picture.name)
     columns = min(picture.columns, len(picture.strips))
-    number = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
+    number = width or min(picture.width, (PAGE_WIDTH - 24 * (columns - 1)) / columns)
 
     panel_counts = tuple(count for count, row in picture.strip_rows for _ in row)
 
     def strips(value: float, kind: str, max_height: float = math.inf) -> tuple[str, ...]:
-        total_width = PHONE if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
+        total_width = PHONE_WIDTH if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
         names = []
         for i, (panels, count) in enumerate(zip(picture.strips, panel_counts, strict=True)):
             index = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
@@ -89,8 +89,8 @@ def render_figure(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
     on_paper = min(columns, 3)
-    max_height, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
-    small = (PHONE - 16 * (phone - 1)) / phone
+    max_height, sheet = low or math.inf, (PAPER_WIDTH - 24 * (on_paper - 1)) / on_paper
+    small = (PHONE_WIDTH - 16 * (phone - 1)) / phone
     paper = strips(sheet, "paper", max_height) if low or columns > 2 else ()
     versions = strips(number, "wide"), strips(small, "narrow", max_height), paper
     rows = panel_counts if picture.rows else ()
@@ -109,11 +109,13 @@ def figures_of(study: Study) -> dict[str, RenderedFigure]:
     figures = {
         picture.name: render_figure(
             replace(picture, stamp=stamp(study)),
-            width=HALF if picture.name in BESIDE_WORDS else None,
+            width=HALF_WIDTH if picture.name in BESIDE_WORDS else None,
         )
         for picture in all_pictures
     }
-    return figures | {"lead": render_figure(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
+    return figures | {
+        "lead": render_figure(replace(lead(study), name="lead"), width=LEAD_WIDTH, low=LOW_HEIGHT)
+    }
 
 
 def stamp(study: Study) -> str:
@@ -131,7 +133,7 @@ def lead(study: Study) -> plot.Picture:
     text = stamp(study)
     if study.prediction is None or study.mass is None:
         picture = plot.fit(study.fit, study.prepared, stamp=text)
-        return replace(picture, width=LEAD)
+        return replace(picture, width=LEAD_WIDTH)
     predicted = study.prediction
     if study.comparison is not None:
         # on lines of its own: its peak may lie beyond the measured ones

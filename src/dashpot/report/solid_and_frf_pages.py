@@ -25,7 +25,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.plot.picture import Span
 from dashpot.registry import find_handler
-from dashpot.report.figures import LEAD
+from dashpot.report.figures import LEAD_WIDTH
 from dashpot.report.first_screen import NBSP, Row
 from dashpot.report.result_page import (
     CollapsibleSection,
@@ -176,7 +176,7 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
 
 _DEFAULT_BAND = (0.1, 10.0)
 """Hz, of a model that has no valid band."""
-_LINES, _BAND_FACTOR, _MOST_BOUNDED_TESTS = 41, 4.0, 3
+_LINES, _BAND_FACTOR, _MAX_BOUNDED_TESTS = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
 _FEW_ARMS = 6
@@ -296,7 +296,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     lines = np.geomspace(max(low, 1e-9) / _BAND_FACTOR, high * (_BAND_FACTOR * 10), _LINES)
     ramp_holds = [record for record in records if isinstance(record, RampHold)]
     bounds = None
-    if ramp_holds and len(ramp_holds) == len(records) <= _MOST_BOUNDED_TESTS:
+    if ramp_holds and len(ramp_holds) == len(records) <= _MAX_BOUNDED_TESTS:
         bounds = unresolved_arm_band(fit, ramp_holds, lines)
     stiffness_bounds = parameter_band(fit, lines) if fit.estimate.parameters else None
     picture = plot.stiffness(fit, parameters=stiffness_bounds, unresolved_bounds=bounds)
@@ -308,7 +308,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
                 marks=(*valid, *panel.marks))
         for panel, height in ((storage, 150.0), (loss, 170.0))
     )  # fmt: skip
-    return replace(picture, strips=(stacked,), columns=1, width=LEAD)
+    return replace(picture, strips=(stacked,), columns=1, width=LEAD_WIDTH)
 
 
 def _format_test_name(fit: Fit) -> str:

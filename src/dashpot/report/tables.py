@@ -46,7 +46,7 @@ FAILURES = {
     "limit": "failed: use with care",
     "note": "failed: a note",
 }
-CORRECTED = "failed: corrected by the joint model"
+CORRECTED_FAILURE = "failed: corrected by the joint model"
 VALUE = ("", "value ± standard error", "unit")
 
 
@@ -142,7 +142,7 @@ def _get_check_order(check: Check, verdict_checks: Collection[Check]) -> int:
 
 def _state(check: Check, verdict_checks: Collection[Check]) -> str:
     if check.failed:
-        return FAILURES[check.grade] if check in verdict_checks else CORRECTED
+        return FAILURES[check.grade] if check in verdict_checks else CORRECTED_FAILURE
     return STATES[check.passed]
 
 

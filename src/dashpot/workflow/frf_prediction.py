@@ -159,7 +159,7 @@ def _part_mode(word: str | None) -> PartMode | None:
 # Predicted FRF of a mass, with peak, modes and limits.
 
 
-BAND = (1.0, 50.0)
+DEFAULT_BAND = (1.0, 50.0)
 """Hz, where none is said."""
 
 
@@ -495,7 +495,7 @@ def prediction(
     mass, seals = block.weighed_mass, block.seals
     SIZES["mass"].refuse(mass)
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
-    band, predictor = band or BAND, _level_predictor(at_level, swept)
+    band, predictor = band or DEFAULT_BAND, _level_predictor(at_level, swept)
     moving, mass_checks = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
     shifted_fit = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()

@@ -271,7 +271,7 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
     types, entries = _evaluate_types(cls), decode_fields(cls, _find_completion(cls)(value))
     layout = {name: _map_to_fields(types[name], entry) for name, entry in entries.items()}
     # the decoder knows no class with several subclasses
-    return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
+    return _convert_to_class(cls, layout) if _CLASS_CHOICES.keys() & kinds else layout
 
 
 def _convert_to_class(cls: type, layout: dict[str, Any]) -> Any:
@@ -287,7 +287,7 @@ def _decode_value(kind: type, value: Any) -> Any:
     if isinstance(value, list):
         array = np.asarray(value, dtype=float)
         return array.reshape(0, 0) if array.size == 0 and array.ndim == 1 else array
-    if isinstance(value, tuple(_CHOSEN)):
+    if isinstance(value, tuple(_CLASS_CHOICES)):
         return value
     raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
 
@@ -295,8 +295,8 @@ def _decode_value(kind: type, value: Any) -> Any:
 def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
     """Return the class of an object in a document; None of one with arbitrary keys."""
     for kind in kinds:
-        if kind in _CHOSEN:
-            return _CHOSEN[kind](value)
+        if kind in _CLASS_CHOICES:
+            return _CLASS_CHOICES[kind](value)
         if isinstance(kind, type) and is_dataclass(kind):
             return kind
     return None
@@ -306,7 +306,7 @@ def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | Non
 def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
     """Return what adds to the values of a document what its keys leave out."""
     completion = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
-    return _FILLED.get(cls) or completion or dict
+    return _FIELD_CONVERSIONS.get(cls) or completion or dict
 
 
 _evaluate_types = cache(get_type_hints)
@@ -328,7 +328,7 @@ def _make_solid(entries: dict[str, Any]) -> type:
     return FractionalZener if "alpha" in entries else GeneralizedMaxwell
 
 
-_CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
+_CLASS_CHOICES: dict[type, Callable[[dict[str, Any]], type]] = {
     Solid: _make_solid,
     TemperatureLaw: _make_law,
     RateIndependent: lambda entries: Cubic if "k3" in entries else Jenkins,
@@ -404,7 +404,7 @@ def _convert_elastic_law(entries: dict[str, Any]) -> dict[str, Any]:
     return entries | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
-_FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
+_FIELD_CONVERSIONS: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _convert_model,
     Fit: _fit,
     ElasticLaw: _convert_elastic_law,

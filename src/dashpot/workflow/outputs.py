@@ -11,7 +11,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import validate_path, write_atomic
 from dashpot.base.version import is_ours, is_record
 
-_HEAD = 1 << 12
+_HEAD_BYTES = 1 << 12
 """Bytes in which a file's byline stands; a PDF has it anywhere."""
 
 
@@ -102,7 +102,7 @@ def _is_same_file(path: Path, other: Path) -> bool:
 def _read_head(path: Path) -> bytes:
     """Return the part of a file that holds its byline."""
     with path.open("rb") as file:
-        first_lines = file.read(_HEAD)
+        first_lines = file.read(_HEAD_BYTES)
         return first_lines + file.read() if first_lines.startswith(b"%PDF-") else first_lines
 
 

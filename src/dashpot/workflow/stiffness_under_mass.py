@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 # lines of the limits over a band
 LIMIT_LINES = 401
 # what a tangent in doubt keeps at least of its value
-SOFTEST = 0.05
+MIN_TANGENT_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -304,7 +304,10 @@ def _slide_limits(frequency: FloatArray, limits: FloatArray, point: OperatingPoi
     part = NORMAL * point.factor_se / point.factor
     if part <= 0:
         return limits
-    first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))
+    first, last = (
+        frequency / np.sqrt(1 + part),
+        frequency / np.sqrt(max(1 - part, MIN_TANGENT_SHARE)),
+    )
     end_values = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
     low = np.min(end_values[0], axis=0)
     # beside a line that nothing limits, the straight line to it is no number

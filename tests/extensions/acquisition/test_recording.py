@@ -18,7 +18,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import is_ours
-from dashpot.extensions.acquisition.line_parser import LONGEST, Lines
+from dashpot.extensions.acquisition.line_parser import MAX_LENGTH, Lines
 from dashpot.extensions.acquisition.record_to_file import record
 from dashpot.extensions.acquisition.recorder import Description
 from dashpot.extensions.acquisition.replay_device import Paced, create_simulated_device, replay
@@ -196,8 +196,8 @@ def test_a_time_that_was_garbled_is_no_gap_and_ends_no_record():
 def test_a_line_without_an_end_is_no_memory_without_an_end():
     lines = Lines()
     for _ in range(100):
-        lines.feed(b"1" * LONGEST)
-    assert len(lines._rest) <= LONGEST
+        lines.feed(b"1" * MAX_LENGTH)
+    assert len(lines._rest) <= MAX_LENGTH
 
 
 @pytest.mark.parametrize(

@@ -15,11 +15,11 @@ from dashpot.base.number_format import format_count
 from dashpot.base.units import find_unit
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
-LONGEST = 4096
+MAX_LENGTH = 4096
 """Bytes of a line, at most."""
 RESTART_LINES = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
-_GAP = 1.5
+_GAP_RATIO = 1.5
 """Steps of the usual size that a missing sample makes at least."""
 _MIN_STEPS, _MAX_STEPS = 3, 101
 """Steps of which the usual one is the median: at least, and at most."""
@@ -88,8 +88,8 @@ class Lines:
         """Return the samples of the lines that `data` completes."""
         # an end of \r\n is one of \r, and an empty line
         *lines, self._rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
-        if len(self._rest) > LONGEST:
-            lines, self._rest = [*lines, self._rest[:LONGEST]], b""
+        if len(self._rest) > MAX_LENGTH:
+            lines, self._rest = [*lines, self._rest[:MAX_LENGTH]], b""
         if lines and self._first:
             self._first, lines = False, lines[1:]
         rows = [row for line in lines if (row := self._row(line.strip())) is not None]
@@ -169,7 +169,7 @@ class Lines:
             if sample[0] <= self._last:
                 self._fell, self._falls = self._fell + 1, self._falls + 1
                 self.begun_again |= self._falls >= RESTART_LINES
-            elif sample[0] - self._last > _GAP * self._get_usual_step():
+            elif sample[0] - self._last > _GAP_RATIO * self._get_usual_step():
                 self._held = sample
             else:
                 kept_lines.append(self._register_sample(sample))
@@ -181,7 +181,7 @@ class Lines:
         self._last, self._falls = sample[0], 0
         if math.isinf(step):
             return sample
-        if step > _GAP * usual_step:
+        if step > _GAP_RATIO * usual_step:
             self._gaps += 1
             self._missing += round(step / usual_step) - 1
             self._longest = max(self._longest, step)

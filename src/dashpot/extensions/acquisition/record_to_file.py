@@ -17,7 +17,7 @@ from dashpot.base.plain_text import escape_formula, format_csv_comment
 from dashpot.base.version import __version__
 from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
 
-SYNCED = 1.0
+SYNC_INTERVAL = 1.0
 """Seconds after which what was read is on the disk."""
 
 
@@ -144,7 +144,7 @@ class _Log:
         self._begin()
         rows = zip(block[0].tolist(), block[1].tolist(), strict=True)
         self._write("".join(f"{t!r},{','.join(map(repr, row))}\n" for t, row in rows))
-        if time.monotonic() - self._synced >= SYNCED:
+        if time.monotonic() - self._synced >= SYNC_INTERVAL:
             os.fsync(self._handle)
             self._synced = time.monotonic()
 

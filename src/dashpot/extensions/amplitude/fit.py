@@ -37,7 +37,7 @@ from dashpot.preprocessing.checks import check_machine
 
 _MIN_SAMPLES = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
-_LEAST_OF_LEVEL = 2
+_MIN_OF_LEVEL = 2
 """Loops at one amplitude, which have no law."""
 _WORDS = {
     "factor": "Kraus's law",
@@ -81,7 +81,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         If there are too few samples, or not two for each frequency.
     """
     has_several_amplitudes = _has_several_amplitudes(sweep)
-    min_samples = _MIN_SAMPLES if has_several_amplitudes else _LEAST_OF_LEVEL
+    min_samples = _MIN_SAMPLES if has_several_amplitudes else _MIN_OF_LEVEL
     if len(sweep.amplitude) < min_samples:
         requirement = (
             "a law of amplitude needs"

@@ -31,10 +31,10 @@ from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 _PER_DECADE = 10
-_FINER = 8
+_FINE_GRID_POINTS = 8
 """A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
 _ROUNDING = 1e-9
-_THIRD = float(np.sqrt(20 * np.log(2)))
+_THIRD_DIFFERENCE_RATIO = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
 _NEIGHBOUR_LINES = 20
 """Neighbouring lines that are taken to be known alike."""
@@ -272,7 +272,9 @@ class _LineData:
         active = np.flatnonzero(sliders > _ROUNDING * float(optimum.k.sum()))
         if len(active):
             step = self.yields[1] / self.yields[0]
-            factors = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
+            factors = step ** (
+                np.arange(-_FINE_GRID_POINTS, _FINE_GRID_POINTS + 1) / _FINE_GRID_POINTS
+            )
             finer = np.unique((self.yields[active, None] * factors).round(15))
             optimum = replace(self, yields=finer)._solve(K, terms)
         for _ in range(passes if terms else 0):
@@ -374,7 +376,8 @@ def _estimate_noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> f
         for values in np.array_split(np.abs(residual), max(len(residual) // _NEIGHBOUR_LINES, 1))
     ]
     size = [
-        min(float(np.median(values)) / _THIRD, MAX_RESIDUAL_SHARE) for values in group_residuals
+        min(float(np.median(values)) / _THIRD_DIFFERENCE_RATIO, MAX_RESIDUAL_SHARE)
+        for values in group_residuals
     ]
     rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in group_residuals]))
     return max(float(rms), MIN_LINE_ERROR)

@@ -26,7 +26,7 @@ from dashpot.solids.rate_independent import (
 
 __all__ = ["Berg", "Coulomb", "Iwan", "Jenkins", "Kraus", "RelativeToAmplitude", "jenkins_like"]
 
-_VANISHING = 1e-30
+_ZERO_AMPLITUDE = 1e-30
 """m."""
 
 
@@ -277,7 +277,7 @@ class RelativeToAmplitude(AmplitudeDependent):
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the equivalent stiffness, N/m."""
-        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
+        values = self.element.equivalent(omega, max(self.amplitude, _ZERO_AMPLITUDE))
         return self.element.equivalent(omega, amplitude) - values
 
     def start(self) -> Any:

@@ -36,7 +36,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.job import LevelJob
 
-_FINEST = 1e-6
+_MIN_RELATIVE_ERROR = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
 
 
@@ -211,7 +211,7 @@ def _make_fact(
     name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
 ) -> ReportedValue:
     """Return a number with its error; `size` is what it is a part of."""
-    error = max(error, _FINEST * max(abs(value), size))
+    error = max(error, _MIN_RELATIVE_ERROR * max(abs(value), size))
     return ReportedValue.from_error(name, value, error, unit=unit, read=read)
 
 

@@ -118,7 +118,7 @@ def read_loops(
         return StressStrainLoops(**signals, units="SI")
 
 
-_WARMER = 10.0
+_MAX_SELF_HEATING = 10.0
 """K that a rubber does not warm by itself from one visit of an amplitude to the next."""
 _UNIT_OF_ROLE: dict[Role, str] = {"strain": "strain", "displacement": "m"}
 
@@ -190,7 +190,7 @@ def _require_single_temperature(
     order = np.lexsort((amplitude, frequency))
     f, X, T = frequency[order], amplitude[order], kelvin[order]
     is_repeat = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
-    if np.count_nonzero(np.abs(np.diff(T)[is_repeat]) > _WARMER) > 2:
+    if np.count_nonzero(np.abs(np.diff(T)[is_repeat]) > _MAX_SELF_HEATING) > 2:
         low, high = (convert_to_unit(float(value), "degC") for value in (T.min(), T.max()))
         raise ReadError(
             f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "

@@ -114,7 +114,7 @@ HIDDEN_SIZE = (400.0, 180.0)
 """Size of a panel one that is not shown yet, px."""
 LABELLED_AT_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
-LEAST_WIDTH, NARROW_WIDTH = 160.0, 480.0
+MIN_WIDTH, NARROW_WIDTH = 160.0, 480.0
 """Least width of a drawing, px; below which two peaks are named and no third."""
 HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 """Shares of the height of a drawing, to each of its panels."""
@@ -122,7 +122,7 @@ PULSE_SIZE, PULSE_EDGE = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 MAX_SAME_TAU_FACTOR = 3.0
 """Factor within which the arms of two solids stand for the same."""
-MOST_LISTED_ARMS = 8
+MAX_LISTED_ARMS = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
 MIN_PLOT_HEIGHT = 44.0
 """Least height of a plot, px: below it no curve can be read."""
@@ -179,7 +179,7 @@ def render_panels(
     key_marks = [] if note else [item for item in Picture(name, "", (panel_strip,)).key
                            if item.label not in LABELLED_AT_LINE]  # fmt: skip
     samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key_marks)]
-    svg = strip(panel_strip, name=name, width=max(width, LEAST_WIDTH), kind="figure")
+    svg = strip(panel_strip, name=name, width=max(width, MIN_WIDTH), kind="figure")
     return render_template("figure", key=samples, svg=svg, title=title, note=note)
 
 
@@ -270,7 +270,7 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
     tags = [
         Tag(tau, tip, f"{symbol(f'tau_{j}')} {duration(tau)}", "fit", "filled")
         for j, (tau, tip) in enumerate(tips, 1)
-    ] if len(tips) <= MOST_LISTED_ARMS else []  # fmt: skip
+    ] if len(tips) <= MAX_LISTED_ARMS else []  # fmt: skip
     marks = (
         replace(mark, label="") if isinstance(mark, Line) and mark.label else mark
         for mark in panel.marks
@@ -617,7 +617,7 @@ def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
 
     A solid without arms, or with too many to read, is shown by its parameters.
     """
-    if fit.family != "maxwell" or fit.model.arms > MOST_LISTED_ARMS:
+    if fit.family != "maxwell" or fit.model.arms > MAX_LISTED_ARMS:
         return render_solid(fit)
     reported_values = {fact.name: fact for fact in list_known_values(fit)}
     row_parameters = [("k∞", "k_inf", "")]
@@ -651,7 +651,7 @@ def _format_error(fact: ReportedValue) -> str:
 def render_solid(fit: Fit) -> str:
     """Return the solid of one seal, each term with its interval and a mark."""
     shown_terms, spectrum_note = make_terms(fit), ""
-    if fit.family == "maxwell" and fit.model.arms > MOST_LISTED_ARMS:
+    if fit.family == "maxwell" and fit.model.arms > MAX_LISTED_ARMS:
         shown_terms = [new_term for new_term in shown_terms if new_term.name == symbol("k_inf")]
         spectrum_note = (
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "

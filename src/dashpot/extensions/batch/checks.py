@@ -11,7 +11,7 @@ from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT, Gaug
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
 
-MOST_DOUBTED = 0.5
+MAX_DOUBTED = 0.5
 """Part of the fits of a lot that may be doubted."""
 
 
@@ -41,7 +41,7 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
 @criterion(
     'fits with the verdict "use with care" / fits',
     "<=",
-    MOST_DOUBTED,
+    MAX_DOUBTED,
     "our choice: what most tests share, a mean does not remove",
 )
 def few_fits_doubted(doubtful_count: int, fitted: int) -> Finding:

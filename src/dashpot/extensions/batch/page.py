@@ -32,7 +32,7 @@ from dashpot.extensions.batch.statistics.control_chart import BEYOND, MIN_POINTS
 from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
 from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import PAPER, RenderedFigure, render_figure
+from dashpot.report.figures import PAPER_WIDTH, RenderedFigure, render_figure
 from dashpot.report.first_screen import MARK_ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
@@ -173,7 +173,7 @@ def _read_page_part(name: str) -> str:
 def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
     """Return the picture for a screen, a phone and, where it is wider than a sheet, paper."""
     total_height = sum(panel.height for panel in picture.panels)
-    return render_figure(picture, width=width, low=total_height if width > PAPER else None)
+    return render_figure(picture, width=width, low=total_height if width > PAPER_WIDTH else None)
 
 
 def _make_chart(main: QuantitySummary, *, by_lots: bool) -> RenderedFigure | None:

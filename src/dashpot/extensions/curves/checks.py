@@ -30,7 +30,7 @@ MORE_TOGETHER = 1.3
 # scatter so many times as large is another solid
 CONTRADICTION_RATIO = 3.0
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
-LEVEL = 0.8
+MIN_PLATEAU_RATIO = 0.8
 # a curve that ended before it relaxed falls at its end by as much as it ever did
 OF_ALL = 0.2
 # what frame and load cell of an instrument give if nobody says, m/N
@@ -38,7 +38,7 @@ USUAL_COMPLIANCE = 3e-7
 # so much of the storage, and twice as much of the loss, may go unsaid
 UNSTATED_ERROR = 0.01
 # standard deviations by which a value scatters at most
-SCATTERED = 3.0
+MAX_SCATTER_SD = 3.0
 # of creep every record may hide a slow flow, which takes so much
 LEVEL_OF_CREEP = 0.65
 
@@ -171,7 +171,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
 def loss_positive(data: DynamicTest) -> Finding:
     """No loss is negative by more than its scatter."""
     part = data.loss / np.abs(data.value)
-    bad_indices = np.flatnonzero(part < -SCATTERED * _estimate_sweep_scatter(data, part))
+    bad_indices = np.flatnonzero(part < -MAX_SCATTER_SD * _estimate_sweep_scatter(data, part))
     if not bad_indices.size:
         return Finding("No loss is below zero beyond scatter", 0.0)
     return Finding(
@@ -236,7 +236,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
 @criterion(
     "lowest k(10 T) / highest k(T)",
     ">=",
-    LEVEL,
+    MIN_PLATEAU_RATIO,
     "simulation: above it 1 plateau in 20 is off by more than 10 %",
     other_grade=f"{LEVEL_OF_CREEP:g} of creep",
 )
@@ -247,7 +247,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
         end.levels,
         "So k_inf is extrapolated, with no lower limit",
         end.remedy,
-        limit=LEVEL_OF_CREEP if end.test_kind == "creep" else LEVEL,
+        limit=LEVEL_OF_CREEP if end.test_kind == "creep" else MIN_PLATEAU_RATIO,
     )
 
 

@@ -53,11 +53,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
 #: common error of neighbouring values, relative, one standard deviation
-COMMON = 2e-3
+COMMON_ERROR = 2e-3
 # knots per decade of the common error
-KNOTS = 4
+KNOTS_PER_DECADE = 4
 # relative rounding of a value with four digits
-DIGITS = 1e-4
+DIGITS_ERROR = 1e-4
 # points per decade of the grid of the nearest spectrum
 PER_DECADE = 12
 #: fewest values of a curve whose limits are computed
@@ -113,7 +113,11 @@ class CurveData:
 
 
 def weight_curve(
-    block: DataBlock, abscissa: FloatArray, *, window: tuple[float, float], common: float = COMMON
+    block: DataBlock,
+    abscissa: FloatArray,
+    *,
+    window: tuple[float, float],
+    common: float = COMMON_ERROR,
 ) -> CurveData:
     """Weight a curve by its residual about the nearest non-negative spectrum.
 
@@ -140,7 +144,7 @@ def weight_curve(
         part = slice(start, start + n)
         # a spring has no loss
         size = fitted_curve[part] if fitted_curve[part].any() else fitted_curve
-        rounding_limit = DIGITS * float(np.sqrt(np.mean(size**2)))
+        rounding_limit = DIGITS_ERROR * float(np.sqrt(np.mean(size**2)))
         series = ResidualSeries(rows.target[part] - fitted_curve[part])
         noise = noise_of(
             series, JacobianColumns(active[part], shared=True), rounding=rounding_limit
@@ -160,9 +164,9 @@ def weight_curve(
 
 def _make_hat_functions(abscissa: FloatArray) -> FloatArray:
     """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
-    count = int(np.ceil(KNOTS * float(np.ptp(abscissa)))) + 1
-    knots = float(abscissa.min()) + np.arange(count) / KNOTS
-    return np.asarray(np.maximum(1 - KNOTS * np.abs(abscissa[:, None] - knots), 0.0))
+    count = int(np.ceil(KNOTS_PER_DECADE * float(np.ptp(abscissa)))) + 1
+    knots = float(abscissa.min()) + np.arange(count) / KNOTS_PER_DECADE
+    return np.asarray(np.maximum(1 - KNOTS_PER_DECADE * np.abs(abscissa[:, None] - knots), 0.0))
 
 
 # Where stiffness and loss factor are known, over every spectrum that a test does not reject.
@@ -181,7 +185,7 @@ def _make_hat_functions(abscissa: FloatArray) -> FloatArray:
 
 
 #: lines over the band of a curve, at least
-FEWEST_LINES = 3
+MIN_LINES = 3
 #: lines to a decade of a curve, which may have gaps
 LINES_PER_DECADE = 3
 #: fastest arm, as a fraction of the first time of a curve
@@ -208,7 +212,7 @@ def find_valid_band(
     if not has_loss_band(solid, band):
         return band, None
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
-    lines = np.geomspace(*band, max(count, FEWEST_LINES)).tolist()
+    lines = np.geomspace(*band, max(count, MIN_LINES)).tolist()
     errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
     if add_shift_errors is not None:
         errors = add_shift_errors(solid, errors)

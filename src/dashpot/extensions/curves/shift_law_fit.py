@@ -30,11 +30,11 @@ MAX_MISSED = 0.15
 # of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
 _EQUAL_BIC = 2.0
 # a temperature is the odd one if a law follows the others so much better, two of them to spare
-_OUTLIER_SHARE, _LEAST_LEFT = 0.1, 2
+_OUTLIER_SHARE, _MIN_LEFT = 0.1, 2
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
 MIN_TEMPERATURES = 3
 # C_2 less the least it can be, and C_2 beyond which WLF is a straight line in T, K
-_SHORTEST, _LONGEST = 1e-3, 1e5
+_SHORTEST, _MAX_LENGTH = 1e-3, 1e5
 # part of the largest eigenvalue of a covariance that rounding can make
 _ROUNDING = 1e-13
 
@@ -182,7 +182,7 @@ def fit_shift_law(
     entries: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
     bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
     scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
-    for kind, lay in _LAID.items():
+    for kind, lay in _FIT_FUNCTIONS.items():
         if n < (MIN_TEMPERATURES - 1 if law == "auto" else 1) or (solution := lay(shifts)) is None:
             continue
         temperature_law, fit, constants = solution
@@ -226,9 +226,9 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
     """Return the temperature without which a law follows the shifts that it fails with it."""
     pairs: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)
-    for kind, lay in _LAID.items():
+    for kind, lay in _FIT_FUNCTIONS.items():
         dof = n - len(_PARAMETERS[kind])
-        if dof < _LEAST_LEFT or (solution := lay(shifts)) is None:
+        if dof < _MIN_LEFT or (solution := lay(shifts)) is None:
             continue
         deviance = solution.optimum.sse
         if not is_significant_fall(deviance, dof):
@@ -292,7 +292,7 @@ def _fit_wlf(shifts: _Shifts) -> _SolvedLaw | None:
             -temperature_difference / denominator, (temperature_difference / denominator) ** 2
         )
 
-    range_ = Parameter(1 / _LONGEST, 1 / (min_c2 + _SHORTEST), scale=0.01)
+    range_ = Parameter(1 / _MAX_LENGTH, 1 / (min_c2 + _SHORTEST), scale=0.01)
     # linear where every shift is multiplied by what it is divided by
     linear_columns = np.column_stack(
         (-shifts.log10 * temperature_difference, -temperature_difference)
@@ -311,7 +311,7 @@ def _compute_constants(values: FloatArray) -> FloatArray:
     return np.array([beta / u, 1 / u])
 
 
-_LAID: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {
+_FIT_FUNCTIONS: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {
     "arrhenius": _fit_arrhenius,
     "wlf": _fit_wlf,
 }

@@ -43,13 +43,13 @@ _LINKS = {
 """Words beside a factor that say of no channel."""
 _OF_THE_CLOCK = {"start", "begin", "time", "trigger", "wf", "x"}
 """Words beside which an offset is when a signal begins."""
-_BESIDES = {
+_ACCOMPANYING_WORDS = {
     "full", "range", "date", "name", "type", "status", "id", "number", "poisson", "second",
     "seconds", "samples", "sample", "rate", "loss", "shape", "form", "safety", "quality", "crest",
     "damping", "noise", "aspect", "compression", "chunk", "fill", "time",
 }  # fmt: skip
 """Words beside which no factor of the numbers is meant."""
-_TURNED = {
+_INVERSION_WORDS = {
     "inverted",
     "negative",
     "reversed",
@@ -109,7 +109,7 @@ def names_factor(name: str) -> bool:
     words = set(words_of_name(name))
     words |= {"factor" for word in words if word.endswith(("factor", "faktor"))}
     begins = words & _SHIFTS and words & _OF_THE_CLOCK
-    return not words & _BESIDES and not begins and bool(words & (_FACTORS | _SHIFTS))
+    return not words & _ACCOMPANYING_WORDS and not begins and bool(words & (_FACTORS | _SHIFTS))
 
 
 def stated_unit(value: object) -> str | None:
@@ -152,7 +152,7 @@ def changes_numbers(name: str, value: object) -> bool:
     if not numbers and isinstance(value, str | bytes) and _EXPRESSION.search(_as_text(value)):
         return True
     if not numbers and set(words_of_name(name)) & _SIGNS:
-        return _as_text(value).strip().casefold() in _TURNED
+        return _as_text(value).strip().casefold() in _INVERSION_WORDS
     return any(number != neutral for number in numbers)
 
 

@@ -13,7 +13,7 @@ from dashpot.extensions.formats.mdf4 import Content
 from dashpot.extensions.formats.mdf_conversions import Conversion, NoNumbersError
 from dashpot.extensions.formats.mdf_records import PIECE, MdfChannel, MdfGroup
 
-_MOST_BLOCKS = 1 << 18
+_MAX_BLOCKS = 1 << 18
 _KINDS = {0: "u", 1: "i", 2: "f", 3: "f", 9: "u", 10: "i", 11: "f", 12: "f", 13: "u", 14: "i",
           15: "f", 16: "f"}  # fmt: skip
 _WORDS = {
@@ -49,10 +49,8 @@ class _Mdf3Blocks:
     def read_block(self, address: int, kind: bytes, min_size: int) -> bytes:
         """Return the bytes of the block of a kind at an address, of so many bytes at least."""
         self._count += 1
-        if self._count > _MOST_BLOCKS:
-            raise ReadError(
-                f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
-            )
+        if self._count > _MAX_BLOCKS:
+            raise ReadError(f"more than {_MAX_BLOCKS} blocks: its links go round, or it is no test")
         self._stream.seek(address)
         head = self._stream.read(4)
         block_kind, size = struct.unpack(f"{self.order}2sH", head) if len(head) == 4 else (b"", 0)

@@ -32,8 +32,8 @@ _SURE_SCORE, _LIKELY_SCORE = 2.0, 1.0
 """Scores of the name of a channel for a role of a test: sure, and likely."""
 _MAX_GAP_STEPS = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
-_FEW = 8
-_UNFINISHED = b"UnFinMF "
+_MIN_ROWS = 8
+_UNFINISHED_SIGNATURE = b"UnFinMF "
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class MdfTable:
 
     def __init__(self, stream: BinaryIO, sheet: str | None) -> None:
         head = stream.read(64)
-        if head.startswith(_UNFINISHED):
+        if head.startswith(_UNFINISHED_SIGNATURE):
             raise ReadError(
                 "an MDF file whose recording was not finished (UnFinMF): its counts of samples are "
                 "not to be trusted; open and save it with the program that recorded it"
@@ -373,5 +373,5 @@ def _format_rate(ticks: FloatArray) -> str:
 
 
 def _list(names: Sequence[str]) -> str:
-    names_text = ", ".join(f"'{name}'" for name in names[:_FEW])
-    return names_text + (f" and {len(names) - _FEW} more" if len(names) > _FEW else "")
+    names_text = ", ".join(f"'{name}'" for name in names[:_MIN_ROWS])
+    return names_text + (f" and {len(names) - _MIN_ROWS} more" if len(names) > _MIN_ROWS else "")

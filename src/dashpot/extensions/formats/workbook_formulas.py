@@ -16,7 +16,7 @@ from dashpot.extensions.formats.hidden_cells import list_sheet_parts
 _CHUNK = 1 << 20
 _LONGEST_ROW = 1 << 22
 """Bytes of a row, at most."""
-_MOST_FORMULAS = 200_000
+_MAX_FORMULAS = 200_000
 """Formulas of a sheet that are looked at."""
 _RESULT_TOLERANCE = 1e-6
 """Relative difference between a formula's result and the one that is kept."""
@@ -114,7 +114,7 @@ class _SheetFormulas:
                     self._values[column] = float(match[4] or b"nan")
                 except ValueError:
                     continue
-                if match[2] is not None and self._count < _MOST_FORMULAS:
+                if match[2] is not None and self._count < _MAX_FORMULAS:
                     self._count += 1
                     formulas.append((column, number, self._read_formula(match, column, number)))
         for column, number, formula in formulas:

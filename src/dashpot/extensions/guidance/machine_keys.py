@@ -24,7 +24,7 @@ MACHINE_SYNONYMS: Mapping[str, str] = MappingProxyType(
     }
 )  # fmt: skip
 """Key of ``--machine`` by another name of what it states."""
-_LEAST_SIMILARITY = 0.85
+_MIN_SIMILARITY = 0.85
 """Least ratio of `difflib` of a misspelt name and one of these, of 1."""
 
 
@@ -44,7 +44,7 @@ def suggest_machine_key(key: str, text: str) -> str:
     'Give its inverse, the compliance: --machine compliance=33.33um/N'
     """
     known = (*_STIFFNESS_KEYS, *MACHINE_SYNONYMS)
-    key = next(iter(get_close_matches(key, known, 1, _LEAST_SIMILARITY)), key)
+    key = next(iter(get_close_matches(key, known, 1, _MIN_SIMILARITY)), key)
     if key in _STIFFNESS_KEYS:
         return f"Give its inverse, the compliance: --machine compliance={_format_inverse(text)}"
     return f"Did you mean '{MACHINE_SYNONYMS[key]}'?" if key in MACHINE_SYNONYMS else ""

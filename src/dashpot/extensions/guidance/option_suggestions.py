@@ -57,7 +57,7 @@ COMMAND_SYNONYMS: Mapping[str, str] = MappingProxyType(
 
 _COMMANDS_AS_OPTIONS = {"help": "--help", "version": "--version"}
 """Commands of other programs that are options here."""
-_LEAST_SIMILARITY = 0.6
+_MIN_SIMILARITY = 0.6
 """Least ratio of `difflib` of a misspelt option and the one that is suggested, of 1."""
 _SIMILARITY_BESIDE_OTHERS = 0.85
 """The same, where another command has the very option: ``--seal`` for ``--seals``."""
@@ -100,7 +100,7 @@ def suggest_option(command: click.Command, parent: click.Context | None, option:
     name = option.lstrip("-").lower()
     synonyms = [spellings[word] for word in OPTION_SYNONYMS.get(name, ()) if word in spellings][:1]
     other_commands = _find_commands_with(parent, option)
-    similarity = _SIMILARITY_BESIDE_OTHERS if other_commands else _LEAST_SIMILARITY
+    similarity = _SIMILARITY_BESIDE_OTHERS if other_commands else _MIN_SIMILARITY
     matches = get_close_matches(name, spellings, 1, similarity)
     suggestions = synonyms or [spellings[match] for match in matches]
     if suggestions:

@@ -20,7 +20,7 @@ from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.vibration.modal.modal_methods import Method, mode_at
 from dashpot.vibration.modal.peaks import run_about
 
-FEWEST_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
+MIN_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
 HALF_POWER_RATIO = np.sqrt(0.5)
 
 
@@ -109,14 +109,14 @@ def _find_half_power_width(
     top = _find_highest_line(accelerance)
     omega = s.imag
     lines, low, high = _find_peak_width(omega, accelerance, top)
-    if lines < FEWEST_HALF_POWER_LINES:
+    if lines < MIN_HALF_POWER_LINES:
         step = float(np.median(np.diff(omega))) / (2 * np.pi)
         width = max((high - low) / (2 * np.pi), step)
         raise FitError(
-            f"half-power damping needs at least {FEWEST_HALF_POWER_LINES} lines in the half-power "
+            f"half-power damping needs at least {MIN_HALF_POWER_LINES} lines in the half-power "
             f"band, but only {lines}, {step:.3g} Hz apart, lie there about "
             f"{omega[top] / (2 * np.pi):.5g} Hz; record "
-            f"{FEWEST_HALF_POWER_LINES / width:.2g} s at the least, or fit its poles "
+            f"{MIN_HALF_POWER_LINES / width:.2g} s at the least, or fit its poles "
             "(Python: method='rational')"
         )
 

@@ -13,12 +13,12 @@ from dashpot.base.units import convert_to_unit
 from dashpot.extensions.paper.figure import figure_2, figure_4
 from dashpot.extensions.paper.reproduction import BASELINE, Coefficient, Reproduction, Statement
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import HALF, render_figure
+from dashpot.report.figures import HALF_WIDTH, render_figure
 from dashpot.report.page_frame import encode_data_uri, environment, frame
 from dashpot.report.tables import TextTable
 
 TITLE = "The paper, reproduced"
-STAMP = "SIMULATED: Table 1 of the paper, no measurement"
+SIMULATION_NOTE = "SIMULATED: Table 1 of the paper, no measurement"
 PARTS = {
     "equation": "Equations",
     "figure": "Figures",
@@ -44,7 +44,7 @@ def paper_page(reproduction: Reproduction) -> str:
         "word": "Reproduced" if reproduction.is_reproduced else "Not reproduced",
         "message": reproduction.summary,
         "figures": {
-            name: render_figure(picture, width=HALF)
+            name: render_figure(picture, width=HALF_WIDTH)
             for name, picture in paper_pictures(reproduction).items()
         },
         "table_1": make_table_1(reproduction.table),
@@ -64,10 +64,10 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     ]
     study = reproduction.study
     assert study.comparison is not None  # noqa: S101
-    sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=STAMP)
+    sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=SIMULATION_NOTE)
     return {
-        "figure_2": figure_2(reproduction.ideal, BASELINE, stamp=STAMP),
-        "figure_4": figure_4(reproduction.ideal, BASELINE, fits, stamp=STAMP),
+        "figure_2": figure_2(reproduction.ideal, BASELINE, stamp=SIMULATION_NOTE),
+        "figure_4": figure_4(reproduction.ideal, BASELINE, fits, stamp=SIMULATION_NOTE),
         "figure_6": replace(sixth, name="figure-6"),
     }
 

@@ -264,7 +264,7 @@ def reproduce(seed: int = 0) -> Reproduction:
             *_compare_test_figures(noise_free_test, hold_fit, two, coarse),
             *_compare_mass_figures(top, study),
             *_check_misprints(top[1]),
-            *UNSAID,
+            *UNSTATED_VALUES,
         ),
         table=tuple(_compare_table(two.solid, coarse.solid, study)),
         force=tuple(zip(TIMES, _compute_ramp(np.array(TIMES)).tolist(), strict=True)),
@@ -542,7 +542,7 @@ def find_peak_on_grid(step: float) -> float:
     return float(np.abs(predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=lines).value).max())
 
 
-UNSAID = tuple(
+UNSTATED_VALUES = tuple(
     Statement("unsaid", name, "not given", text)
     for name, text in (
         (

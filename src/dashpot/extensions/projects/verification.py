@@ -42,7 +42,7 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.json_archive import from_json, has_edited_fit, parts_of, require_unique_keys
 from dashpot.workflow.study import Study, run
 
-_ROUNDED = 1.000001
+_ROUNDING_UNITS = 1.000001
 """Units of the last digit by which one number may be printed twice: it was rounded both times."""
 
 
@@ -395,7 +395,7 @@ def _is_rounded(a: str, b: str) -> bool:
     """
     counted = a.lstrip("-").isdigit() and b.lstrip("-").isdigit()
     unit = min(_get_last_digit_unit(a), _get_last_digit_unit(b))
-    return not counted and abs(float(a) - float(b)) <= _ROUNDED * unit
+    return not counted and abs(float(a) - float(b)) <= _ROUNDING_UNITS * unit
 
 
 def _get_last_digit_unit(number: str) -> float:

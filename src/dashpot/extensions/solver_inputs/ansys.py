@@ -37,8 +37,8 @@ def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]
 
 FORMS = ("arms", "table", "prony")
 SUFFIX = "mac"
-_MOST_POINTS = 20
-READ = (
+_MAX_POINTS = 20
+VERIFICATION_NOTE = (
     "not solver-verified: no Ansys runs in dashpot's tests. They read the commands back to the "
     "stiffness of the whole line"
 )
@@ -103,7 +103,7 @@ def _write_table(
         "!",
         "springs and dampers against frequency for Ansys Mechanical APDL",
         [*cards, "FINISH"],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             *row.remarks,
             row.format_node_numbering(first_id),
@@ -190,7 +190,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
         number += 1
     if not deck.nonlinear_elements.k3:
         return cards
-    curve = deck.nonlinear_elements.compute_curve(_MOST_POINTS - 1, k=deck.k_inf)
+    curve = deck.nonlinear_elements.compute_curve(_MAX_POINTS - 1, k=deck.k_inf)
     if not curve[1][1] > 0:
         raise ExportError(
             "COMBIN39 must rise at its origin, and beside a spring that softens there is no k_inf "

@@ -16,11 +16,11 @@ from dashpot.export.unit_systems import format_fields, format_fixed_width
 FORMS = ("arms", "prony")
 SUFFIX = "k"
 NEEDS = {"prony": ("modulus", "bulk_modulus", "density")}
-READ = (
+VERIFICATION_NOTE = (
     "not solver-verified: no LS-DYNA runs in dashpot's tests. They read the cards back, field by "
     "field, as the manual lays them out"
 )
-_MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
+_MAX_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
 
 
 @target(*FORMS, line=("arms",))
@@ -168,7 +168,7 @@ def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         "$",
         "discrete springs and dampers along a seal line for LS-DYNA",
         [*cards, "*END"],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             *row.remarks,
             row.format_node_numbering(first_id),
@@ -214,7 +214,7 @@ def _write_arms(deck: Deck) -> DeckText:
         "$",
         "discrete springs and dampers for LS-DYNA",
         [*cards, *curve, "*END"],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
             "element, all between nodes 1 (ground side) and 2 (moving side)",
@@ -241,9 +241,9 @@ def _write_prony(
     if deck.k_inf > 0:
         # a term that does not decay carries the equilibrium modulus
         terms = [(long_term, 0.0), *terms]
-    if len(terms) > _MOST_TERMS:
+    if len(terms) > _MAX_TERMS:
         raise ExportError(
-            f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
+            f"*MAT_GENERAL_VISCOELASTIC holds {_MAX_TERMS} terms, found {len(terms)}; fit fewer "
             "arms"
         )
     return deck.format_text(

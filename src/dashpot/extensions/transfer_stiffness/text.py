@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.extensions.transfer_stiffness.checks import BLOCKED
+from dashpot.extensions.transfer_stiffness.checks import MIN_BLOCKED_DIFFERENCE
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     BandStiffness,
     TransferStiffness,
@@ -20,7 +20,9 @@ def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     if sheet.transmissibility is not None:
         start = sheet.valid_from
         range_text = "nowhere" if start is None else f"from {start:.4g} Hz on"
-        lines.append(f"  the output moves {BLOCKED:g} dB less than the input {range_text}")
+        lines.append(
+            f"  the output moves {MIN_BLOCKED_DIFFERENCE:g} dB less than the input {range_text}"
+        )
     has_output = sheet.transmissibility is not None
     # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
     has_limits = has_output and sheet.method != "predicted"

@@ -58,7 +58,7 @@ _MAX_LAG_SHARE = 1 / 3
 _FREQUENCIES_PER_BATCH = 4096
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
-_MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
+_MEANS, _MIN_COUNT, _BY_CHANCE = 1024, 4, 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +195,7 @@ def noise_of(
     columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
     fine_noise = _estimate_noise(series, columns, rounding=rounding)
     samples_per_mean = len(series.values) // _MEANS
-    if samples_per_mean < _FEWEST or fine_noise.autocovariance[0] <= rounding**2:
+    if samples_per_mean < _MIN_COUNT or fine_noise.autocovariance[0] <= rounding**2:
         return fine_noise
     mean_columns = None if columns is None else columns.means(samples_per_mean)
     coarse_noise = _estimate_noise(series.means, mean_columns)

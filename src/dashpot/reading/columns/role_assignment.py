@@ -34,7 +34,7 @@ EXAMPLE = {
     "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
 }  # fmt: skip
 """Most common unit of a role."""
-_LESS = (
+_SCORE_PENALTIES = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
     (vocabulary.STATIC, 1.5, False),
@@ -55,12 +55,12 @@ _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _ROLES: tuple[Role, ...] = get_args(Role)
 _SUITED = "_suited"
 _NOTHING_SAID = ReadOptions()
-_SAME = 0.25
-_LISTED = 12
+_EQUAL_SCORE = 0.25
+_MAX_LISTED = 12
 """Columns that a message names."""
-_COPIES = 8
+_MAX_COPIES = 8
 """Columns of which it is asked which is meant, whatever they hold: nobody writes one so often."""
-_ROUNDED = 1e-3
+_COPY_TOLERANCE = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""
 
 
@@ -96,16 +96,18 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
     if not suited:
         return _nothing(table, role)
     top, index = suited[0]
-    equals = [i for value, i in suited if value > top - _SAME]
+    equals = [i for value, i in suited if value > top - _EQUAL_SCORE]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
         names = _names(table)
-        names_or_option = [format_column(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
+        names_or_option = [
+            format_column(table.columns, i, names) for i in sorted(equals)[:_MAX_LISTED]
+        ]
         unlisted_count = len(equals) - len(names_or_option)
         equals_text = join_words(
             [*names_or_option, f"{unlisted_count} more"] if unlisted_count else names_or_option
         )
-        if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
+        if len(equals) > _MAX_COPIES or not _same_numbers(table, equals, role, options):
             message = (
                 f"{equals_text} could each be the {_word(role)}; say which, for example "
                 f'{flag(option)}="{handle(table.columns, index, names)}"'
@@ -147,7 +149,7 @@ def _same_numbers(
     if not len(complete_rows) or not len(complete_rows) > 0.5 * len(values):
         return False
     difference = np.abs(complete_rows - complete_rows[:, :1]).max(axis=0)
-    return bool((difference <= _ROUNDED * np.ptp(complete_rows[:, 0])).all())
+    return bool((difference <= _COPY_TOLERANCE * np.ptp(complete_rows[:, 0])).all())
 
 
 def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
@@ -192,7 +194,7 @@ def _floor(best: float) -> float:
 
 
 def _is_force(column: Column) -> bool:
-    return vocabulary.matches(column.name).get("force", 0.0) >= vocabulary.LEAST_SCORE
+    return vocabulary.matches(column.name).get("force", 0.0) >= vocabulary.MIN_SCORE
 
 
 def _is_named_acceleration(column: Column) -> bool:
@@ -257,7 +259,7 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
         return 0.5
     if role == "strain" and vocabulary.has_word(column.name, vocabulary.SIDEWAYS):
         return 0.5
-    for words, penalty, of_time in _LESS:
+    for words, penalty, of_time in _SCORE_PENALTIES:
         if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
             value -= penalty
     return value
@@ -267,7 +269,7 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """Return the score of a name for a role, one more where the unit fits; 0 if it does not."""
     message = vocabulary.matches(column.name)
     value = message.get(role, 0.0)
-    is_named = value >= vocabulary.LEAST_SCORE
+    is_named = value >= vocabulary.MIN_SCORE
     word = _get_stated_unit(column, role, options, by_role=is_named) or column.unit
     fits = word is not None and _fits(word, role)
     if fits is None:
@@ -677,7 +679,7 @@ def list_columns(columns: Sequence[Column]) -> str:
     names = _count_column_names(columns)
     shown_texts = [
         f"{i + 1} {format_column(columns, i, names) if columns[i].name else '(no name)'}"
-        for i in filled[:_LISTED]
+        for i in filled[:_MAX_LISTED]
     ]
     unlisted_count = len(filled) - len(shown_texts)
     return ", ".join(shown_texts) + (f" and {unlisted_count} more" if unlisted_count else "")

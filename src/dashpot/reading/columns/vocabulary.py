@@ -36,7 +36,7 @@ OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
 """Role on a part for each role of a material."""
 
 # Names that say exactly this; German and other compounds are met as parts of a word.
-_FIRST: dict[Role, str] = {
+_EXACT_NAMES: dict[Role, str] = {
     "time": """time zeit gesamtzeit laufzeit prüfzeit messzeit versuchszeit versuchsdauer czas
         godzina temps tiempo tempo tijd tid aika zaman süre čas doba idő timp durata время 时间 時間
         시간 timestamp zeitstempel elapsed uhrzeit masa
@@ -94,7 +94,7 @@ _FIRST: dict[Role, str] = {
     "torque": "torque drehmoment moment moment_obrotowy couple coppia tork момент 扭矩",
 }  # fmt: skip
 # Names that often mean this, and give way to the ones above.
-_SECOND: dict[Role, str] = {
+_USUAL_NAMES: dict[Role, str] = {
     "time": "t sec secs seconds sekunden zeitpunkt clock x_value",
     "displacement": """position pos extension stroke travel deflection crosshead traverse piston
         lvdt encoder gap separation height depth hub course allongement enfoncement corsa uzama
@@ -166,7 +166,7 @@ OF_BASE = (
     "reference", "control", "drive",
 )  # fmt: skip
 """Words for what is shaken, of two that move."""
-LEAST_SCORE = 1.5
+MIN_SCORE = 1.5
 """Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
@@ -208,8 +208,8 @@ def _lexicon(words: dict[Role, str]) -> MappingProxyType[str, tuple[Role, ...]]:
     return MappingProxyType(lexicon)
 
 
-FIRST = _lexicon(_FIRST)
-SECOND = _lexicon(_SECOND)
+FIRST = _lexicon(_EXACT_NAMES)
+SECOND = _lexicon(_USUAL_NAMES)
 _SIZE = compile_on_use(
     r"(?<!\w)[ekg]\*|\|[ekg]\||(?<![a-z])[kc][ _]?dyn(?![a-z])"
     r"|(?<![a-z])(?:dyn|complex|komplex|absolute)[^ '\"]{0,7} (?:[a-z]{1,12} )?"
@@ -229,8 +229,8 @@ _STEMS = MappingProxyType(
     }
 )
 """Words that others end with."""
-_ENDS = frozenset(word[-2:] for word in _STEMS)
-_LONGEST = max(map(len, _STEMS))
+_STEM_ENDINGS = frozenset(word[-2:] for word in _STEMS)
+_MAX_LENGTH = max(map(len, _STEMS))
 _NUMBER = compile_on_use(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 
@@ -264,18 +264,18 @@ def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[s
 def _may_mean(spelling: str) -> bool:
     """Return whether a word is worth a look at its roles: of thousands of names most are not."""
     is_certain = spelling in FIRST or spelling in SECOND
-    return is_certain or spelling[-2:] in _ENDS or not spelling.isascii()
+    return is_certain or spelling[-2:] in _STEM_ENDINGS or not spelling.isascii()
 
 
 def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     """The roles that one word may mean, and how surely."""
     first = FIRST.get(spelling, ())
     yield from ((role, 3.0) for role in first)
-    yield from ((role, LEAST_SCORE) for role in SECOND.get(spelling, ()))
+    yield from ((role, MIN_SCORE) for role in SECOND.get(spelling, ()))
     if first:
         return
     # German puts the head of a compound last: Standardkraft is a force
-    for start in range(max(1, len(spelling) - _LONGEST), len(spelling)):
+    for start in range(max(1, len(spelling) - _MAX_LENGTH), len(spelling)):
         yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
     if not spelling.isascii():
         for stem, roles in _EAST.items():

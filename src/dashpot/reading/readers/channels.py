@@ -48,11 +48,11 @@ Judged: TypeAlias = Callable[
 """Function that checks the sizes of a test with other units."""
 _OVERLOAD = 9.9e37
 """Number that SCPI instruments send for an infinite or an invalid reading."""
-_NINES = 999.0
+_MIN_NINES = 999.0
 """The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
 """Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
-_FAR = 5.0
+_MARK_RATIO = 5.0
 """Factor of such a number over all others of its column."""
 
 
@@ -494,7 +494,7 @@ def load(
         -np.fmin.reduce(loaded_data.values, initial=0.0),
     )
     tops = np.fmax(*extremes)
-    large_indices = np.flatnonzero(tops >= _NINES)
+    large_indices = np.flatnonzero(tops >= _MIN_NINES)
     marked_columns = [
         j
         for j, top in zip(large_indices.tolist(), tops[large_indices].tolist(), strict=True)
@@ -520,7 +520,7 @@ def _without_marks(column: FloatArray, top: float) -> list[str]:
     else:
         is_overload = size == top
         rest = float(np.fmax.reduce(size[~is_overload], initial=0.0))
-        if not is_overload.any() or rest * _FAR > top:
+        if not is_overload.any() or rest * _MARK_RATIO > top:
             return []
         message = (
             f"values of {column[is_overload][0]:.10g}, far beyond all others, are a mark of "

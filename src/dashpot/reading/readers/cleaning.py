@@ -12,7 +12,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, score
-from dashpot.reading.columns.vocabulary import LEAST_SCORE, STEP_TIME, Role, has_word
+from dashpot.reading.columns.vocabulary import MIN_SCORE, STEP_TIME, Role, has_word
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.table import FileTable, LoadedColumns, Question
@@ -21,18 +21,18 @@ from dashpot.signals.clock import JUMP_RATIO, NEIGHBOUR_STEPS, find_clock_jumps
 # Faults of one clock and its samples.
 
 
-_LAST = 5.0
+_MAX_LAST_STEP_RATIO = 5.0
 """Largest ratio of the last step to all others without a note."""
-_FULL = 0.98
+_RAMP_END_SHARE = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
 _LOUD_SHARE = 0.1
 """Part of its peak beyond which a signal is not at rest."""
 _MAX_LISTED = 3
 """Number of leaps of a clock that are reported one by one."""
 _MINUTE = 60.0
-_ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
+_ROUND_DIGITS = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
 """First digits of the steps of recorders, in the unit that they count by."""
-_NEARLY = 1e-3
+_ROUND_TOLERANCE = 1e-3
 _MAX_REPEATED_SHARE = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -138,9 +138,9 @@ def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
     """Return the first and the last sample of the first travel; equal where nothing moves."""
     magnitude = np.abs(displacement - displacement[0])
     max_magnitude = float(magnitude.max())
-    first_full = int(np.argmax(magnitude > _FULL * max_magnitude))
+    first_full = int(np.argmax(magnitude > _RAMP_END_SHARE * max_magnitude))
     return first_full - int(
-        np.argmax(magnitude[first_full::-1] <= (1 - _FULL) * max_magnitude)
+        np.argmax(magnitude[first_full::-1] <= (1 - _RAMP_END_SHARE) * max_magnitude)
     ), first_full
 
 
@@ -201,7 +201,7 @@ def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
     if step <= 0:
         return []
     rate, leaps = 1 / step, [*_find_late_start(steps), *_leaps(time)]
-    if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
+    if len(steps) > 1 and steps[-1] / _MAX_LAST_STEP_RATIO > steps[:-1].max():
         message = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
             f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
@@ -230,7 +230,7 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
         return []
     ratio = step / unit.factor
     digits = ratio / 10.0 ** np.floor(np.log10(ratio) + 1e-9)
-    if min(abs(digits - value) for value in _ROUND) > _NEARLY:
+    if min(abs(digits - value) for value in _ROUND_DIGITS) > _ROUND_TOLERANCE:
         return []
     message = (
         f"the clock's steps are {ratio:.3g} {unit.word}, round in {unit.word} and not in seconds "
@@ -328,7 +328,7 @@ def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Q
     indices = [
         i
         for i in assignment.rivals
-        if score(table.columns[i], "time", options) >= LEAST_SCORE
+        if score(table.columns[i], "time", options) >= MIN_SCORE
         and has_word(table.columns[i].name, STEP_TIME)
     ]
     return (

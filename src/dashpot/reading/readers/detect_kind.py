@@ -43,7 +43,7 @@ _REASONS_WITHOUT_CLOCK: Mapping[str, str] = MappingProxyType({
     "creep": "its force is held; it has no clock",
 })  # fmt: skip
 """Reasons why a kind needs a clock, by the loading that a record without one shows."""
-_LEAST_SAMPLES = 8
+_MIN_SAMPLES = 8
 """Fewest samples that show a motion."""
 _MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")
 _PART_ROLES: tuple[Role, ...] = ("displacement", "force")
@@ -161,7 +161,7 @@ def _load_signals_by_row(
     try:
         channels_chosen = channels.choose(file, pair)
         values, _ = channels.select_complete_rows(
-            channels.load_test(file, channels_chosen, _LEAST_SAMPLES)
+            channels.load_test(file, channels_chosen, _MIN_SAMPLES)
         )
     except ReadError:
         return None
@@ -176,8 +176,7 @@ def _load_motion(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, 
         channels_chosen, clocks = moving_columns(file, *pair)
         values, _ = load_signals(file, channels_chosen, clocks)
         return tuple(
-            validate_measured(role, values[role], minimum=_LEAST_SAMPLES)
-            for role in ("time", *pair)
+            validate_measured(role, values[role], minimum=_MIN_SAMPLES) for role in ("time", *pair)
         )
     except (ReadError, DataError):
         return ()

@@ -152,9 +152,9 @@ def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float)
 
 PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
 """The parts of a complex value."""
-_HIGHEST = 3e4
+_MAX_FREQUENCY = 3e4
 """Hz; no hammer on rubber goes higher."""
-_COHERENT = 1.01
+_MAX_COHERENCE = 1.01
 _STATED = compile_on_use(r"\A\W*+kind\s*+:\s*+(\w+)")
 
 
@@ -407,7 +407,9 @@ def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
 
 def _refuse_high(file: OpenedFile, index: int, top: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
-    if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
+    if top > _MAX_FREQUENCY and not file.options.unit_of(
+        "frequency", file.table.columns[index].name
+    ):
         raise ReadError(
             f"the FRF goes to {format_quantity(top, 'kHz')}, where no seal is struck: is the unit "
             "of "
@@ -421,7 +423,7 @@ def _normalise_coherence(file: OpenedFile, index: int, coherence: FloatArray) ->
     if file.unit_word(index, "coherence") == "%":
         return coherence / 100
     highest = float(np.nanmax(coherence, initial=0.0))
-    if highest > _COHERENT:
+    if highest > _MAX_COHERENCE:
         raise ReadError(
             f"the coherence reaches {highest:.4g}; expected 0 to 1: if it is in per cent, add "
             '--units "coherence=%"'

@@ -29,7 +29,7 @@ from dashpot.reading.table import LoadedColumns
 
 
 _NUMBER = compile_on_use(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
-_LONGEST = 120
+_MAX_LENGTH = 120
 _BESIDES = {
     "test", "testing", "specimen", "sample", "chamber", "oven", "ambient", "room", "air", "mean",
     "prüf", "proben", "prüfraum", "kammer", "raum",
@@ -192,7 +192,7 @@ def _quantities(
 ) -> Iterator[tuple[float, str]]:
     """Iterate over quantities, SI, whose name fulfils `is_name` in a header line, with the line."""
     for line in header:
-        text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
+        text = " ".join(line[:_MAX_LENGTH].replace('"', " ").strip(" \t#%$!/*;'").split())
         number = _NUMBER.search(text)
         if number is None:
             continue

@@ -28,7 +28,7 @@ from dashpot.reading.table import LoadedColumns
 HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
 """Smallest ratio of the duration of a response to that of its hammer."""
-_PULSES = 0.02
+_MAX_PULSE_SHARE = 0.02
 """Part of a record that a hammer's pulses hardly fill."""
 _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
     "hammer": (size_checks.impact_force_measurable, size_checks.hammer_not_heavy),
@@ -265,7 +265,7 @@ def _refuse_swapped(
     pulses = [
         other for other in other_fractions if other[1] * _RINGS_ON < of_hammer[1] and other[1] > 0
     ]
-    if of_hammer[1] < _PULSES or len(pulses) != 1:
+    if of_hammer[1] < _MAX_PULSE_SHARE or len(pulses) != 1:
         return
     hammer = pulses[0][0].index
     swapped_columns = {hammer: of_hammer[0].index}

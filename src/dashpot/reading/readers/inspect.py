@@ -42,19 +42,19 @@ COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
 _COURSE = "_course"
-_FIRST = 5
+_SHOWN_NUMBERS = 5
 """Numbers that are shown of a column."""
 _First: TypeAlias = Mapping[int, tuple[float | None, ...]]
 _NO_ROLE = (None, "")
 _DOCUMENT = "json"
-_WELCOME = {
+_OPTIONAL_ROLES = {
     "velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stretch",
     "strain",
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
 """Roles that are given over the time since a step."""
-_UNCLOCKED = ("cld", "stress-strain")
+_KINDS_WITHOUT_CLOCK = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 
 
@@ -284,7 +284,7 @@ def _columns(
 
 def _first(numbers: Sequence[int], values: FloatArray) -> _First:
     """Return the first few numbers of each column of numbers: None where there is none."""
-    rows = values[:_FIRST]
+    rows = values[:_SHOWN_NUMBERS]
     cells = rows.astype(object)
     cells[np.isnan(rows)] = None
     return dict(zip(numbers, map(tuple, cells.T.tolist()), strict=True))
@@ -338,7 +338,9 @@ def _assign_kind_roles(
                 questions.append(Question(message, f"{flag(role)}=NAME"))
                 continue
             roles[assignment.index] = (role, assignment.reason)
-        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(assignment))
+        welcome = role in _OPTIONAL_ROLES or (
+            role == "time" and kind in _KINDS_WITHOUT_CLOCK and _none(assignment)
+        )
         questions += [] if welcome else _make_role_questions(file, role, assignment)
     return roles, questions
 

@@ -28,9 +28,9 @@ from dashpot.reading.table import LoadedColumns, Question
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
 SWEEP_OPTIONS = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
-_ROUNDED = 1.05
+_LOSS_FACTOR_TOLERANCE = 1.05
 """Tolerance of a loss factor over loss and storage, for printed digits and harmonics."""
-_FAR = 1.5
+_MAX_DEVIATION = 1.5
 """Deviation at which the user is asked which is right, also for moduli of two blocks."""
 _A_SWEEP = 3
 """Frequencies of a block, at least."""
@@ -94,7 +94,7 @@ def refuse_unlike_blocks(loaded_columns: LoadedColumns, values: Mapping[Role, Fl
         if not in_range.any() or len(set(f.tolist())) < _A_SWEEP:
             continue
         times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[in_range]))
-        if times >= _FAR:
+        if times >= _MAX_DEVIATION:
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
                 "times, but no column and no title says a temperature: read one block with "
@@ -282,13 +282,13 @@ def _check_loss_factor(
     if not valid.any():
         return []
     times = median((reported * values["storage"] / np.where(valid, values["loss"], 1.0))[valid])
-    if max(times, 1 / times) <= _ROUNDED:
+    if max(times, 1 / times) <= _LOSS_FACTOR_TOLERANCE:
         return []
     message = (
         f"{format_column(columns, factor)} is {times:.3g} times loss over storage, "
         f"{format_column(columns, loss)} over the other"
     )
-    if max(times, 1 / times) <= _FAR or file.options.loss:
+    if max(times, 1 / times) <= _MAX_DEVIATION or file.options.loss:
         return [f"{message}; the loss was taken"]
     raise ReadError(
         f"{message}: a unit or a column is wrong; say which is right: --column "

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias, get_args
 
 from dashpot.base.provenance import Caution
-from dashpot.reading.sandbox.limits import LARGEST, check_value_count
+from dashpot.reading.sandbox.limits import MAX_SIZE, check_value_count
 from dashpot.reading.table import Column, Content, FileTable, Question, make_loader
 
 Reply: TypeAlias = FileTable | dict[str, bytes]
@@ -183,5 +183,5 @@ def _content(value: Any) -> Content:
 
 
 def _validate_size(size: int) -> None:
-    if size > LARGEST:
+    if size > MAX_SIZE:
         raise ProtocolError

@@ -23,7 +23,7 @@ from dashpot.reading.text.cells import Mark, parse_clock_or_date, parse_clock_ti
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
 _SAMPLE = 60
-LONGEST = 1 << 21
+MAX_LENGTH = 1 << 21
 """Characters in a row or a heading; a longer line is neither."""
 COLUMNS = 100_000
 """Cells of a line by which a table is looked for."""
@@ -32,7 +32,7 @@ _SAMPLED = 1 << 18
 _ALIGNED = 1 << 13
 """Characters of a row of fixed width; nobody aligns a longer one."""
 _DIGITS = set("0123456789+-.,:eE")
-_STEADY = 5
+_DIGIT_SAMPLE_ROWS = 5
 """Rows that show how many digits all are printed with."""
 _PARTS = compile_on_use(r"[\t;,| ]+")
 
@@ -75,7 +75,7 @@ class Dialect:
 
         Where blanks part the cells, a full row like `template` shows which are blank.
         """
-        if len(line) > LONGEST:
+        if len(line) > MAX_LENGTH:
             return None
         parts = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(parts) < self.cells:
@@ -122,7 +122,7 @@ class Dialect:
 
     def resembles_row(self, line: str) -> bool:
         """Return whether a line that is no row begins or is filled with numbers, however parted."""
-        parts = Counter(part.strip('"') for part in _PARTS.split(line[:LONGEST].strip()))
+        parts = Counter(part.strip('"') for part in _PARTS.split(line[:MAX_LENGTH].strip()))
         numbers = sum(count for part, count in parts.items() if looks_like_number(part))
         words = sum(count for part, count in parts.items() if not cell.is_missing(part)) - numbers
         if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
@@ -136,7 +136,7 @@ class Dialect:
         Too few are fewer than all rows before it have, at least four.
         """
         rows = [line for line in lines if line.strip()]
-        if len(rows) < _STEADY:
+        if len(rows) < _DIGIT_SAMPLE_ROWS:
             return False
         before, last = (self._decimals(line) for line in rows[-2:])
         if not (before and last) or last[:-1] != before[:-1]:
@@ -198,7 +198,7 @@ def find_dialect(
 
 def is_overlong(line: str) -> bool:
     """Return whether a line has more characters or cells than are looked at."""
-    return len(line) > LONGEST or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
+    return len(line) > MAX_LENGTH or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
 
 
 def most_cells(line: str) -> int:
@@ -317,7 +317,7 @@ def _is_looked_at(line: str) -> bool:
 def _sample_lines(window: list[str]) -> list[str]:
     """Return the lines of a window: of thousands of columns the last few are enough."""
     size, count = 0, 0
-    while count < len(window) and (count < _STEADY or size < _SAMPLED):
+    while count < len(window) and (count < _DIGIT_SAMPLE_ROWS or size < _SAMPLED):
         count += 1
         size += len(window[-count])
     return window[len(window) - count :]

@@ -21,7 +21,7 @@ from dashpot.reading.columns.header_units import (
 )
 from dashpot.reading.table import Column, Content
 from dashpot.reading.text import cells as cell
-from dashpot.reading.text.dialect import LONGEST, Dialect
+from dashpot.reading.text.dialect import MAX_LENGTH, Dialect
 
 _COMMENT = compile_on_use(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
 _CLOSED = compile_on_use(r"(?<=[\])])")
@@ -30,7 +30,7 @@ _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "num
 """Names of a first column that counts the rows, and has no unit."""
 _SIGNAL = compile_on_use(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
 _MARKS = ("\t", ";", ",", "|")
-_TINY = 1e-9
+_ZERO_FACTOR = 1e-9
 
 
 def uncomment(line: str, delimiter: str) -> str:
@@ -149,10 +149,10 @@ def _join_quoted_lines(lines: Sequence[str]) -> list[str]:
         if (
             joined_lines
             and _is_open(joined_lines[-1])
-            and len(joined_lines[-1]) + len(line) < LONGEST
+            and len(joined_lines[-1]) + len(line) < MAX_LENGTH
         ):
             joined_lines[-1] += " " + line
-        elif len(line) <= LONGEST:
+        elif len(line) <= MAX_LENGTH:
             joined_lines.append(line)
     return joined_lines
 
@@ -353,7 +353,7 @@ def _most_are_units(words: Counter[str]) -> bool:
     remainder = 0.4 * words.total()
     for word, count in words.items():
         remainder -= count * (not _says_unit(word))
-        if remainder < -_TINY:
+        if remainder < -_ZERO_FACTOR:
             return False
     return True
 

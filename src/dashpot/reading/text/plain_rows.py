@@ -27,13 +27,13 @@ from dashpot.reading.text.dialect import Dialect
 # nearest double, as Python's own.
 
 
-_WORD, _SEEN = 8, 16
+_WORD_BYTES, _SEEN_BYTES = 8, 16
 """Characters of a word, and of the end of each cell that are looked at."""
 _DIGITS = 15
-_ZEROS, _TO_HIGH, _HIGH = (int(pair * _WORD, 16) for pair in ("30", "76", "80"))
+_ZEROS, _TO_HIGH, _HIGH = (int(pair * _WORD_BYTES, 16) for pair in ("30", "76", "80"))
 
 
-_TOGETHER = (
+_DIGIT_PAIRS = (
     (10 * 2**8 + 1, 8, 0x00FF00FF00FF00FF),
     (100 * 2**16 + 1, 16, 0x0000FFFF0000FFFF),
     (10_000 * 2**32 + 1, 32, 0xFFFFFFFF),
@@ -43,11 +43,11 @@ _TOGETHER = (
 
 def _make_byte_masks(stop: int) -> IndexArray:
     """The bits of a word that are a cell's, by its length; it begins `stop` before the end."""
-    byte_counts = (min(max(stop - length, 0), _WORD) for length in range(_SEEN + 1))
+    byte_counts = (min(max(stop - length, 0), _WORD_BYTES) for length in range(_SEEN_BYTES + 1))
     return np.array([2**64 - 2 ** (8 * other) for other in byte_counts], np.uint64)
 
 
-_KEPT = _make_byte_masks(_WORD), _make_byte_masks(_SEEN)
+_BYTE_MASKS = _make_byte_masks(_WORD_BYTES), _make_byte_masks(_SEEN_BYTES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,15 +95,19 @@ class PartedLines:
         longest, pointed = int(length.max()), digits_after > 0
         if length.min() <= pointed or longest - pointed > _DIGITS:
             return None
-        ending = np.ndarray(len(self.text) - _SEEN + 1, f"V{_SEEN}", self.text, strides=(1,))
-        words = ending[end - _SEEN].view("<u8").reshape(-1, 2).T
+        ending = np.ndarray(
+            len(self.text) - _SEEN_BYTES + 1, f"V{_SEEN_BYTES}", self.text, strides=(1,)
+        )
+        words = ending[end - _SEEN_BYTES].view("<u8").reshape(-1, 2).T
         number = np.zeros(1, np.uint64)
-        for stop, word, values in zip((_WORD, _SEEN), words[::-1], _KEPT, strict=True):
-            if longest > stop - _WORD:
+        for stop, word, values in zip(
+            (_WORD_BYTES, _SEEN_BYTES), words[::-1], _BYTE_MASKS, strict=True
+        ):
+            if longest > stop - _WORD_BYTES:
                 digits = (word ^ _ZEROS) & values.take(length)
                 if not _merge_digits(digits, stop - digits_after, point):
                     return None
-                number = digits * 10 ** (stop - _WORD) + number
+                number = digits * 10 ** (stop - _WORD_BYTES) + number
         if pointed:  # which counts as a zero so far
             number -= number // 10**digits_after * (9 * 10 ** (digits_after - 1))
         return number.view(np.int64)
@@ -111,14 +115,14 @@ class PartedLines:
 
 def _merge_digits(word: IndexArray, point_index: int, point: int) -> bool:
     """Make one number of eight digits, if they are, but for the point if its place is within."""
-    if 0 <= point_index < _WORD:
+    if 0 <= point_index < _WORD_BYTES:
         point_byte = (point ^ ord("0")) << 8 * point_index
         if (word & 0xFF << 8 * point_index != point_byte).any():
             return False
         word ^= point_byte
     if int(np.bitwise_or.reduce((word + _TO_HIGH) | word)) & _HIGH:
         return False
-    for by, bits, index in _TOGETHER:
+    for by, bits, index in _DIGIT_PAIRS:
         word *= by
         word >>= bits
         word &= index
@@ -130,7 +134,7 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
 
     Of blanks any number parts two cells, or stands before the first.
     """
-    text = b" " * _SEEN + lines
+    text = b" " * _SEEN_BYTES + lines
     codes = np.frombuffer(text, np.uint8)
     ended, signs = codes == ord("\n"), codes == sign
     signs |= ended
@@ -139,7 +143,7 @@ def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
         cell_starts, stops = turns[::2], turns[1::2]
     else:
         stops = np.flatnonzero(signs)
-        cell_starts = np.append(_SEEN, stops[:-1] + 1)
+        cell_starts = np.append(_SEEN_BYTES, stops[:-1] + 1)
     rows = int(np.count_nonzero(ended))
     width, odd = divmod(len(stops), rows) if rows else (0, 1)
     if odd or not width or not ended[stops[width - 1 :: width]].all():

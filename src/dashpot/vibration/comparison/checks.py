@@ -33,7 +33,7 @@ DEPTH_LIMIT = 0.25
 # so many limits off, a prediction is of no use
 MAX_LIMIT_RATIO = 4.0
 # measured, n = 21: from here on the parabola reads the peak to 1 %, with a third of it to 17 %
-FEWEST_LINES = 1.5
+MIN_LINES = 1.5
 
 JOINT_FIT_REMEDY = "Fit both tests together, or ramp faster."
 _MASS_REMEDY = "Check the mass, the number of seals, their length and the preload."
@@ -192,7 +192,7 @@ def no_unit_error(c: Comparison) -> Finding:
 @criterion(
     "lines in the half-power band",
     ">=",
-    FEWEST_LINES,
+    MIN_LINES,
     "measured: the height is read to 1 %, with a third of the lines to 17 %",
 )
 def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
@@ -201,7 +201,7 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
     source = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
     return Finding(
         f"The half-power band of the {source} peak has {lines:.1f} lines; at least "
-        f"{FEWEST_LINES:g} are needed",
+        f"{MIN_LINES:g} are needed",
         lines,
         "The frequency resolution is too coarse to give the height of this peak",
         Remedy("Record longer after each hit.", "hit-length"),

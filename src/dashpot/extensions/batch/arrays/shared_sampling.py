@@ -29,7 +29,7 @@ from dashpot.numerics.design_matrices.displacement_correlation import (
 from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
 
 #: samples compressed together
-AT_ONCE = 400_000
+BATCH_SIZE = 400_000
 TIMES_PER_FOLD = 9.5
 RANK = 1e-14
 
@@ -78,7 +78,7 @@ class SharedSampling(ABC):
 
     def reduce(self, values: FloatArray) -> ReducedRecords:
         """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
-        records_at_once = max(1, AT_ONCE // values.shape[1])
+        records_at_once = max(1, BATCH_SIZE // values.shape[1])
         parts = [
             self._reduce_records(values[i : i + records_at_once])
             for i in range(0, len(values), records_at_once)

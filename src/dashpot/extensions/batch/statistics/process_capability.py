@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 
 Ends: TypeAlias = tuple[float, float]
 _Index: TypeAlias = tuple[float | None, Ends | None]
-_SUSPECT = 0.05
+_NORMALITY_P_VALUE = 0.05
 """Below it normal values are rare."""
 _MAX_EXACT_INDEX = 30.0
 """An index beyond which the mean's scatter is nothing beside the deviation's, and scipy 1.17's
@@ -73,7 +73,7 @@ class Capability:
     @property
     def suspect(self) -> bool:
         """Whether the values are hardly normal, so that Cp and Cpk say little."""
-        return self.normal is not None and self.normal < _SUSPECT
+        return self.normal is not None and self.normal < _NORMALITY_P_VALUE
 
 
 def capability(

@@ -23,7 +23,7 @@ _EFFICIENCY = 0.5
 """Degrees of freedom of a median absolute deviation, for each value but one; a little careful."""
 NOT_NORMAL = 0.25
 """Probability by Shapiro and Wilk below which values are not taken for normal ones: few show it."""
-_FEWEST = 6
+_MIN_COUNT = 6
 """Values whose kurtosis is asked."""
 _OF_THREE = 2 / 3
 """Degrees of freedom of a value where each mean is of three."""
@@ -83,7 +83,7 @@ class _Stratum:
 
         # what is left of pairs is symmetric, whatever they are
         single = self.freedom < _OF_THREE * len(self.away)
-        if single or len(self.away) < _FEWEST or not np.ptp(self.away) > 0:
+        if single or len(self.away) < _MIN_COUNT or not np.ptp(self.away) > 0:
             return None
         return float(shapiro(self.away).pvalue)
 

@@ -30,13 +30,13 @@ MAX_TO_COME = 0.05
 # a difference of BIC below which two solids are as good
 MIN_BIC_DIFFERENCE = 10.0
 # a displacement missed by so many times its noise is not followed
-MISSED, NOT_FOLLOWED = 2.0, 10.0
+MAX_MISFIT_RATIO, GROSS_MISFIT_RATIO = 2.0, 10.0
 # of the displacement at the end of a hold: a flow of less may be a slow retardation
-FLOWED = 0.5
+MIN_FLOW_SHARE = 0.5
 # times what a channel usually drifts
-DRIFTS = 2.0
+MAX_DRIFT_RATIO = 2.0
 # of the travel: a misfit below it does not matter
-FINE_ENOUGH = 1e-3
+NEGLIGIBLE_MISFIT = 1e-3
 # a departure from proportion at the highest level that matters, and how surely
 MAX_NONLINEARITY, SIGNIFICANT_SE = 0.03, 3.0
 
@@ -175,7 +175,10 @@ def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None)
 
 
 @criterion(
-    "flow / displacement at the end", ">=", FLOWED, "our choice: a slow retardation shows less"
+    "flow / displacement at the end",
+    ">=",
+    MIN_FLOW_SHARE,
+    "our choice: a slow retardation shows less",
 )
 def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
     """The fitted flow moved the part by more than slow retardation would have.
@@ -191,7 +194,9 @@ def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
     )
 
 
-@criterion("drift / usual drift of a channel", "<=", DRIFTS, "our choice; two standard deviations")
+@criterion(
+    "drift / usual drift of a channel", "<=", MAX_DRIFT_RATIO, "our choice; two standard deviations"
+)
 def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported: bool) -> Finding:
     """The fitted drift of the displacement is too small to be flow of the part.
 
@@ -208,7 +213,11 @@ def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported:
 
 
 @criterion(
-    "smooth misfit / noise", "<=", MISSED, "our choice", other_grade=f"stop beyond {NOT_FOLLOWED:g}"
+    "smooth misfit / noise",
+    "<=",
+    MAX_MISFIT_RATIO,
+    "our choice",
+    other_grade=f"stop beyond {GROSS_MISFIT_RATIO:g}",
 )
 def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding:
     """The model fits the displacement to within its noise.
@@ -217,7 +226,7 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
     """
     misfit, location_text = _find_worst_part(test, residual)
     travel = float(np.ptp(test.displacement))
-    noise = max(test.displacement_noise, FINE_ENOUGH * travel)
+    noise = max(test.displacement_noise, NEGLIGIBLE_MISFIT * travel)
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
         f"The model misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
@@ -226,7 +235,7 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
         "Stiffening, slip, lost contact or another temperature may cause this. The arms mean "
         "nothing then",
         "Check the fixture, and repeat the test.",
-        grade="stop" if ratio > NOT_FOLLOWED else None,
+        grade="stop" if ratio > GROSS_MISFIT_RATIO else None,
     )
 
 

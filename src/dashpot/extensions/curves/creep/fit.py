@@ -95,13 +95,13 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # retardations of the first solution, which gives the velocity
 _FIRST_ORDER = 2
-_FEWEST = 5
+_MIN_COUNT = 5
 # retardations faster than so many times what the load resolves are none
-_RESOLVED = 4.0
+_RESOLUTION_RATIO = 4.0
 # a load is in step to this part of a sample; it is moved so often, and by so many sd at most
 _IN_STEP, _MAX_SHIFTS, _MAX_SHIFT_SD = 0.1, 4, 4.0
 #: largest angle, omega times the step of the clock, at which a creep test shows the loss
-SAMPLED = 0.1
+MAX_SAMPLING_ANGLE = 0.1
 # so many sd of a delay before the load the displacement is sure to rest
 _REST_SD = 2.0
 # a drift is known from the samples before the load where its sd is below this part of the usual
@@ -228,7 +228,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     block = block.with_column("delay", _compute_delay_column(block, rough, time[window]))
     # what is faster than the load is known answers its noise
     shortest, longest = block.window
-    block = replace(block, window=(max(shortest, _RESOLVED * record.resolution), longest))
+    block = replace(block, window=(max(shortest, _RESOLUTION_RATIO * record.resolution), longest))
     return FitData(
         [block], [block.exact], in_time=True,
         bind=partial(_limit_parameters, block, baseline),
@@ -276,7 +276,7 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     unmeasured = noise if for_limits else None
     default_drift = Machine().drift_sd(max_travel, duration, unmeasured)
     slope = Prior(0.0, np.inf)
-    if first >= _FEWEST:
+    if first >= _MIN_COUNT:
         offset, at, slope = estimate_channel_zero(
             time[:first], x[:first], record.displacement_noise
         )
@@ -371,7 +371,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing shows the loss there
-    resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
+    resolved = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
     band = (band[0], max(min(band[1], resolved), band[0]))
     end, band, error = _limit_end_of_test(record, retardation, band)
     word = "m" if record.unit == "N/m" else "1"

@@ -20,7 +20,7 @@ from dashpot.preprocessing.checks import check_machine, check_temperature, clock
 from dashpot.signals.noise import scatter, without_spikes
 from dashpot.signals.segments import find_cycles, find_segments
 
-_FEWEST = 8
+_MIN_COUNT = 8
 # steps and tolerance of the search for the times of corners
 _STEPS, _PART, _CORNER_TOLERANCE = 20, 0.3, 1e-9
 # a mean of white noise is hardly ever so many standard deviations off, and seldom so many
@@ -136,9 +136,9 @@ def _find_cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | N
     cycle, hold = max(cycle_holds, key=lambda pair: pair[1].duration)
     force_before = force[: cycle.ramp.first + 1]
     # a record that begins on its load ramp begins at its first reading
-    preload = median(force_before) if len(force_before) >= _FEWEST else float(force[0])
+    preload = median(force_before) if len(force_before) >= _MIN_COUNT else float(force[0])
     level = hold.level - preload
-    if not level > 0 or hold.last - hold.first < _FEWEST:
+    if not level > 0 or hold.last - hold.first < _MIN_COUNT:
         return None
     hold_index = cycle.segments.index(hold)
     ramp = cycle.segments[hold_index - 1]

@@ -130,9 +130,9 @@ BY_SWEEPS = "a sweep to higher frequencies or a colder one"
 Weights: TypeAlias = Literal["relative", "modulus"]
 
 # an arm so much faster than a sweep is a dashpot to it
-_FASTER = 30.0
+_DASHPOT_RATIO = 30.0
 # and so much slower one still adds a loss to its lowest lines
-_SLOWER = 1000.0
+_SLOW_ARM_RATIO = 1000.0
 # weights of one temperature, and of several
 _USUAL_WEIGHTS: tuple[Weights, Weights] = ("relative", "modulus")
 
@@ -448,7 +448,10 @@ def _weight_sweep(data: DynamicTest, sweep: _Set) -> CurveData | None:
     """Return the lines of a sweep with their errors; None if they are few."""
     if len(data.frequency) < MIN_FREE_POINTS:
         return None
-    window = 1 / (_FASTER * float(data.omega.max())), _SLOWER / float(data.omega.min())
+    window = (
+        1 / (_DASHPOT_RATIO * float(data.omega.max())),
+        _SLOW_ARM_RATIO / float(data.omega.min()),
+    )
     return weight_curve(sweep.block, data.frequency, window=window)
 
 

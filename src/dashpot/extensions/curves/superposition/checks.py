@@ -15,7 +15,7 @@ from dashpot.extensions.curves.shift_law_fit import MAX_MISSED, LawScore, ShiftL
 from dashpot.numerics.inference.model_order import is_significant_fall
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
-OVERLAP = 0.5
+MIN_OVERLAP = 0.5
 """Decades that neighbours are to share."""
 MAX_STEP_SE = 0.3
 MAX_RISE = 3.0
@@ -32,13 +32,13 @@ _NEGLIGIBLE_DECADES = 0.1
 @criterion(
     "decades shared",
     ">=",
-    OVERLAP,
+    MIN_OVERLAP,
     "our choice: with less, any shift fits; 1.5 for ramps and holds (simulation)",
 )
 def isotherms_overlap(
     shared: FloatArray | Sequence[float],
     temperature: FloatArray | Sequence[float],
-    overlap_decades: float = OVERLAP,
+    overlap_decades: float = MIN_OVERLAP,
 ) -> Finding:
     """Neighbouring temperatures share a range of relaxation times after the shift.
 

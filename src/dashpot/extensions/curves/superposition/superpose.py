@@ -55,7 +55,7 @@ _BY_EYE = 0.1
 # relative misfit that is of no instrument
 _NO_MATTER = 1e-3
 # degrees of freedom that the temperatures alone must leave, for their scatter to be known
-_LEAST_DOF = 10
+_MIN_DOF = 10
 
 
 def superpose(
@@ -157,7 +157,7 @@ class _SeparateSpectra(NamedTuple):
 
     def compare_with_joint(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
         """Return mean square of the joint fit over this, and what that reaches by chance."""
-        if self.dof < _LEAST_DOF or self.sse <= 0:
+        if self.dof < _MIN_DOF or self.sse <= 0:
             return None, 1.0
         extra_parameters = best.values - best.parameters - self.dof
         by_chance = 1 + 3 * np.sqrt(2 * max(extra_parameters, 1)) / self.dof

@@ -88,7 +88,7 @@ def find_single_test_band(
 
 
 # fraction of the prior variance that data must remove to count as an estimate
-_LEAST_INFORMATION = 0.01
+_MIN_INFORMATION = 0.01
 
 
 class MultiTemperatureFit(NamedTuple):
@@ -404,7 +404,7 @@ def _collect_shift_checks(
     )
     chance, excess = _compute_misfit(fit)
     return [
-        isotherms_overlap(shared, temperatures, checks.SHARED),
+        isotherms_overlap(shared, temperatures, checks.MIN_SHARED_DECADES),
         *collect_shift_checks(
             fit.best.joint.temperatures,
             [shift.log10_a_t for shift in shifts.shifts],
@@ -431,7 +431,7 @@ def _compute_data_estimate(nuisance: Nuisance, prior_sd: float) -> tuple[float, 
     .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
     """
     information = 1.0 - (nuisance.standard_error / prior_sd) ** 2
-    if not information > _LEAST_INFORMATION:
+    if not information > _MIN_INFORMATION:
         return None
     return nuisance.value / information, nuisance.standard_error / float(np.sqrt(information))
 

@@ -43,7 +43,7 @@ from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, re
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13
-MOST_ARMS = 3
+MAX_ARMS = 3
 _PER_STROKE = 120
 _MAX_RESIDUAL_RATIO = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
@@ -51,7 +51,7 @@ DECISIVE = 10.0
 """Decrease of BIC that a further arm needs."""
 _SIGNIFICANT_DELAY = 3.0
 """Standard errors of a delay from which on a record is taken to have one."""
-_SMALLEST, _LARGEST = 1e-3, 20.0
+_SMALLEST, _MAX_SIZE = 1e-3, 20.0
 """Smallest and largest g."""
 
 
@@ -102,7 +102,7 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
         specimen.cycle.depth / speed for specimen, speed in zip(specimens, speeds, strict=True)
     ]
     window = min(strokes) / 20, 3 * max(strokes)
-    counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
+    counts = range(MAX_ARMS + 1) if arms == "auto" else [arms]
     candidates = _fit_arm_counts(records, window, counts)
     delays = _find_delays(specimens, records, knots, candidates[-1])
     if any(abs(delay.mean) > _SIGNIFICANT_DELAY * delay.sd for delay in delays):
@@ -288,7 +288,7 @@ def _fit_next_arm(
     low, high = np.log(window).tolist()
     problem = Problem(
         partial(_compute_rows, records),
-        [Parameter(float(np.log(_SMALLEST)), float(np.log(_LARGEST)))] * arms
+        [Parameter(float(np.log(_SMALLEST)), float(np.log(_MAX_SIZE)))] * arms
         + [Parameter(low - 1, high + 1)] * arms,
         positive=True,
     )

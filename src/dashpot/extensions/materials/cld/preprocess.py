@@ -39,13 +39,13 @@ from dashpot.signals.segments import estimate_resolution
 
 _SMOOTHED, _SIGNIFICANT_SD = 5, 4.0
 """Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
-_COMMON = 0.95
+_COMMON_DEPTH_SHARE = 0.95
 """Part of the least depth at which cycles are compared."""
-_BEYOND = 5e-3
+_MAX_EXTRAPOLATION = 5e-3
 """Part of the depth by which a compression asked for may lie beyond the last reading."""
-_BACK = 0.2
+_MAX_RETURN_SHARE = 0.2
 """Part of the depth by which a release may go behind the start of a record without air."""
-_UNFINISHED = 0.9
+_MIN_COMPLETE_SHARE = 0.9
 """A last loading that ends before this part of the depth, and is not unloaded, is left out."""
 
 
@@ -251,10 +251,10 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
     if not zero.air:
         _refuse_loops(float(-x.min()), max(depths), rated=test.time is not None)
-    excess = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
-    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
+    excess = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
+    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _MIN_COMPLETE_SHARE * max(depths):
         pairs, depths = pairs[:-1], depths[:-1]
-    common = _COMMON * min(depths)
+    common = _COMMON_DEPTH_SHARE * min(depths)
     cycles, uneven = [], []
     for number, (loading, unloading) in enumerate(pairs, start=1):
         speed = relative_variation = None
@@ -270,7 +270,7 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
 
 def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
     """Refuse cycles about a mean compression: their work and forces have no zero."""
-    if return_distance > _BACK * depth:
+    if return_distance > _MAX_RETURN_SHARE * depth:
         rate = "" if rated else " --rate 1000Hz"
         raise DataError(
             "the record begins in contact, and its release goes "

@@ -33,7 +33,7 @@ from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 
 DAMPING_KNOTS = 7
-MOST_ARMS = 2
+MAX_ARMS = 2
 _CONTACT = 0.01
 """Standard deviation of first contact over the depth: a dashpot's force jumps there."""
 
@@ -73,7 +73,7 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
         max(specimen.noise for specimen in specimens),
     )  # fmt: skip
     candidates = [_fit_next_arm(of, np.zeros(len(records)), None)]
-    for _ in range(MOST_ARMS):
+    for _ in range(MAX_ARMS):
         candidates.append(_fit_next_arm(of, candidates[-1].theta, window))
     effective = estimate(
         candidates[-1], parts=_split_rows(of), prior_variance=of.noise**2

@@ -20,7 +20,12 @@ from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
 from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, Oven
-from dashpot.extensions.materials.csr.law import BOUND, THOUSAND_HOURS, AgingLaw, retained_fraction
+from dashpot.extensions.materials.csr.law import (
+    ONE_SIDED_QUANTILE,
+    THOUSAND_HOURS,
+    AgingLaw,
+    retained_fraction,
+)
 from dashpot.extensions.materials.csr.preprocess import Readings, collect_readings
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
@@ -72,7 +77,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
     ovens = read.ovens(uncertainty)
     orders: dict[str, float] = {}
     law, strain = _limit_rate(uncertainty, ovens[-1]), None
-    if ovens[-1].significance >= checks.LEAST_SIGNIFICANCE:
+    if ovens[-1].significance >= checks.MIN_SIGNIFICANCE:
         is_oven_stated = machine.oven is not None
         law, orders, strain = _fit_arrhenius(
             read, uncertainty, ovens, (sd, drift), is_oven_stated=is_oven_stated
@@ -157,7 +162,7 @@ def _limit_rate(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
     """Return the law without chemical aging, with its upper limit by the hottest oven."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = uncertainty.covariance[0, 0]
-    fastest = max(hottest.rate, 0.0) + BOUND * hottest.rate_error
+    fastest = max(hottest.rate, 0.0) + ONE_SIDED_QUANTILE * hottest.rate_error
     return AgingLaw(
         float(uncertainty.optimum.theta[0]), -float(np.log(fastest)), 0.0, 1.0, hottest.temperature,
         covariance, uncertainty.quantile(), bound_alone=True,

@@ -38,9 +38,9 @@ _ADDITIONAL_TAU = 1 / 15
 """Relaxation time of an additional arm, in lengths of a contact."""
 _DIFFERENCE_STEP = 1e-3
 """Step of a difference, over each force."""
-_LEAST_ROWS = 30.0
+_MIN_ROWS = 30.0
 """Least number of independent rows before first contact and after release."""
-_LEAST_ORTHOGONAL_PART = 1e-6
+_MIN_ORTHOGONAL_PART = 1e-6
 """Part of a column below which it lies in the columns of the fit."""
 
 
@@ -65,7 +65,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
     # the relaxation time of an arm with g = 0 has no effect
     size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     basis, weight, _ = np.linalg.svd(J / size, full_matrices=False)
-    basis = basis[:, weight > _LEAST_ORTHOGONAL_PART * weight[0]]
+    basis = basis[:, weight > _MIN_ORTHOGONAL_PART * weight[0]]
     flights = _Flights.from_residual(problem, theta, optimum.residual)
     deviation = np.sqrt(flights.noise_correlation_factor)
     scores = {}
@@ -81,7 +81,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
         )
         orthogonal_column = column - basis @ (basis.T @ column)
         size = float(np.linalg.norm(orthogonal_column))
-        if size > _LEAST_ORTHOGONAL_PART * np.linalg.norm(column):
+        if size > _MIN_ORTHOGONAL_PART * np.linalg.norm(column):
             scores[name] = float(orthogonal_column @ optimum.all_residuals / size / deviation)
     if (variance_increase := flights.variance_increase) is not None:
         scores["a sensor or mass that keeps vibrating"] = max(variance_increase, 0.0)
@@ -174,7 +174,7 @@ class _Flights(NamedTuple):
     def variance_increase(self) -> float | None:
         """Increase of the log variance after release, in standard errors; None if rows are few."""
         n = np.array([len(self.before), len(self.after)]) / self.noise_correlation_factor
-        if n.min() < _LEAST_ROWS:
+        if n.min() < _MIN_ROWS:
             return None
         return float(
             np.log(np.mean(self.after**2) / np.mean(self.before**2)) / np.sqrt((2 / n).sum())

@@ -44,9 +44,9 @@ POWERS: MappingProxyType[ElasticKind, tuple[tuple[int, int], ...]] = MappingProx
     "neo-hooke": ((1, 0),), "mooney-rivlin": ((1, 0), (0, 1)), "yeoh": ((1, 0), (2, 0), (3, 0)),
 })  # fmt: skip
 """Exponents of I1 - 3 and I2 - 3 for each constant of a law of the invariants."""
-FARTHEST = 10.0
+MAX_STRETCH = 10.0
 """Stretch, or one over it, to which stability is sought."""
-_SCAN = 600
+_SCAN_POINTS = 600
 
 
 class Path(NamedTuple):
@@ -284,8 +284,8 @@ class Hyperelastic:
         return self._first_unstable(mode, -1.0), self._first_unstable(mode, 1.0)
 
     def _first_unstable(self, mode: Mode, sign: float) -> float | None:
-        # the path itself sits between 1 / FARTHEST and FARTHEST in the imposed direction
-        e = sign * np.linspace(0.0, math.log(FARTHEST), _SCAN)
+        # the path itself sits between 1 / MAX_STRETCH and MAX_STRETCH in the imposed direction
+        e = sign * np.linspace(0.0, math.log(MAX_STRETCH), _SCAN_POINTS)
         failed = np.flatnonzero(self.drucker(mode, np.exp(e)) <= 0)
         if not failed.size:
             return None

@@ -16,11 +16,11 @@ _CONTACT_RATIO = 25.0
 """Peak over scatter at which a contact stands out."""
 _OTHER_CONTACT_SHARE = 0.1
 """Part of the largest push that makes another contact."""
-_FOOT = 0.25
+_WIDTH_LEVEL = 0.25
 """Part of the push at which its width is taken."""
 _FOOT_WIDTH = 0.84
 """Width of a half sine at that height, over its whole width."""
-_FEWEST = 6
+_MIN_COUNT = 6
 
 
 class ContactInterval(NamedTuple):
@@ -65,13 +65,13 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
             f"{push[top]:.3g}, its scatter {scatter:.3g}; cut the record about the contact, or "
             "record it with less noise"
         )
-    runs = _find_runs(push > _FOOT * push[top])
+    runs = _find_runs(push > _WIDTH_LEVEL * push[top])
     start, end = next(run for run in runs if run[0] <= top < run[1])
     width_ratio = max((end - start) - 0.5 * width, 2.0) * test.step / _FOOT_WIDTH
-    if end - start < _FEWEST:
+    if end - start < _MIN_COUNT:
         raise DataError(
             f"the contact has {end - start} samples above a quarter of its peak; expected "
-            f"{_FEWEST} or more: sample {8 * _FEWEST / max(end - start, 1):.0f} times as fast"
+            f"{_MIN_COUNT} or more: sample {8 * _MIN_COUNT / max(end - start, 1):.0f} times as fast"
         )
     middle = test.time[0] + 0.5 * (start + end - 1) * test.step
     level = max(_OTHER_CONTACT_SHARE * push[top], 8 * scatter)

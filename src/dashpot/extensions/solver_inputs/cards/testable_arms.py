@@ -26,7 +26,7 @@ STIFFNESS, LOSS_FACTOR = 0.1, 0.3
 
 _SINGULAR = 1e-14
 _PER_DECADE = 20
-_BEYOND = 100.0
+_BAND_MARGIN = 100.0
 """The band is sought so far, as a factor, beyond the fastest arm."""
 
 
@@ -102,7 +102,7 @@ def _find_known_band(
     Below the inverse of the hold nothing is known, whatever the arms of the card.
     """
     low = 1 / (2 * np.pi * hold_time)
-    high = 1 / (2 * np.pi * min(model.tau)) * _BEYOND
+    high = 1 / (2 * np.pi * min(model.tau)) * _BAND_MARGIN
     if high <= low:
         return None
     count = int(np.ceil(np.log10(high / low) * _PER_DECADE)) + 1

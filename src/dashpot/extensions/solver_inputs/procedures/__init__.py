@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-RIGHT = 1e-3
+MAX_RELATIVE_DIFFERENCE = 1e-3
 """Largest difference to the model, over the peak, of an answer that is called right."""
 READ_ONLY = "only read"
 
@@ -37,7 +37,7 @@ class Run(NamedTuple):
     @property
     def is_right(self) -> bool:
         """Whether the answer is that of the model."""
-        return self.deviation <= RIGHT
+        return self.deviation <= MAX_RELATIVE_DIFFERENCE
 
 
 @cache

@@ -11,9 +11,9 @@ from dashpot.base.value_ranges import SIZES
 
 NOT_THERE = 0.3
 """m, beyond which shapes are not those of this door."""
-ANOTHER = 2.0
+MAX_MASS_RATIO = 2.0
 """Ratio of masses, so too."""
-JUMP = 10.0
+MAX_CLOSING_RATIO = 10.0
 """Times the longest of the other pieces, beyond which that which closes a line skips points."""
 HELD_BY_SEAL = 0.01
 """Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
@@ -119,7 +119,7 @@ def shear_stiffness_plausible(ratio: float) -> Finding:
 def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
     """The seal line is closed, and not by one long segment alone."""
     closing, longest = pieces[-1], max(pieces[:-1])
-    has_jump = closing > JUMP * longest
+    has_jump = closing > MAX_CLOSING_RATIO * longest
     return Finding(
         f"The seal line of {length:.4g} m is closed",
         failure=f"The seal line of {length:.4g} m is closed by a straight segment of "
@@ -186,7 +186,7 @@ def masses_agree(stated_mass: float, implied: float) -> Finding:
         implied / stated_mass,
         "The modal masses or the units of the modes are wrong, or the modes are of another door",
         "Check the mass in [door], and the units of the modes.",
-        grade="limit" if 1 / ANOTHER <= implied / stated_mass <= ANOTHER else "stop",
+        grade="limit" if 1 / MAX_MASS_RATIO <= implied / stated_mass <= MAX_MASS_RATIO else "stop",
     )
 
 

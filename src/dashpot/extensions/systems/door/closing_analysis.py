@@ -30,10 +30,10 @@ FASTEST = 20.0
 _SIGNIFICANT = 1e-5
 _COARSE_STEPS, _COARSE_STATIONS, _COARSE_TOLERANCE = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
-_NOTHING = 1e-9
+_ZERO_SPEED = 1e-9
 """Share of the energy at 1 m/s with which a door closes by itself."""
 _TRIES = 60
-_FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
+_SPEED_FACTORS = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 
 @dataclass(frozen=True)
@@ -345,7 +345,7 @@ def _list_energy_shares(history: ClosingHistory) -> list[Share]:
 def _check_faster_doors(door: ClosingDoor, minimum: float) -> bool:
     if not np.isfinite(minimum):
         return True
-    faster_speeds = max(minimum, 1e-2) * np.array(_FASTER)
+    faster_speeds = max(minimum, 1e-2) * np.array(_SPEED_FACTORS)
     return bool(simulate_closing(door, faster_speeds, steps=_COARSE_STEPS).is_latched.all())
 
 
@@ -383,7 +383,7 @@ def find_least_speed(
     half_mass = 0.5 * door.inertia / door.edge**2
 
     def spare(energy: FloatArray) -> FloatArray:
-        speed = np.sqrt(np.maximum(energy, _NOTHING * half_mass) / half_mass)
+        speed = np.sqrt(np.maximum(energy, _ZERO_SPEED * half_mass) / half_mass)
         return simulate_closing(door, speed, steps=steps, **entries).least_kinetic_energy
 
     high, low = np.full(doors, half_mass), np.zeros(doors)

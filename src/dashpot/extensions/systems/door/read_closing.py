@@ -24,7 +24,7 @@ from dashpot.extensions.systems.door.closing_setup import (
 from dashpot.reading.toml import Section
 
 T = TypeVar("T")
-_AIR = ("discharge", "process")
+_AIR_KEYS = ("discharge", "process")
 
 
 def read_closing(
@@ -70,10 +70,16 @@ def read_closing(
         section.direction("gravity"),
         sub(_check, "check", "angle", "moment"),
         sub(partial(_read_latch, width), "latch", "travel", "force", "lever", "beyond"),
-        sub(_read_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
-        sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR),
+        sub(_read_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR_KEYS),
+        sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR_KEYS),
         sub(
-            partial(_read_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR
+            partial(_read_cabin, width, area),
+            "cabin",
+            "volume",
+            "area",
+            "lever",
+            "opening",
+            *_AIR_KEYS,
         ),
         sub(_read_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
     )

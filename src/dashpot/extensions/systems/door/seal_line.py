@@ -15,7 +15,7 @@ from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.seal_line import SealSection, Stations
 from dashpot.registry import require_handler
 
-CLOSED = 1e-6
+CLOSURE_TOLERANCE = 1e-6
 """Part of its length by which the ends of a line may lie apart, and it is closed."""
 _CORNER_COSINE = np.cos(np.radians(30.0))
 """Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
@@ -107,7 +107,7 @@ class SealLine(EqualByValue):
     def is_closed(self) -> bool:
         """Whether its last point is its first."""
         norm = float(np.linalg.norm(self.points[0] - self.points[-1]))
-        return norm <= CLOSED * self.length
+        return norm <= CLOSURE_TOLERANCE * self.length
 
     @property
     def arc_length(self) -> FloatArray:
@@ -247,7 +247,7 @@ def _validate_points(value: npt.ArrayLike) -> FloatArray:
         raise DataError(
             f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
         )
-    crossing = _find_first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
+    crossing = _find_first_crossing(points, nearer_than=CLOSURE_TOLERANCE * float(steps.sum()))
     if crossing is not None:
         raise DataError(
             f"the seal line crosses itself: its segment from point {crossing[0]} meets the one "
@@ -271,7 +271,7 @@ def _validate_normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
         raise DataError("the normal of the seal line has no direction")
     normal /= size[:, None]
     cosine = np.einsum("ij,ij->i", normal[1:], normal[:-1])
-    if (cosine < -CLOSED).any():
+    if (cosine < -CLOSURE_TOLERANCE).any():
         row = int(np.argmin(cosine))
         raise DataError(
             f"the normals of points {row} and {row + 1} of the seal line stand "

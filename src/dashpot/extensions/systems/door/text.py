@@ -11,7 +11,7 @@ from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded, hertz
 
-_MOST_MODES = 9
+_MAX_MODES = 9
 """Number of modes that are listed."""
 _ROUNDING = 1e-9
 """Damping that is rounding, %."""
@@ -27,7 +27,7 @@ def door(result: DoorResult, *, every: bool = False) -> Text:
         return Text([*lines, f"  no mode in {hertz(result.band)}", *_format_shaken(result)])
     parts = list(dict.fromkeys(share.name for mode in result.modes for share in mode.shares))
     numbers = range(len(result.modes))
-    first = sorted(sorted(numbers, key=lambda i: -result.modes[i].share(SEAL))[:_MOST_MODES])
+    first = sorted(sorted(numbers, key=lambda i: -result.modes[i].share(SEAL))[:_MAX_MODES])
     lines += table(_make_mode_rows(result, first, parts if every else []))
     if len(first) < len(numbers):
         lines.append(f"  {len(numbers) - len(first)} more modes, of which the seal has less")
