@@ -71,7 +71,7 @@ from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.input_tests import EndStiffness
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit
-from dashpot.numerics.inference.correlated_noise import Noise, nearly_white, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise, nearly_white
 from dashpot.numerics.inference.model_order import (
     DECISIVE_BIC,
     OrderChoice,
@@ -2997,7 +2997,7 @@ def test_noise_is_nearly_white_where_three_neighbours_say_the_same(
 def test_kappa_is_the_closed_form_of_ar_1(tau: float) -> None:
     r""":math:`\kappa = 1 + 2\sum_l \phi^l = (1 + \phi)/(1 - \phi)`, :math:`\phi = e^{-1/\tau}`."""
     phi = np.exp(-1 / tau)
-    result = np.mean([noise_of(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
+    result = np.mean([estimate_noise(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
     assert result == pytest.approx((1 + phi) / (1 - phi), rel=0.03)
 
 

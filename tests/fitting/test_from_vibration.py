@@ -335,7 +335,7 @@ def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, w
 
     monkeypatch.setattr(identify_room, "Arms", lambda number: SimpleNamespace(number=number))
     monkeypatch.setattr(identify_room, "_linear", lambda problem, most: [])
-    monkeypatch.setattr(identify_room, "_spread", lambda problem, before: [None])
+    monkeypatch.setattr(identify_room, "_spread_arms", lambda problem, before: [None])
     monkeypatch.setattr(identify_room, "descend", make_descent)
     monkeypatch.setattr(FakeProblem, "pack", lambda self, start: start, raising=False)
     assert [

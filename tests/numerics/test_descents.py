@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import solve
 from dashpot.numerics.inference.profile_likelihood import (
     BatchedDescent,
     Coordinate,
     ProfileTarget,
     SolvedTrials,
-    profiles,
+    compute_profiles,
 )
 from dashpot.numerics.least_squares import (
     Objective,
     Parameter,
     Problem,
     Rows,
-    _trial,
+    _compute_trial,
     descend,
     require_optimum,
 )
@@ -89,11 +89,11 @@ def test_profile_with_too_few_arms_equals_brute_force_refit(
 ) -> None:
     time = np.linspace(0.0, 10.0, 400)
     values = 1.0 + 0.8 * np.exp(-time / 0.3) + 0.5 * np.exp(-time / 4.0)
-    block = hold_block(time, values)
+    block = build_hold_block(time, values)
     solution = solve([block], 1)
     scale = solution.sse / 8.0
     profile_target = ProfileTarget(coordinate, index, step=0.02, scale=scale)
-    ((value, deviance),) = profiles(Stack([block]), solution, [profile_target], limit=20.0)
+    ((value, deviance),) = compute_profiles(Stack([block]), solution, [profile_target], limit=20.0)
     c, k, ln_tau = *solution.beta, solution.log_tau[0]
 
     def compute_refit_cost(at: float) -> float:
@@ -125,7 +125,7 @@ def test_the_steps_of_a_parameter_that_has_faded_are_damped_as_if_it_carried_a_l
         curvature = np.diag([1.0, carried])
 
     wide = [-10.0, -10.0], [10.0, 10.0]
-    step = _trial(Point(), None, 10.0, wide)
+    step = _compute_trial(Point(), None, 10.0, wide)
     assert step[1] == pytest.approx(-1e-12 / (carried + 10.0 * sensed), rel=1e-9)
 
 

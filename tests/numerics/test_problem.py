@@ -19,7 +19,7 @@ from dashpot.numerics.least_squares import (
     Parameter,
     Problem,
     Rows,
-    _foretold,
+    _is_predicted,
     require_optimum,
     stack_real_rows,
 )
@@ -149,8 +149,8 @@ def test_hessian_correction_is_reused_if_it_predicts_the_fall(
     fall = -float(step @ (2 * gradient + (curvature + lacking) @ step))
     old = SimpleNamespace(sse=10.0, gradient=gradient, curvature=curvature)
     new = SimpleNamespace(sse=10.0 - fall * (1 + sign * off))
-    assert _foretold(lacking, old, new, step) is retained
-    assert _foretold(None, old, new, step)
+    assert _is_predicted(lacking, old, new, step) is retained
+    assert _is_predicted(None, old, new, step)
 
 
 def test_where_a_model_says_nothing_no_descent_begins_and_none_ends() -> None:

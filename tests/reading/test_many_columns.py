@@ -121,7 +121,7 @@ def test_plain_numbers_throughout_leave_nothing_to_try(
 ) -> None:
     rows = [sign.join(f"{i}.{j}{i % 3}".replace(".", mark) for j in range(9)) for i in range(300)]
     tried: list[str] = []
-    inner = dialect._best_run
+    inner = dialect._find_best_run
     monkeypatch.setattr(
         dialect,
         "_best_run",
@@ -130,7 +130,7 @@ def test_plain_numbers_throughout_leave_nothing_to_try(
     result = dialect.find_dialect(["a name", *rows])
     assert result is not None
     assert (result.delimiter, result.mark, result.first, tried) == (sign, mark, 1, [])
-    monkeypatch.setattr(dialect, "_plainly", lambda *_: None)
+    monkeypatch.setattr(dialect, "_find_plain_dialect", lambda *_: None)
     assert dialect.find_dialect(["a name", *rows]) == result
     assert tried
 

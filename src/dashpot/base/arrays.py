@@ -397,7 +397,9 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     options = {name: item for name, item in of.items() if getattr(result, name) is not None}
     units = {
         name: _unit(result, name, word, option)
-        for (name, option), word in zip(options.items(), words_of(result, options), strict=True)
+        for (name, option), word in zip(
+            options.items(), get_unit_words(result, options), strict=True
+        )
     }
     for name, unit in units.items():
         convert_field_to_si(result, name, unit)
@@ -405,7 +407,7 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     return {name: unit.dimension for name, unit in units.items()}
 
 
-def words_of(result: Any, options: Mapping[str, Dimensions]) -> list[str]:
+def get_unit_words(result: Any, options: Mapping[str, Dimensions]) -> list[str]:
     """Return the words of the units, one for each array."""
     kind, names = _get_type_label(result), ", ".join(options)
     example = ", ".join(get_default_unit(_several(option)[0]) for option in options.values())

@@ -109,25 +109,25 @@ def is_path_field(attribute: Field[Any]) -> bool:
     return attribute.metadata.get("metavar") in {"FILE", "FRF"}
 
 
-def flag_of(attribute: Field[Any]) -> str:
+def get_option_flag(attribute: Field[Any]) -> str:
     """Return the option that takes a field, as it is typed: ``--seal-mass``, ``--machine``."""
     how = attribute.metadata
     return "--" + str(how.get("under", how.get("flag", attribute.name))).replace("_", "-")
 
 
-def key_of(attribute: Field[Any]) -> str:
+def get_option_key(attribute: Field[Any]) -> str:
     """Return the KEY by which an option of KEY=VALUE takes a field: ``ramp-end``."""
     return str(attribute.metadata.get("key", attribute.name)).replace("_", "-")
 
 
-def flags_of(cls: type) -> str:
+def format_option_flags(cls: type) -> str:
     """Return the options of a value as a sentence lists them.
 
     >>> from dashpot.workflow.job import TimeLimits
-    >>> flags_of(TimeLimits)
+    >>> format_option_flags(TimeLimits)
     '--time-limits'
     """
-    *other_flags, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))
+    *other_flags, last = dict.fromkeys(map(get_option_flag, iterate_option_fields(cls)))
     return f"{', '.join(other_flags)} and {last}" if other_flags else last
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import click
 
-from dashpot.base.option_fields import flag_of, iterate_option_fields
+from dashpot.base.option_fields import get_option_flag, iterate_option_fields
 from dashpot.cli._param_types import Keyed, Scoped, type_of
 
 WIDTH = 80
@@ -158,7 +158,9 @@ def build_options(
     }
     fields_by_flag: dict[str, list[Field[Any]]] = {}
     for name in names or fields_by_name:
-        fields_by_flag.setdefault(flag_of(fields_by_name[name]), []).append(fields_by_name[name])
+        fields_by_flag.setdefault(get_option_flag(fields_by_name[name]), []).append(
+            fields_by_name[name]
+        )
     return [
         _make_option(
             flag,

@@ -14,7 +14,7 @@ import click
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.lazy import compile_on_use
-from dashpot.base.option_fields import Drawn, get_choice_values, is_path_field, key_of
+from dashpot.base.option_fields import Drawn, get_choice_values, get_option_key, is_path_field
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.registry import find_handler
 
@@ -279,7 +279,7 @@ class Keyed(click.ParamType[Any]):
 
     def __init__(self, flag: str, fields: Sequence[Field[Any]]) -> None:
         self.flag = flag
-        self.fields = {key_of(field): field for field in fields}
+        self.fields = {get_option_key(field): field for field in fields}
         self.sign = fields[-1].metadata.get("sign", "=")
         # the field that the option is named after is typed without a key: FILE,axis=Fz
         self.first = next((field for field in fields if f"--{field.name}" == flag), None)

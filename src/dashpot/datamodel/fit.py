@@ -22,7 +22,7 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
-from dashpot.datamodel.fit_diagnostics import Evidence, Provenance, family_of
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance, get_model_family
 from dashpot.datamodel.parameter_estimate import (
     SHAPE_PREFIXES,
     Interval,
@@ -145,7 +145,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     @property
     def family(self) -> Family:
         """Family of the solid: ``"maxwell"`` or ``"fractional"``."""
-        return family_of(self.solid)
+        return get_model_family(self.solid)
 
     @property
     def verdict(self) -> Verdict:

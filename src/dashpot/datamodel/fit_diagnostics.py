@@ -19,7 +19,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # Alternative families of solids.
 
 
-def family_of(solid: Solid) -> Family:
+def get_model_family(solid: Solid) -> Family:
     """Return the family of a solid: fractional, or of springs and dashpots."""
     return "fractional" if isinstance(solid, FractionalZener) else "maxwell"
 
@@ -59,7 +59,7 @@ class Alternative(Serialisable):
     @property
     def family(self) -> Family:
         """Family of the solid."""
-        return family_of(self.solid)
+        return get_model_family(self.solid)
 
 
 # Evidence and provenance of a fit.

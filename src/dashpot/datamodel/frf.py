@@ -16,11 +16,11 @@ from dashpot.base.arrays import (
     FloatArray,
     complex_samples,
     convert_field_to_si,
+    get_unit_words,
     increasing,
     make_units_field,
     same_length,
     samples,
-    words_of,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -228,7 +228,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """Put lines and values into SI: a ratio of two units shows what the values relate."""
         if self.units == SI:
             return
-        hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
+        hertz, of_value = get_unit_words(self, {"frequency": "frequency", "value": "compliance"})
         ratio = load_function("reading.columns.header_units", "parse_response_unit")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import iterate_option_fields, key_of, option
+from dashpot.base.option_fields import get_option_key, iterate_option_fields, option
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import si_fields
 from dashpot.base.value_ranges import require_nonnegative, require_positive, select_fields
@@ -223,8 +223,8 @@ class Machine(Serialisable):
         for field in iterate_option_fields(self):
             if getattr(self, field.name) is not None and field.name not in names:
                 raise DataError(
-                    f"--machine {key_of(field)}= does not suit {subject}. Leave it out; it takes "
-                    f"{', '.join(names)}"
+                    f"--machine {get_option_key(field)}= does not suit {subject}. Leave it out; it "
+                    f"takes {', '.join(names)}"
                 )
 
     def delay_sd(self, sample: float) -> float:

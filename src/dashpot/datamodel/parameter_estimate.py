@@ -479,12 +479,12 @@ def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
     limit = sqrt(deviance_limit)
     optimum_index = int(np.argmin(root))
     return (
-        _crossing(value[optimum_index::-1], root[optimum_index::-1], limit, -inf),
-        _crossing(value[optimum_index:], root[optimum_index:], limit, inf),
+        _find_crossing(value[optimum_index::-1], root[optimum_index::-1], limit, -inf),
+        _find_crossing(value[optimum_index:], root[optimum_index:], limit, inf),
     )
 
 
-def _crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
+def _find_crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
     indices_below = np.flatnonzero(root < limit)
     i = int(indices_below[-1]) + 1 if indices_below.size else 0
     if i == len(root):

@@ -119,7 +119,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     @cached_property
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
-        return quantum(self.displacement)
+        return find_quantum(self.displacement)
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -324,8 +324,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
         if self.plate is None:
-            return quantum(self.travel)
-        return quantum(
+            return find_quantum(self.travel)
+        return find_quantum(
             self.plate if self.machine_deflection is None else self.plate + self.machine_deflection
         )
 
@@ -458,7 +458,7 @@ STRETCH_SAMPLES, PARTIAL_SAMPLES = 4, 2
 COARSE_STEP = 0.003
 
 
-def quantum(values: FloatArray) -> float:
+def find_quantum(values: FloatArray) -> float:
     """Return the step of which all differences are whole multiples; 0 if there is none to be seen.
 
     Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
@@ -478,10 +478,10 @@ def quantum(values: FloatArray) -> float:
     counts = np.round(level_differences / step)
     count_errors = np.abs(level_differences / step - counts) / counts
     step = float(level_differences.sum() / counts.sum())
-    return 0.0 if np.mean(count_errors < 0.02) < 0.98 or _evenly_climbed(values, step) else step
+    return 0.0 if np.mean(count_errors < 0.02) < 0.98 or _is_evenly_climbed(values, step) else step
 
 
-def _evenly_climbed(values: FloatArray, step: float) -> bool:
+def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
     """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
     magnitude = np.abs(np.diff(values))
     moving = magnitude > 0.5 * step

@@ -168,9 +168,9 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         object.__setattr__(self, "channels", tuple(names))
         object.__setattr__(self, "starts", starts)
         first, *other_records = self.records()
-        _uniform(time[first])
+        _require_uniform_time(time[first])
         for record in other_records:
-            _uniform(time[record])
+            _require_uniform_time(time[record])
             rate, samples = _rate(time[record]), len(time[record])
             if not same_rate(self.rate, rate, min(samples, len(time[first]))):
                 raise DataError(
@@ -248,7 +248,7 @@ def _rate(time: FloatArray) -> float:
     return float((len(time) - 1) / (time[-1] - time[0]))
 
 
-def _uniform(time: FloatArray) -> None:
+def _require_uniform_time(time: FloatArray) -> None:
     steps = np.diff(time)
     if steps.size == 0:
         raise DataError(f"the record at t = {time[0]:.9g} s is one sample; leave it out")

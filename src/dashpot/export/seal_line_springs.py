@@ -96,7 +96,7 @@ class SpringRow:
         ]
 
 
-def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> SpringRow:
+def make_springs(deck: Deck, line: Stations | None, shear: Shear | None = None) -> SpringRow:
     """Return the springs of a deck: its solid at the origin, or its share at each station.
 
     Raises

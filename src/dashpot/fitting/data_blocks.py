@@ -21,9 +21,9 @@ from dashpot.fitting.nuisance_priors import (
 from dashpot.fitting.parameter_errors import Encoder, compute_residual, rounding_rms
 from dashpot.numerics.design_matrices.block import DataBlock, DelayedForce
 from dashpot.numerics.design_matrices.data_compression import uniform_step
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 from dashpot.numerics.exponential_fit import Solution, solve, solve_orders
-from dashpot.numerics.inference.correlated_noise import Noise, ResidualSeries, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, ResidualSeries, estimate_noise
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
@@ -56,7 +56,7 @@ class FitSetup(NamedTuple):
         return tuple(name for name in self.nuisance if name != "delay")
 
 
-def block_of(
+def build_record_block(
     test: RampHold,
     *,
     method: Method = "full",
@@ -96,7 +96,7 @@ def block_of(
     suffix = "" if index is None else f"@{index}"
     offset, drift = (f"{name}{suffix}" if name in terms else None for name in ("offset", "drift"))
     if method == "hold":
-        return hold_block(
+        return build_hold_block(
             np.maximum(test.time[test.settled_samples] - test.ramp_end, 0.0),
             test.force[test.settled_samples],
             depth=test.depth if law is None else float(law.path(test.depth)),
@@ -106,7 +106,7 @@ def block_of(
         )
     time, x, force = motion(test)
     window = slice(first_sample(test) if start is None else start, None)
-    return recorded_block(
+    return build_recorded_block(
         time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
         columns=columns, weights=weights, tau_range=tau_range,
     )  # fmt: skip
@@ -115,7 +115,7 @@ def block_of(
 def compress_tests(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     return tuple(
-        block_of(test, method=design.method, terms=design.terms, index=i)
+        build_record_block(test, method=design.method, terms=design.terms, index=i)
         for i, test in enumerate(tests)
     )
 
@@ -261,7 +261,7 @@ def regularise_clock(time: FloatArray) -> FloatArray:
     return grid if float(np.abs(time - grid).max()) <= _ROUNDING_RATIO * step else time
 
 
-def solid_of(solution: Solution) -> GeneralizedMaxwell:
+def build_solid(solution: Solution) -> GeneralizedMaxwell:
     """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
     k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
@@ -332,7 +332,7 @@ class FitData:
         return max(find_largest_target(block) for block in self.samples)
 
 
-def data_of(
+def build_fit_data(
     records: Sequence[RampHold], design: FitSetup, log_tau_start: FloatArray | None = None
 ) -> FitData:
     """Return the tests as data, with what is known of load cell and clocks.
@@ -416,7 +416,8 @@ def fit_all_orders(
     solutions = solve_once()
     series = tuple(ResidualSeries(compute_residual(solutions[-1], block)) for block in data.samples)
     noises = tuple(
-        noise_of(residual_series, rounding=rounding_rms(data.peak)) for residual_series in series
+        estimate_noise(residual_series, rounding=rounding_rms(data.peak))
+        for residual_series in series
     )
     noise_sds = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
     if all(

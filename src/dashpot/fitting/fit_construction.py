@@ -12,7 +12,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Remedy, select_fit_status, select_gravest_check
 from dashpot.base.errors import Status
 from dashpot.base.option_fields import Method
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, EndOfHold
 from dashpot.datamodel.checks import caution_checks, numbers_unambiguous
@@ -100,7 +100,7 @@ def build_fit(
     unit, elastic_law, temperatures
         As `Fit` holds them.
     """
-    evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
+    evidence = replace(evidence, checks=_add_cautions(evidence.checks, provenance))
     conditions = {
         Status.FEWER_ARMS: estimate.has_fewer_arms,
         Status.TAU_AT_BOUND: estimate.at_bound,
@@ -141,7 +141,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
     return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 
 
-def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
+def _add_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
     """Return the checks, with doubts from the files unless preparation has stated them."""
     if any(check.name == numbers_unambiguous.name for check in checks):
         return checks
@@ -162,7 +162,7 @@ def estimate_without_errors(
     )
 
 
-def nuisances(
+def list_nuisances(
     names: Sequence[str],
     value: Callable[[str], float],
     error: Callable[[str], float],
@@ -195,10 +195,12 @@ def nuisances(
     return tuple(terms)
 
 
-def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
+def collect_provenance(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
     """Return where the fit of relaxation tests comes from; its piece is the deepest's."""
     deepest_test = max(tests, key=lambda test: test.depth)
-    return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest_test.specimen)
+    return Provenance(
+        method, list_sources(tests), (*list_steps(tests), *steps), deepest_test.specimen
+    )
 
 
 # Checks of every fit of relaxation tests.

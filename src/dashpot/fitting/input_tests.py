@@ -45,7 +45,7 @@ def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
     return tuple(_prepare_test(test) for test in tests)
 
 
-def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
+def split_depths(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     """Return the loadings of one record that hold, one to a depth, each as a record of its own.
 
     Of several to one depth the one with the longest hold. What a later one remembers of those
@@ -119,7 +119,7 @@ def _prepare_test(test: object) -> RampHold:
 STANDARD_TEMPERATURE = 296.15
 
 
-def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
+def list_temperatures(records: Sequence[RampHold]) -> FloatArray:
     """Return the temperatures of tests, K, rising; those of one temperature as their mean.
 
     Empty unless every test has one.
@@ -158,7 +158,7 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
             "their order, such as --temperature 23degC --temperature 0degC, or one for all of them "
             "(Python: Specimen(temperature=...))"
         )
-    temperatures = temperatures_of(records)
+    temperatures = list_temperatures(records)
     if len(temperatures) < 2:
         return temperatures
     if not shared:
@@ -270,7 +270,7 @@ def noise_correlation(ramp_hold: RampHold, other_hold: RampHold) -> float:
         for residual, record in zip(residuals, (ramp_hold, other_hold), strict=True)
     ):
         return 0.0
-    first, second = (_clipped_spectrum(residual) for residual in residuals)
+    first, second = (_compute_clipped_spectrum(residual) for residual in residuals)
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
     cross_correlation, pair, other_pairs = np.fft.irfft(products)
     power = float(np.sqrt(pair[0] * other_pairs[0]))
@@ -290,7 +290,7 @@ def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray
     return np.asarray(means[inner] - course[inner])
 
 
-def _clipped_spectrum(values: FloatArray) -> ComplexArray:
+def _compute_clipped_spectrum(values: FloatArray) -> ComplexArray:
     # tapered, so that a line of hum stays within a few lines
     spectrum = np.fft.rfft(values * np.hanning(len(values)))
     magnitude = np.abs(spectrum)
@@ -307,10 +307,10 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
     (:func:`~dashpot.fitting.nuisance_priors.build_load_cell_priors`).
     """
     shortest_hold = min(record.hold_time for record in records)
-    return tuple(_end_stiffness(record, shortest_hold) for record in records)
+    return tuple(_estimate_end_stiffness(record, shortest_hold) for record in records)
 
 
-def _end_stiffness(record: RampHold, time: float) -> EndStiffness:
+def _estimate_end_stiffness(record: RampHold, time: float) -> EndStiffness:
     time_since_ramp = record.time - record.ramp_end
     is_last = (time_since_ramp >= 0.95 * time) & (time_since_ramp <= time)
     is_last[int(np.searchsorted(time_since_ramp, time)) - 1] = True

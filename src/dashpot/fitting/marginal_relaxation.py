@@ -25,7 +25,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, get_column_kind
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.inference.correlated_noise import marginal
+from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -257,7 +257,7 @@ class RelaxationData:
             evaluation.fixed, self.block.fixed_names
         )[0]
         all_columns = np.column_stack((columns, of_shift, of_answer * (self.delay, self.size)))
-        white = marginal(evaluation.fixed[:, is_free], self.weight * all_columns)
+        white = marginalise(evaluation.fixed[:, is_free], self.weight * all_columns)
         dashpot = evaluation.fixed[:, kinds.index("b")] if "b" in kinds else fast_column
         return RelaxationRows(
             target=white(self.weight * (evaluation.target - mean)),

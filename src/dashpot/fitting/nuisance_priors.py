@@ -22,7 +22,7 @@ from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.block import DataBlock, prior_block
-from dashpot.numerics.inference.correlated_noise import Noise, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise
 from dashpot.signals.noise import scatter
 
 # fewest samples before contact that determine a scatter and a slope
@@ -250,7 +250,7 @@ def _compute_hold_noise(time: FloatArray, values: FloatArray) -> Noise:
         -time[:, None] / np.geomspace(duration / (2 * sample_count), 3 * duration, _HOLD_ARMS)
     )
     basis = np.linalg.qr(np.column_stack((np.ones(sample_count), time, arms)))[0]
-    return noise_of(values - basis @ (basis.T @ values), basis)
+    return estimate_noise(values - basis @ (basis.T @ values), basis)
 
 
 class ChannelZero(NamedTuple):
@@ -269,7 +269,7 @@ def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) ->
     residual = values - values.mean()
     # a drift is no noise
     slope = _fit_slope(time, residual, 1.0).mean
-    correlated_noise = noise_of(residual - slope * (time - time.mean()))
+    correlated_noise = estimate_noise(residual - slope * (time - time.mean()))
     error = float(
         np.sqrt(correlated_noise.autocovariance[0] * correlated_noise.kappa / len(values))
     )

@@ -18,11 +18,11 @@ from dashpot.fitting.checks.solid import arms_enough, optimum_found, samples_ind
 from dashpot.fitting.data_blocks import (
     FitData,
     InitialFit,
+    build_solid,
     fit_all_orders,
     max_determinable_arms,
-    solid_of,
 )
-from dashpot.fitting.fit_construction import SolidEstimate, nuisances
+from dashpot.fitting.fit_construction import SolidEstimate, list_nuisances
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.parameter_errors import (
     Score,
@@ -39,7 +39,7 @@ from dashpot.numerics.exponential_fit import (
     Jacobian,
     Solution,
     certificate,
-    full_jacobian,
+    compute_full_jacobian,
     solve_orders,
 )
 from dashpot.numerics.inference.correlated_noise import (
@@ -171,7 +171,7 @@ class SelectedModel:
     @cached_property
     def model(self) -> GeneralizedMaxwell:
         """The arms of the optimum."""
-        return solid_of(self.solution)
+        return build_solid(self.solution)
 
     @property
     def solid(self) -> Solid:
@@ -227,7 +227,7 @@ class SelectedModel:
         return tuple(
             OrderScore(
                 score.solution.order, score.solution.sse, score.bic, score.significant,
-                solid_of(score.solution),
+                build_solid(score.solution),
             )
             for score in self.scores
         )  # fmt: skip
@@ -305,7 +305,7 @@ class SelectedModel:
             entries["delay"] = delays[0]
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
-        return nuisances(self.solution.fixed_names, value, error, unit=unit, prior_sds=entries)
+        return list_nuisances(self.solution.fixed_names, value, error, unit=unit, prior_sds=entries)
 
     def make_solid_estimate(
         self,
@@ -374,13 +374,13 @@ def select_order(
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: max_arms + 1], data, noises)
     is_exhausted = len(scores) - 1 < max_arms or not in_time
-    choice = _choice(
+    choice = _select_choice(
         scores, is_exhausted=is_exhausted, decisive=DECISIVE_BIC if in_time else np.inf
     )
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
     def solve_whole_order(order: int) -> Jacobian:
-        return full_jacobian([*samples, *data.priors], scores[order].solution)
+        return compute_full_jacobian([*samples, *data.priors], scores[order].solution)
 
     # least squares is a fair judge where the noise is even to the arms that a rule supports
     supported = min(max(choice.by_bic, choice.by_significance, 1), len(scores) - 1)
@@ -398,7 +398,7 @@ def select_order(
         )
         if anew is not None:
             scores = anew
-            choice = _choice(
+            choice = _select_choice(
                 scores, is_exhausted=is_exhausted, decisive=DECISIVE_BIC, in_noise_metric=True
             )
     arm_count = choice.arms if auto else min(max_arms, len(scores) - 1)
@@ -444,7 +444,7 @@ def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> flo
     )
 
 
-def _choice(
+def _select_choice(
     scores: Sequence[Score], *, is_exhausted: bool, decisive: float, in_noise_metric: bool = False
 ) -> OrderChoice:
     return select_model_order(

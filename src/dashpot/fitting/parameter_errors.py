@@ -17,20 +17,20 @@ from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import build_delay_prior, get_column_kind
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import compact_block
-from dashpot.numerics.exponential_fit import Jacobian, Solution, full_jacobian
+from dashpot.numerics.exponential_fit import Jacobian, Solution, compute_full_jacobian
 from dashpot.numerics.inference.correlated_noise import (
     JacobianColumns,
     Noise,
     ResidualSeries,
+    estimate_noise,
     make_directions,
     nearly_white,
     noise_gain_differs,
     noise_gain_ratio,
-    noise_of,
 )
 from dashpot.numerics.inference.model_order import bic, significant
 from dashpot.numerics.inference.profile_likelihood import WINDOW_FACTOR, Coordinate, ProfileTarget
-from dashpot.numerics.inference.profile_likelihood import profiles as walk_profiles
+from dashpot.numerics.inference.profile_likelihood import compute_profiles as walk_profiles
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -313,7 +313,7 @@ def estimate_covariance(
     series : sequence of ResidualSeries, optional
         The residual of each record, if computed already.
     """
-    jacobian = jacobian or full_jacobian([*every_sample, *priors], solution)
+    jacobian = jacobian or compute_full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = split_by_record(jacobian, [*every_sample, *priors])
     count = len(every_sample)
     series = series or [*map(ResidualSeries, every_residual[:count])]
@@ -351,7 +351,7 @@ def estimate_noises(
 ) -> tuple[Noise, ...]:
     """Return the noise of each record, estimated from its residuals."""
     return tuple(
-        noise_of(residual, jacobian, rounding=rounding_rms(peak))
+        estimate_noise(residual, jacobian, rounding=rounding_rms(peak))
         for residual, jacobian in zip(residuals, jacobians, strict=True)
     )
 
@@ -409,7 +409,7 @@ def score_solution(
     )
     if not solution.order:
         return Score(solution, criterion, True)
-    information = make_directions([full_jacobian([*blocks, *priors], solution).matrix])
+    information = make_directions([compute_full_jacobian([*blocks, *priors], solution).matrix])
 
     def is_significant(independent: float) -> bool:
         variance = (solution.sse + rounding_sse) / max(independent - parameters, 1.0)

@@ -142,16 +142,16 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
         Coverage.
     """
     f = _frequencies(frequency)
-    _level(level)
+    _compute_level(level)
     K = _draw_stiffnesses(fit, 2 * np.pi * f)
     stiffness = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     # a draw that bears nothing has no loss factor
     stiffness_used = np.where(K == 0, stiffness, K)
     return StiffnessBounds(
         f,
-        _quantiles(K.real, stiffness.real, level),
-        _quantiles(K.imag, stiffness.imag, level),
-        _quantiles(
+        _compute_quantiles(K.real, stiffness.real, level),
+        _compute_quantiles(K.imag, stiffness.imag, level),
+        _compute_quantiles(
             stiffness_used.imag / stiffness_used.real, stiffness.imag / stiffness.real, level
         ),
         f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
@@ -260,7 +260,7 @@ def frf_band(
         )
 
     spectrum_limits = limits(f)
-    peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
+    peak = _find_resonance_range(spectra, mass / seals, 2 * np.pi * resonance)
     height = None
     if peak is not None and np.isfinite(peak[1]):
         band_at_peak = limits(np.linspace(*peak, PEAK_LINES))
@@ -346,7 +346,7 @@ def _formal(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
     values = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
-    return values, _quantiles(
+    return values, _compute_quantiles(
         predicted.magnitude(_draw_stiffnesses(fit, omega), omega), values, level
     )
 
@@ -359,13 +359,15 @@ def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
     solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
     if isinstance(solid, FractionalZener):
         sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
-        k_inf, k_0, log_tau, alpha = _draws(mean, covariance, UNKNOWN_SD * sizes).T[..., None]
+        k_inf, k_0, log_tau, alpha = _draw_parameters(mean, covariance, UNKNOWN_SD * sizes).T[
+            ..., None
+        ]
         k_inf = np.maximum(k_inf, 0.0)
         power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
         K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
         return np.asarray(K + 1j * omega * solid.b)
     sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
-    draws = _draws(mean, covariance, UNKNOWN_SD * sizes)
+    draws = _draw_parameters(mean, covariance, UNKNOWN_SD * sizes)
     N = fit.model.arms
     k = np.maximum(draws[:, 1 : 1 + N], 0.0)
     x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
@@ -375,7 +377,7 @@ def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
     return np.asarray(K + 1j * omega * b)
 
 
-def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
+def _draw_parameters(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
     """Normal draws of parameters, none known worse than `widest`, shape (draws, p)."""
     variance = np.diag(covariance)
     is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
@@ -385,7 +387,7 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
     return np.asarray(mean + normal @ compute_covariance_root(covariance))
 
 
-def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
+def _compute_quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
     """Return limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
     low, high = (interpolate_quantile(values, q) for q in ((1 - level) / 2, (1 + level) / 2))
     return np.array([np.minimum(low, base), np.maximum(high, base)])
@@ -400,7 +402,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     from dashpot.fitting.marginal_relaxation import misfits
     from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 
-    _level(level)
+    _compute_level(level)
     records = ramp_holds(tests)
     if not records:
         raise DataError("no relaxation test: the unresolved arms are those that such a test misses")
@@ -434,7 +436,7 @@ def _widen_to_contain(limits: FloatArray, values: FloatArray) -> FloatArray:
     return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
 
 
-def _resonance(
+def _find_resonance_range(
     spectra: AdmissibleSpectra, share: float, value: float
 ) -> tuple[float, float] | None:
     r"""Frequencies, Hz, at which :math:`K' = m\omega^2/n` for some spectrum; `share` is m/n.
@@ -452,11 +454,11 @@ def _resonance(
     low, high = value / SEARCH_FACTOR, value * SEARCH_FACTOR
     if excess(1, low) < 0 or excess(-1, high) > 0:
         return None
-    resonance_limits = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
+    resonance_limits = [_find_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
     return resonance_limits[0] / (2 * np.pi), resonance_limits[1] / (2 * np.pi)
 
 
-def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
+def _find_crossing(excess: Callable[[float], float], low: float, high: float) -> float:
     """Return the zero of a falling function: `low` if it begins below, inf if it ends above."""
     at_low, at_high = excess(low), excess(high)
     if at_low <= 0:
@@ -487,6 +489,6 @@ def _frequencies(frequency: npt.ArrayLike) -> FloatArray:
     return f
 
 
-def _level(level: float) -> None:
+def _compute_level(level: float) -> None:
     if not 0 < level < 1:
         raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")

@@ -40,20 +40,20 @@ from dashpot.fitting.data_blocks import (
     NUISANCE_NAMES,
     FitSetup,
     InitialFit,
+    build_fit_data,
+    build_solid,
     compress_tests,
-    data_of,
     eq5_obstacle,
     fit_all_orders,
-    solid_of,
 )
 from dashpot.fitting.fit_construction import (
     NO_EVIDENCE,
     Residuals,
     SolidEstimate,
     build_fit,
+    collect_provenance,
     estimate_without_errors,
-    nuisances,
-    provenance_of,
+    list_nuisances,
     run_relaxation_checks,
 )
 from dashpot.fitting.fit_options import (
@@ -66,9 +66,9 @@ from dashpot.fitting.fit_options import (
 from dashpot.fitting.fractional_model.family_selection import (
     FamilySelection,
     FractionalFit,
-    chosen_family,
+    add_linear_alternative,
     describe_fit,
-    with_linear_fractional,
+    select_family,
 )
 from dashpot.fitting.input_tests import (
     Tests,
@@ -98,7 +98,7 @@ from dashpot.fitting.parameter_errors import (
 from dashpot.fitting.relaxation_likelihood import build_fitted_data, build_hold_data
 from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.numerics.exponential_fit import solve
-from dashpot.preprocessing.signal_conditioning import Filter, filter_of, filter_record
+from dashpot.preprocessing.signal_conditioning import Filter, filter_record, get_record_filter
 from dashpot.registry import require_handler
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -121,11 +121,11 @@ def check_filter_bias(test: RampHold) -> Check:
     test : RampHold
         Filtered, with the record before the filter in ``unfiltered``.
     """
-    unfiltered, filter_ = test.unfiltered, filter_of(test)
+    unfiltered, filter_ = test.unfiltered, get_record_filter(test)
     if unfiltered is None or filter_ is None:
         return checks.filter_bias(None)
     try:
-        model = select_order(data_of([unfiltered], FitSetup("full")), FitOptions()).model
+        model = select_order(build_fit_data([unfiltered], FitSetup("full")), FitOptions()).model
         noise_free = replace(
             unfiltered,
             force=model.force(unfiltered.time, unfiltered.displacement),
@@ -165,7 +165,7 @@ def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, 
     refusal = eq5_obstacle(record) if method == "hold" else None
     if refusal is not None:
         raise FitError(refusal)
-    model = solid_of(
+    model = build_solid(
         solve(
             compress_tests([record], FitSetup(method, NUISANCE_NAMES if method == "full" else ())),
             arms,
@@ -380,13 +380,13 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
             return (
                 fit
                 if fractional_fit is None
-                else with_linear_fractional(fit, ramp_law.residuals, fractional_fit)
+                else add_linear_alternative(fit, ramp_law.residuals, fractional_fit)
             )
     if options.point is not None:
         initial_fit = initial_fit or fit_all_orders(motion.data, options.point, only_max_arms=True)
         return build_point_fit(motion, initial_fit, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
-    family_selection = chosen_family(selected, options.family, fractional_fit)
+    family_selection = select_family(selected, options.family, fractional_fit)
     if setup.method == "hold":
         depth_errors = [record.depth_error for record in records]
         family_selection = replace(
@@ -410,8 +410,8 @@ def build_point_fit(
     """Return a fit with the optimum alone, without errors or checks."""
     records = motion.holds.records
     solution = initial_fit.solutions[: arms + 1][-1]
-    model = solid_of(solution)
-    terms = nuisances(
+    model = build_solid(solution)
+    terms = list_nuisances(
         solution.fixed_names, motion.coefficients(solution.coefficient), lambda _: np.inf
     )
     return build_fit(
@@ -422,7 +422,7 @@ def build_point_fit(
             at_bound=bool(solution.at_bound.any()),
         ),
         NO_EVIDENCE,
-        provenance_of(setup.method, records, *motion.steps),
+        collect_provenance(setup.method, records, *motion.steps),
         elastic_law=ElasticLaw.linear(model.k_inf, max(record.depth for record in records)),
     )
 
@@ -481,7 +481,7 @@ def _build_linear_fit(
             alternative=alternative,
             band_error=band_error,
         ),
-        provenance_of(
+        collect_provenance(
             setup.method, records, *steps, _make_fit_step(records, selection, setup, options)
         ),
         elastic_law=ElasticLaw.linear(

@@ -15,7 +15,7 @@ from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
-from dashpot.fitting.data_blocks import block_of, first_sample, motion
+from dashpot.fitting.data_blocks import build_record_block, first_sample, motion
 from dashpot.fitting.marginal_relaxation import (
     DASHPOT_TAU_RATIO,
     LN_10,
@@ -36,7 +36,11 @@ from dashpot.fitting.nuisance_priors import (
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
 from dashpot.numerics.design_matrices.recorded_motion import MAX_SLOWNESS, window_of
-from dashpot.preprocessing.denoising import between_samples, denoise_displacement, rests
+from dashpot.preprocessing.denoising import (
+    denoise_displacement,
+    estimate_interpolation_noise,
+    find_rests,
+)
 from dashpot.signals.disturbances import (
     build_earlier_press,
     build_folded_mains,
@@ -118,14 +122,14 @@ def build_relaxation_data(
     model, solid = get_fewest_arms_model(fit), get_fewest_arms_model(single_fit or fit)
     if fit.method == "hold":
         hold_residual = _compute_arm_residual(
-            solid, block_of(test, method="hold", terms=_LOAD_CELL_TERMS)
+            solid, build_record_block(test, method="hold", terms=_LOAD_CELL_TERMS)
         )
         return build_hold_data(test, model, hold_residual, for_limits=for_limits)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
     (time, x, _), magnitude = motion(test), denoise_displacement(test)[1]
-    magnitude = np.hypot(magnitude, between_samples(test, time, x, magnitude))
+    magnitude = np.hypot(magnitude, estimate_interpolation_noise(test, time, x, magnitude))
     if law is not None:
         x, magnitude = law.path(x), magnitude * law.factor(x)
     effect_columns = {
@@ -145,7 +149,7 @@ def build_relaxation_data(
     if delay:
         effect_columns |= _build_delay_columns(test, model, time, x, delay=delay)
     columns = {name: column for name, (column, _) in effect_columns.items()}
-    data_block = block_of(
+    data_block = build_record_block(
         test, terms=_LOAD_CELL_TERMS, law=law, tau_range=_get_tau_range(test, 1.0)
     )
     residual = _compute_arm_residual(solid, data_block)
@@ -153,7 +157,7 @@ def build_relaxation_data(
     sample_weights = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
     relaxation_data = _weight_block(
         test,
-        block_of(
+        build_record_block(
             test,
             terms=_LOAD_CELL_TERMS,
             law=law,
@@ -273,7 +277,7 @@ def build_hold_data(
     for_limits: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
-    block = block_of(test, method="hold", terms=_LOAD_CELL_TERMS, law=law)
+    block = build_record_block(test, method="hold", terms=_LOAD_CELL_TERMS, law=law)
     reference_time = float(test.ramp_end - test.time[0])
     depth = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
@@ -524,7 +528,7 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
 
 def _select_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     """Return the first and the last reading that stand, and the longest of those between them."""
-    all_rests = rests(clock, test.displacement[: len(clock)], test.encoder_step)
+    all_rests = find_rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first_rest, last_rest = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(all_rests) > 1:
         first_rest, last_rest = all_rests[0], all_rests[-1]

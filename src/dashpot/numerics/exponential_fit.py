@@ -22,12 +22,12 @@ from dashpot.numerics.log_tau_descent import (
     find_best_pair,
     find_best_point,
     find_best_triple,
+    find_peaks,
     is_inside_window,
     make_insertion_starts,
     make_partition_starts,
-    peaks_of,
-    point_at,
     relative_offset,
+    solve_at,
 )
 
 # Optima for 0, 1, 2, ... arms, each started from the previous one.
@@ -75,7 +75,7 @@ class ArmInsertion:
     @cached_property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
         """Positions and weights of the spectrum's peaks."""
-        return peaks_of(self.grid)
+        return find_peaks(self.grid)
 
     def leap(self, arms: int) -> bool:
         """Go straight to `arms` if that leaves no doubt, as two that start as neighbours would."""
@@ -175,7 +175,9 @@ class ArmInsertion:
         first such order is the last.
         """
         if not self.best:
-            self.best.append(LocalOptimum(_without_arms(self.stack, signed=self.signed), 1, True))
+            self.best.append(
+                LocalOptimum(_solve_without_arms(self.stack, signed=self.signed), 1, True)
+            )
         while self.largest_order < arms:
             last_point, count = self.best[-1].point, self.largest_order + 1
             if last_point.sse <= self.stack.nothing:
@@ -226,7 +228,7 @@ class ArmInsertion:
             allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
         else:
             allowed = self._descend_restricted(starts, restricted)
-        full_optima = [local for local in allowed if _carries(local.point, self.stack)]
+        full_optima = [local for local in allowed if _has_active_arms(local.point, self.stack)]
         if not full_optima:
             return None
         winner = min(full_optima, key=lambda local: local.point.sse)
@@ -237,7 +239,7 @@ class ArmInsertion:
             restricted=restricted if bound else None,
             step_tolerance=FINAL_TOLERANCE,
         )
-        if polished is None or not _carries(polished.point, self.stack):
+        if polished is None or not _has_active_arms(polished.point, self.stack):
             return winner
         # at the bound a restricted polish may leave the rounding of a zero, which is no sign
         if not bound and (polished.point.beta[restricted] < 0).any():
@@ -316,21 +318,21 @@ class ArmInsertion:
         )
 
 
-def _carries(point: StackTrial, stack: Stack) -> bool:
+def _has_active_arms(point: StackTrial, stack: Stack) -> bool:
     """Return whether every arm carries something in some group."""
     arms = len(point.log_tau)
     k = point.beta[len(stack.names) :].reshape(len(stack.groups), arms)
     return bool((k != 0).any(axis=0).all())
 
 
-def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
+def _solve_without_arms(stack: Stack, *, signed: bool) -> StackTrial:
     nothing = np.zeros(0)
     if not stack.names:
         target = stack.evaluate(nothing, derivative=False).target
         no_arms = np.zeros((0, 0))
         return StackTrial(nothing, nothing, float(target @ target), nothing, no_arms, no_arms)
     restricted = None if signed else stack.get_nonnegative_mask(0, signed=False)
-    point = point_at(stack, nothing, restricted=restricted)
+    point = solve_at(stack, nothing, restricted=restricted)
     if point.sse == np.inf:
         raise FitError(
             "the columns that do not relax are not independent in this data; "
@@ -525,7 +527,7 @@ def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solut
         yield _make_solution(chain, arms, requested=arms)
 
 
-def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
+def compute_full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     r"""Residual and derivative of the model by all parameters, linear ones and ln tau.
 
     The inverse of J'J times the noise variance is the covariance for white noise.

@@ -154,13 +154,13 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     hessian_correction: FloatArray | None = None
     last, wrong_steps, refused_change, is_cautious = np.inf, 0, np.inf, False
     for count in range(2, limit + 2):
-        trial = _trial(current, hessian_correction, damping, bounds)
+        trial = _compute_trial(current, hessian_correction, damping, bounds)
         step = trial - current.theta
         change = max(map(abs, step.tolist()), default=0.0)
         # much the step that was refused
         while TAIL_CHANGE < STEP_REDUCTION * refused_change < change:
             damping *= 10
-            trial = _trial(current, hessian_correction, damping, bounds)
+            trial = _compute_trial(current, hessian_correction, damping, bounds)
             step = trial - current.theta
             change = max(map(abs, step.tolist()), default=0.0)
         refused_change = np.inf
@@ -174,14 +174,16 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
         new = at(trial, current)
         if current.sse < new.sse < np.inf and change >= TAIL_CHANGE:
             # along a valley that bends the step ends on its side: from there to its floor
-            floored = at(_trial(new, None, damping, bounds), new)
+            floored = at(_compute_trial(new, None, damping, bounds), new)
             if floored.sse < current.sse:
                 new, step = floored, floored.theta - current.theta
                 change = max(map(abs, step.tolist()))
         if is_step_acceptable(new.sse, current.sse, change, rounding):
             promised = -float(step @ (2 * current.gradient + current.curvature @ step))
             is_short = is_cautious and current.sse - new.sse < GAINED * promised
-            is_reliable = change < TAIL_CHANGE or _foretold(hessian_correction, current, new, step)
+            is_reliable = change < TAIL_CHANGE or _is_predicted(
+                hessian_correction, current, new, step
+            )
             hessian_correction = (
                 _update_hessian_correction(hessian_correction, current, new, change, last)
                 if is_reliable
@@ -207,7 +209,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     return LocalOptimum(current, limit, False)
 
 
-def _foretold(
+def _is_predicted(
     hessian_correction: FloatArray | None, old: Trial, new: Trial, step: FloatArray
 ) -> bool:
     """Whether what was learned of the Hessian foretells by how much a step lowers the SSE."""
@@ -236,7 +238,7 @@ def _update_hessian_correction(
     return update if hessian_correction is None else hessian_correction + update
 
 
-def _trial(
+def _compute_trial(
     point: Trial,
     hessian_correction: FloatArray | None,
     damping: float,

@@ -14,7 +14,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.least_squares import FINAL_TOLERANCE, LocalOptimum, Objective, triangle
 from dashpot.numerics.least_squares import descend as descend_problem
-from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
+from dashpot.numerics.nonnegative_least_squares import nonnegative_columns, solve_nonnegative
 from dashpot.numerics.quasirandom import fill_unit_cube
 
 # Descent in ln tau, linear parameters solved exactly.
@@ -68,7 +68,7 @@ class Stack:
         self.known = sum(block.samples for block in blocks) - self.samples
         shortest, longest = zip(*(block.window for block in blocks), strict=True)
         self.bounds = (float(np.log(min(shortest))), float(np.log(max(longest))))
-        #: how often :func:`point_at` was asked
+        #: how often :func:`solve_at` was asked
         self.trials = 0
         #: stacks of equal sampling have equal columns
         self.sampling = blocks[0].sampling if len(blocks) == 1 else None
@@ -221,7 +221,7 @@ class StackTrial(NamedTuple):
             record[index] = updated
 
 
-def point_at(
+def solve_at(
     stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None
 ) -> StackTrial:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
@@ -284,7 +284,7 @@ def descend(
     """
     low, high = (np.full(len(start), end) for end in stack.bounds)
     objective = Objective(
-        lambda log_tau, _: point_at(stack, log_tau, restricted=restricted),
+        lambda log_tau, _: solve_at(stack, log_tau, restricted=restricted),
         low, high, stack.floor, stack.rounding_floor,
     )  # fmt: skip
     return descend_problem(
@@ -438,7 +438,7 @@ class Grid:
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
         likely_positive = None if self.near is None else np.tile(self.near, self.groups)
-        values = nonnegative(self.gram, self.moment, likely_positive)
+        values = solve_nonnegative(self.gram, self.moment, likely_positive)
         return np.asarray(values.reshape(self.groups, -1))
 
     @cached_property
@@ -522,10 +522,10 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
         return None
     i, j = sorted(divmod(best, len(m)))
     step = grid.log_tau[1] - grid.log_tau[0]
-    return np.asarray(grid.log_tau[[i, j]] + step * _vertex(gain, i, j))
+    return np.asarray(grid.log_tau[[i, j]] + step * _find_vertex(gain, i, j))
 
 
-def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
+def _find_vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
     """Return the maximum of the parabola through a largest value and its eight neighbours."""
     no_shift = np.zeros(2)
     if not 0 < i < j - 2 < len(gain) - 3:
@@ -551,19 +551,19 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
     Of every third point, all triples; then around the best of them, the points between.
     """
     last = len(grid.log_tau) - 1
-    sets = _triples(1 + last // COARSE_STRIDE)
-    gain = _triple_gain(grid, sets)
+    sets = _list_triples(1 + last // COARSE_STRIDE)
+    gain = _compute_triple_gain(grid, sets)
     best_index = int(np.argmax(gain))
     if gain[best_index] <= 0:
         return None
     offsets = np.indices((2 * COARSE_STRIDE - 1,) * 3).reshape(3, -1) - (COARSE_STRIDE - 1)
     finer_triples = np.clip(offsets + np.array([[values[best_index]] for values in sets]), 0, last)
     return np.asarray(
-        grid.log_tau[finer_triples[:, int(np.argmax(_triple_gain(grid, finer_triples)))]]
+        grid.log_tau[finer_triples[:, int(np.argmax(_compute_triple_gain(grid, finer_triples)))]]
     )
 
 
-def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
+def _compute_triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
     """Return what triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
 
     Zero where a coefficient would not be positive, or two points are one.
@@ -583,7 +583,7 @@ def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
 
 
 @lru_cache(maxsize=2)
-def _triples(size: int) -> IndexArray:
+def _list_triples(size: int) -> IndexArray:
     """Return all i < j < k below size, three rows, with a stride of COARSE_STRIDE."""
     i = np.arange(size)
     return COARSE_STRIDE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
@@ -604,7 +604,7 @@ def make_insertion_starts(
     return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in highest_peaks]
 
 
-def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
+def find_peaks(grid: Grid) -> tuple[FloatArray, FloatArray]:
     """Positions in ln tau and weights of the spectrum's peaks, neighbours merged."""
     weight = grid.spectrum.sum(axis=0)
     support = np.flatnonzero(weight > 1e-9 * weight.max(initial=0.0))

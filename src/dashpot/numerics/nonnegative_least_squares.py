@@ -89,12 +89,12 @@ def _solve_mixed_sign(
 ) -> FloatArray:
     """Return the beta of many columns that must not be negative, the free ones taken off."""
     if is_nonnegative.all():
-        return nonnegative(unit.T @ unit, unit.T @ y, likely_positive)
+        return solve_nonnegative(unit.T @ unit, unit.T @ y, likely_positive)
     Q, factor = np.linalg.qr(unit[:, ~is_nonnegative])
     A, beta = unit[:, is_nonnegative], np.zeros(len(is_nonnegative))
     columns_in_free, target_in_free = Q.T @ A, Q.T @ y
     A, residual = A - Q @ columns_in_free, y - Q @ target_in_free
-    beta[is_nonnegative] = nonnegative(
+    beta[is_nonnegative] = solve_nonnegative(
         A.T @ A,
         A.T @ residual,
         None if likely_positive is None else likely_positive[is_nonnegative],
@@ -118,7 +118,7 @@ def _solve_unit_columns(A: FloatArray, y: FloatArray) -> tuple[FloatArray, Float
     return beta, basis
 
 
-def nonnegative(
+def solve_nonnegative(
     gram: FloatArray, moment: FloatArray, likely_positive: BoolArray | None = None
 ) -> FloatArray:
     """Return the x >= 0 that minimises x'Gx/2 - m'x, shape (n,).
@@ -348,7 +348,7 @@ class NonnegativeConfidenceRegion:
             active = face.active
             farthest_point, multiplier, residual = face.find_farthest_point(objective, squared)
             if len(active) and farthest_point.min() <= 0:
-                s[active], mask = _as_far_as_allowed(s[active], farthest_point)
+                s[active], mask = _clip_step(s[active], farthest_point)
                 # rounding let it enter: it would leave at once for ever
                 if entered >= 0 and s[entered] == 0.0:
                     barred.append(entered)
@@ -458,7 +458,7 @@ class NonnegativeConfidenceRegion:
         )
 
 
-def _as_far_as_allowed(s: FloatArray, target_point: FloatArray) -> tuple[FloatArray, BoolArray]:
+def _clip_step(s: FloatArray, target_point: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Return the point towards `target_point` where a coefficient first vanishes, and the rest."""
     pairs = zip(s.tolist(), target_point.tolist(), strict=True)  # so few are faster one by one
     fractions = [

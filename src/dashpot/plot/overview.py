@@ -12,7 +12,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.plot import frf_figure, relaxation
 from dashpot.plot.picture import Picture
-from dashpot.plot.plotted_data import stamp, unit_of
+from dashpot.plot.plotted_data import select_plot_unit, stamp
 from dashpot.vibration.comparison.comparison_result import Comparison
 
 
@@ -63,7 +63,7 @@ def hero(study: Story) -> Picture:
     """
     test, c = study.prepared, study.comparison
     plotted_fits = relaxation.make_plotted_fits(study.fit, study.alternatives, test)
-    word, factor = unit_of(test.displacement, "m")
+    word, factor = select_plot_unit(test.displacement, "m")
     title = (
         f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
         f"held {test.hold_time:.3g} s"

@@ -15,14 +15,14 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import Source
 from dashpot.base.units import celsius, format_quantity
-from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING_SHARE, RampHold, quantum
+from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING_SHARE, RampHold, find_quantum
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preprocessing.denoising import (
     CORNERS,
     MIN_LOST_FORCE,
-    bends,
-    but_corners,
+    compute_interpolation_bends,
+    compute_largest_bend,
     denoise_displacement,
 )
 from dashpot.preprocessing.history import EarlierLoadings
@@ -409,7 +409,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     pauses = np.diff(used_time)
     # a load that is a step has no ramp
     shortest = test.ramp_time or NEIGHBOUR_STEPS * median(pauses)
-    jump = _leap_of(test.time if time is None else time, test.onset, shortest)
+    jump = _find_clock_jump(test.time if time is None else time, test.onset, shortest)
     if jump is not None:
         return jump
     time_since_onset = np.maximum(used_time[:-1] - test.onset, shortest)
@@ -437,7 +437,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     )
 
 
-def _leap_of(time: FloatArray, onset: float, shortest: float) -> Finding | None:
+def _find_clock_jump(time: FloatArray, onset: float, shortest: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
     jumps = find_clock_jumps(time)
     if not jumps or not has_few_pauses(time):
@@ -566,10 +566,10 @@ def motion_resolved(test: RampHold) -> Finding:
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("The ramp has too few samples to show how its motion bends between them")
-    motion_errors = bends(ramp, time, x, residual)
+    motion_errors = compute_interpolation_bends(ramp, time, x, residual)
     is_compressed = x > 0.2 * test.depth
     stiffness = float(((force[is_compressed] - test.preload) / x[is_compressed]).max(initial=0.0))
-    force_errors = but_corners(np.abs(motion_errors)) * stiffness
+    force_errors = compute_largest_bend(np.abs(motion_errors)) * stiffness
     value = force_errors / max(test.force_noise, 1e-3 * float(force.max()))
     needed_rate = np.sqrt(value / MAX_UNRESOLVED_ERROR) / median(np.diff(time))
     # a motor bends to and fro all along the ramp, a servo swings a few times
@@ -702,7 +702,7 @@ def check_records(
     stillness_checks = [hold_is_still(test, method=method) for test in tests]
     pairs = zip(tests, solids or [None] * len(tests), strict=True)
     relaxes = [force_relaxes(test, solid) for test, solid in pairs]
-    loading, later_checks, of_last = zip(*map(_as_recorded, tests), strict=True)
+    loading, later_checks, of_last = zip(*map(_check_record, tests), strict=True)
     columns = (
         *zip(*loading, strict=True), stillness_checks, *zip(*later_checks, strict=True), relaxes,
         *zip(*of_last, strict=True),
@@ -711,7 +711,7 @@ def check_records(
 
 
 @cache_on_record
-def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
+def _check_record(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
     """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
     last_loading = test.last_loading
     loading_checks = (
@@ -736,7 +736,7 @@ def force_not_clipped(test: RampHold) -> Finding:
     change = float(np.ptp(test.displacement[first : last + 1]))
     is_long = last - first >= MIN_FLAT_SAMPLES - 1
     # of most records no more need be known
-    step = quantum(test.reading) if is_long else 0.0
+    step = find_quantum(test.reading) if is_long else 0.0
     # over so far the force climbs by three quanta even at half its mean rate
     climb = 6 * step * test.depth / max(float(np.ptp(test.force)), 1e-300)
     distance_limit = max(0.02 * test.depth, climb, 4 * test.displacement_noise)
@@ -761,7 +761,7 @@ def force_not_clipped(test: RampHold) -> Finding:
 )
 def force_resolved(force: FloatArray, loading_rise: float | None = None) -> Finding:
     """The force is many times the resolution of the load cell."""
-    step = quantum(force)
+    step = find_quantum(force)
     if step == 0.0:
         return Finding("The force shows no quantisation")
     quanta = (float(np.ptp(force)) if loading_rise is None else loading_rise) / step
@@ -777,7 +777,7 @@ def force_resolved(force: FloatArray, loading_rise: float | None = None) -> Find
 def refuse_unresolved(location: str, loading_rise: float, force: FloatArray) -> None:
     """Raise DataError if the force, as recorded, rises by a few steps of the sensor only."""
     if force_resolved(force, loading_rise).failed:
-        step = quantum(force)
+        step = find_quantum(force)
         raise DataError(
             f"{location}: not fitted. The force rises by "
             f"{format_quantity(loading_rise, 'mN', '.3g')}, {loading_rise / step:.0f} steps of the "

@@ -78,7 +78,7 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     return x, residual
 
 
-def between_samples(
+def estimate_interpolation_noise(
     test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
     r"""Return the interpolation error of a motion as white noise, m, shape (n,).
@@ -93,7 +93,7 @@ def between_samples(
     time, x, residual : array, shape (n,)
         s, and what :func:`denoise_displacement` returns, m.
     """
-    motion_errors = bends(test, time, x, residual)
+    motion_errors = compute_interpolation_bends(test, time, x, residual)
     motion_errors[time > test.ramp_end + test.ramp_time] = 0.0
     # rows before are not fitted
     motion_errors[: max(test.start - 1, 0)] = 0.0
@@ -101,7 +101,7 @@ def between_samples(
     noise = max(test.force_noise, 1e-3 * peak)
     if (
         len(x) < 4 * CORNERS
-        or peak / test.depth * but_corners(error_magnitude) <= MIN_LOST_FORCE * noise
+        or peak / test.depth * compute_largest_bend(error_magnitude) <= MIN_LOST_FORCE * noise
     ):
         return np.zeros(len(x))
     signs = np.sign(motion_errors)
@@ -112,10 +112,12 @@ def between_samples(
     )
 
 
-def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray) -> FloatArray:
+def compute_interpolation_bends(
+    test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
+) -> FloatArray:
     r"""Return what a straight line between samples misses, m, shape (n,): :math:`h^2 \ddot x/8`.
 
-    Less what counts and noise bend; parameters as for :func:`between_samples`.
+    Less what counts and noise bend; parameters as for :func:`estimate_interpolation_noise`.
     """
     steps = np.diff(time)
     motion_errors = np.zeros(len(x))
@@ -131,7 +133,7 @@ def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray)
     return np.asarray(np.sign(motion_errors) * excess)
 
 
-def but_corners(motion_errors: FloatArray) -> float:
+def compute_largest_bend(motion_errors: FloatArray) -> float:
     """Return the largest of what is missed but for a few sharp corners."""
     return float(np.partition(motion_errors, -CORNERS)[-CORNERS])
 
@@ -142,7 +144,7 @@ def _remove_counts(
     """Return a reading freed of counts and noise, and the sd of what may be left of them."""
     step, noise = test.encoder_step, test.displacement_noise
     if step > MIN_COUNT * test.depth:
-        read, _ = denoise_values(between_counts(time, x, step), COUNT_SCATTER * step)
+        read, _ = denoise_values(interpolate_counts(time, x, step), COUNT_SCATTER * step)
         return read, _estimate_count_noise(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
@@ -151,15 +153,15 @@ def _remove_counts(
     return read, np.where(sd > MIN_NOISE_SHARE * noise, noise, 0.0)
 
 
-def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> FloatArray:
+def interpolate_counts(time: FloatArray, displacement: FloatArray, count: float) -> FloatArray:
     """Return a displacement in counts, m, as the motion that it samples, shape (n,).
 
     Where a reading changes, the true position is half way between both counts, so a straight
     line from change to change is much nearer to the truth than the staircase. On a reading that
     stays far longer than its neighbours, the reading itself is the better guess
-    (:func:`rests`). A reading that changes and returns at once has flickered.
+    (:func:`find_rests`). A reading that changes and returns at once has flickered.
     """
-    displacement = _without_flicker(displacement, count)
+    displacement = _remove_flicker(displacement, count)
     change = np.flatnonzero(np.diff(displacement))
     if len(change) < 2:
         return displacement
@@ -167,7 +169,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     half_way = 0.5 * (displacement[change] + displacement[change + 1])
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
-    start, stop, stay_before, stay_after = _stays(change_times)
+    start, stop, stay_before, stay_after = _compute_stay_times(change_times)
     is_long = stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)
     # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
     rest_ends = np.concatenate(
@@ -201,17 +203,19 @@ def _restore_steps(time: FloatArray, x: FloatArray, change: IndexArray) -> Float
     return np.where(is_step, 2 * x - half_way, x)
 
 
-def rests(
+def find_rests(
     time: FloatArray, displacement: FloatArray, count: float
 ) -> tuple[tuple[float, float], ...]:
     """Begin and end, s, of every reading in counts, m, that stays far longer than its neighbours.
 
     The first begins at minus infinity and the last ends at infinity.
     """
-    change = np.flatnonzero(np.diff(_without_flicker(displacement, count)))
+    change = np.flatnonzero(np.diff(_remove_flicker(displacement, count)))
     if len(change) < 2:
         return ((-np.inf, np.inf),)
-    start, stop, stay_before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    start, stop, stay_before, stay_after = _compute_stay_times(
+        0.5 * (time[change] + time[change + 1])
+    )
     is_long = stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)
     return tuple(zip(start[is_long].tolist(), stop[is_long].tolist(), strict=True))
 
@@ -227,10 +231,12 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     or within the beat of counts with samples, share their error. So weighed, the limits of 40
     seals at two temperatures, 500 Hz and counts of 20 um hold the truth in 95 to 97 %.
     """
-    change = np.flatnonzero(np.diff(_without_flicker(displacement, step)))
+    change = np.flatnonzero(np.diff(_remove_flicker(displacement, step)))
     if len(change) < 2:
         return np.zeros(len(time))
-    start, stop, stay_before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    start, stop, stay_before, stay_after = _compute_stay_times(
+        0.5 * (time[change] + time[change + 1])
+    )
     signed_steps = np.sign(displacement[change + 1] - displacement[change]) * step
     # velocity over the readings before and after each one; those at rest do not count
     speed = np.divide(signed_steps[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
@@ -245,7 +251,9 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     return np.asarray(residual[reading])
 
 
-def _stays(change_times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _compute_stay_times(
+    change_times: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Begin and end of every reading, and how long the ones before and after it stay."""
     stay_times = np.diff(change_times)
     start, stop = np.append(-np.inf, change_times), np.append(change_times, np.inf)
@@ -254,7 +262,7 @@ def _stays(change_times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray
     return start, stop, stay_before, stay_after
 
 
-def _without_flicker(values: FloatArray, count: float) -> FloatArray:
+def _remove_flicker(values: FloatArray, count: float) -> FloatArray:
     """Running median of 7 samples where it is off by a count: a swing turns by more of them.
 
     It leaves a rising staircase as it is.

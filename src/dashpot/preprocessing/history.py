@@ -80,9 +80,9 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     """
     plate = record.plate
     if plate is None:
-        solid, _ = _solid_of(record, ARM_COUNTS[0])
-        return record, EarlierLoadings(_misfit(record, solid), solid.arms, converged=True)
-    first_record = replace(record, displacement=_first_face(record, plate))
+        solid, _ = _fit_solid(record, ARM_COUNTS[0])
+        return record, EarlierLoadings(_compute_misfit(record, solid), solid.arms, converged=True)
+    first_record = replace(record, displacement=_estimate_first_face(record, plate))
     candidates: list[tuple[float, RampHold, EarlierLoadings]] = []
     for arms in ARM_COUNTS:
         # a fast arm can stand for a wrong face: fewer arms then leave less
@@ -100,25 +100,25 @@ def _fit_alternately(
     record: RampHold, plate: FloatArray, arms: int
 ) -> tuple[float, RampHold, EarlierLoadings]:
     """Solid and face, each found with the other: what is left of the force, N, and the record."""
-    from dashpot.solids.moving_plate import face_under_plate
+    from dashpot.solids.moving_plate import simulate_face_under_plate
 
-    (solid, remainder), ratio = _solid_of(record, arms), np.inf
+    (solid, remainder), ratio = _fit_solid(record, arms), np.inf
     for _ in range(MAX_ITERATIONS):
-        face, _ = face_under_plate(solid, record.time, plate)
+        face, _ = simulate_face_under_plate(solid, record.time, plate)
         ratio = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
         record = replace(record, displacement=face)
-        solid, remainder = _solid_of(record, arms)
+        solid, remainder = _fit_solid(record, arms)
         if ratio < FACE_TOLERANCE:
             break
     converged = ratio < 10 * FACE_TOLERANCE
     return (
         remainder,
         record,
-        EarlierLoadings(_misfit(record, solid), solid.arms, converged=converged),
+        EarlierLoadings(_compute_misfit(record, solid), solid.arms, converged=converged),
     )
 
 
-def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
+def _estimate_first_face(record: RampHold, plate: FloatArray) -> FloatArray:
     """Return the face of the seal, m: the plate where in contact, else interpolated."""
     force, t = median_of_three(record.force), record.time
     force_limit = max(PRESSED_SCATTER * record.force_noise, PRESSED_SHARE * float(force.max()))
@@ -129,9 +129,9 @@ def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
     return np.maximum(face, plate)
 
 
-def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
+def _fit_solid(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     """A solid that follows the last loading after the earlier ones, and what it leaves, N rms."""
-    from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+    from dashpot.numerics.design_matrices.recorded_motion import build_recorded_block
     from dashpot.numerics.exponential_fit import solve_orders
 
     used_samples = slice(0, record.hold.stop)
@@ -139,7 +139,9 @@ def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     time = record.time[used_samples] - record.time[0]
     first = int(np.searchsorted(record.time, record.onset))
     # the force is tared: an offset would take what slow arms do
-    block = recorded_block(time, x - x[0], record.force[used_samples], window=slice(first, None))
+    block = build_recorded_block(
+        time, x - x[0], record.force[used_samples], window=slice(first, None)
+    )
     solution = solve_orders([block], arms, negligible=float(2 * np.log(block.samples)))[-1]
     k = solution.arms[0] if solution.order else np.zeros(0)
     is_active = k > 0
@@ -151,7 +153,7 @@ def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
     return solid, float(np.sqrt(solution.sse / block.samples))
 
 
-def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
+def _compute_misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
     """Return the relative misfit of a solid to the forces of earlier loadings."""
     stop = record.start
     x = denoise_displacement(record)[0][:stop]

@@ -81,8 +81,8 @@ def ideal_ramp(
         change = t[ramp_samples] - tm
         speed = float(change @ (x[ramp_samples] - xm) / (change @ change))
         return IdealRamp(speed, tm, xm, start + first + 1, start + last - 1)
-    t_low = _crossing(t, x, first, low)
-    t_high = max(_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
+    t_low = _find_crossing(t, x, first, low)
+    t_high = max(_find_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
     return IdealRamp((high - low) / (t_high - t_low), t_low, low, start + first, start + last)
 
 
@@ -93,7 +93,7 @@ def _last_below(x: FloatArray, level: float) -> int:
     return int(indices_below[-1]) if indices_below.size else 0
 
 
-def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
+def _find_crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
     """Return where the straight line from sample `i` to the next passes `level`."""
     step = x[i + 1] - x[i]
     fraction = (level - x[i]) / step if step > 0 else 0.0
@@ -178,7 +178,7 @@ def find_motion(
     if not find_cycles(segments):
         if begins_in_hold(x, force):
             raise DataError(f"{location}: the displacement hardly moves, {_LATE_START_MESSAGE}")
-        raise DataError(explain_missing_hold(segments, location, _advice(time, x, force)))
+        raise DataError(explain_missing_hold(segments, location, _format_advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, location=location)
     return replace(_select_cycle(test, sign_found, cycles, index), segments=segments)
 
@@ -276,7 +276,9 @@ def find_first_press(
     """
     earlier_segments = [segment for segment in motion.segments if segment.last <= motion.start]
     for i, segment in enumerate(earlier_segments):
-        if segment.kind != "load" or not _rises(force[segment.first : segment.last + 1], min_rise):
+        if segment.kind != "load" or not _has_rise(
+            force[segment.first : segment.last + 1], min_rise
+        ):
             continue
         rest_segment = (
             earlier_segments[i - 1] if i and earlier_segments[i - 1].kind == "hold" else None
@@ -315,7 +317,7 @@ def begins_with_release(motion: PlateMotion) -> bool:
     )
 
 
-def _rises(force: FloatArray, min_rise: float) -> bool:
+def _has_rise(force: FloatArray, min_rise: float) -> bool:
     smooth_force = median_of_three(force)
     return bool(
         smooth_force.max() - smooth_force[: max(len(smooth_force) // 20, 1)].mean() > min_rise
@@ -328,7 +330,7 @@ def _select_cycle(
     time, x = test.time, sign * test.displacement
     cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
-    stand = _resting(x, cycle.rest, ramp)
+    stand = _select_rest(x, cycle.rest, ramp)
     level = _find_hold(time, x, cycle)
     start = cycle.rest.first if cycle.rest is not None else ramp.first
     line = ideal_ramp(time, x, ramp, origin=stand, level=level)
@@ -340,11 +342,11 @@ def _select_cycle(
     )
     return PlateMotion(
         sign=sign, cycles=cycles, index=index, line=line, rest=stand, level=level, start=start,
-        departure=departure_index, stop=_last_held(x, cycle.hold, resolution),
+        departure=departure_index, stop=_find_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
 
-def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
+def _format_advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """Return what may be wrong with a displacement that is never held."""
     has_motion = any(segment.kind != "hold" for segment in find_segments(time, x))
     if find_cycles(find_segments(time, -x)):
@@ -356,7 +358,7 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     return "expected a ramp and then a hold. Check the columns and the units"
 
 
-def _resting(x: FloatArray, rest_segment: MotionSegment | None, ramp: MotionSegment) -> float:
+def _select_rest(x: FloatArray, rest_segment: MotionSegment | None, ramp: MotionSegment) -> float:
     if rest_segment is None:
         return float(x[ramp.first])
     second_half = rest_segment.first + (rest_segment.last - rest_segment.first) // 2
@@ -375,7 +377,7 @@ def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
     return median(values[is_settled] if np.count_nonzero(is_settled) >= 5 else values[1:7])
 
 
-def _last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
+def _find_last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
     """Return the last sample before the plate leaves the hold."""
     if hold.last == len(x) - 1:
         return hold.last

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, replace_notes, set_readonly
 from dashpot.base.checks import Check, Remedy
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.checks import caution_checks
@@ -51,7 +51,7 @@ from dashpot.preprocessing.signal_conditioning import (
     white_noise,
 )
 from dashpot.signals.clock import is_evenly_sampled
-from dashpot.signals.noise import median_of_three, scatter, without_spikes
+from dashpot.signals.noise import median_of_three, remove_spikes, scatter
 
 # iterations of air gap and delay
 MAX_ITERATIONS = 3
@@ -132,7 +132,7 @@ def prepare(
     test = _calibrate_record(test, machine.calibration)
     _refuse_options(sign=sign, drift=drift, force_range=force_range)
     motion = _find_plate_motion(test, location, sign, cycle, (onset, ramp_end, hold_end))
-    despiked_force = without_spikes(test.time, test.force)
+    despiked_force = remove_spikes(test.time, test.force)
     if motion.departure - motion.start < MIN_BASELINE:
         checks.refuse_late_start(location, *_compute_force_changes(despiked_force, motion))
     force_sign = _determine_force_sign(despiked_force, motion) if sign is None else sign
@@ -229,7 +229,7 @@ def prepare(
             checks.motion_measured(loading),
             *_check_machine(loading),
             *checks.check_temperature(test.specimen),
-            *caution_checks(sources_of([test])),
+            *caution_checks(list_sources([test])),
         ]
     )
     if with_checks:
@@ -259,7 +259,7 @@ def _check_machine(loading: RampHold) -> list[Check]:
         return []
     stiffness = float(np.abs(loading.force).max()) / loading.depth
     remedy = Remedy("State the compliance of the machine.", "machine", "compliance=...")
-    return checks.check_machine(sources_of([loading]), stiffness, remedy)
+    return checks.check_machine(list_sources([loading]), stiffness, remedy)
 
 
 def _check_history(
@@ -643,7 +643,7 @@ def _subtract_hum(record: RampHold) -> RampHold:
         return record
     lines, hum, plate_responds = hum_lines(
         record.time,
-        without_spikes(time, force),
+        remove_spikes(time, force),
         hold_samples,
         noise=record.force_noise,
         displacement=record.displacement[hold_samples],

@@ -79,7 +79,7 @@ class Filter:
             from scipy.ndimage import median_filter
 
             return np.asarray(median_filter(values, size=self.window, mode="nearest"))
-        rate = _even_rate(time, self)
+        rate = _require_even_rate(time, self)
         if self.kind == "lowpass":
             sections = signal.butter(2, self.cutoff, fs=rate, output="sos")
         else:
@@ -137,7 +137,7 @@ def filter_record(test: RampHold, chosen_filter: Filter) -> RampHold:
     )
 
 
-def filter_of(test: RampHold) -> Filter | None:
+def get_record_filter(test: RampHold) -> Filter | None:
     """Return the filter that a record went through, None if it went through none."""
     for step in test.steps:
         if step.name == FILTER_STEP:
@@ -155,7 +155,7 @@ def _cutoff(text: str, value: str) -> float:
     return cutoff
 
 
-def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
+def _require_even_rate(time: FloatArray, chosen_filter: Filter) -> float:
     steps = np.diff(time)
     usual_step = median(steps)
     step_index = int(np.argmax(np.abs(steps - usual_step)))
@@ -310,11 +310,11 @@ def hum_lines(
         if strongest is None:
             break
         frequency = _refine_frequency(detrended, step, strongest / (bins * step))
-        c = _transform(windowed, step, frequency) * 2 / window.sum()
+        c = _compute_transform(windowed, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
         if line.amplitude < _MIN_LINE_SHARE * noise:
             break
-        if displacement is None or line.amplitude > stiffest * _plate_amplitude(
+        if displacement is None or line.amplitude > stiffest * _compute_plate_amplitude(
             _remove_trend(time, displacement), window, step, frequency
         ):
             hums.append(line)
@@ -350,7 +350,7 @@ def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(values - np.interp(time, time[[0, -1]], end_means))
 
 
-def _plate_amplitude(
+def _compute_plate_amplitude(
     change: FloatArray, window: FloatArray, step: float, frequency: float
 ) -> float:
     """Return the amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
@@ -360,7 +360,7 @@ def _plate_amplitude(
     peak_bin = round(frequency * bins * step)
     low, high = max(peak_bin - _NEIGHBOUR_BINS, 1), peak_bin + _NEIGHBOUR_BINS + 1
     level = median(power[low:high]) / np.log(2)
-    magnitude = abs(_transform(windowed, step, frequency))
+    magnitude = abs(_compute_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
     rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
     stands_out = magnitude**2 > _MIN_PLATE_POWER_RATIO * level and magnitude > rounding
@@ -402,8 +402,10 @@ def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> f
     half_length = len(remainder) // 2
     taper = _hann(half_length)
     for _ in range(3):
-        first_half = _transform(taper * remainder[:half_length], step, frequency)
-        second_half = _transform(taper * remainder[half_length : 2 * half_length], step, frequency)
+        first_half = _compute_transform(taper * remainder[:half_length], step, frequency)
+        second_half = _compute_transform(
+            taper * remainder[half_length : 2 * half_length], step, frequency
+        )
         phase_advance = np.angle(
             second_half * np.conj(first_half) * np.exp(-2j * np.pi * frequency * half_length * step)
         )
@@ -411,7 +413,7 @@ def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> f
     return float(frequency)
 
 
-def _transform(values: FloatArray, step: float, frequency: float) -> complex:
+def _compute_transform(values: FloatArray, step: float, frequency: float) -> complex:
     return compute_single_dft(values, -2 * np.pi * frequency * step)
 
 

@@ -10,7 +10,12 @@ from typing import Any
 
 from dashpot.base import dataclass, fields, replace
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
+from dashpot.base.option_fields import (
+    get_option_flag,
+    get_option_key,
+    iterate_option_fields,
+    option,
+)
 from dashpot.base.units import Dimension, parse_quantity, si_fields
 
 DELIMITERS = {
@@ -326,7 +331,9 @@ _OPTION_FIELDS = {field.name: field.metadata for field in iterate_option_fields(
 _ROLE_SYNONYMS = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
 _FLAGS = {
-    field.name: f"{flag_of(field)} {key_of(field)}" if "under" in field.metadata else flag_of(field)
+    field.name: f"{get_option_flag(field)} {get_option_key(field)}"
+    if "under" in field.metadata
+    else get_option_flag(field)
     for field in iterate_option_fields(ReadOptions)
 }
 

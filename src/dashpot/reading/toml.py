@@ -49,7 +49,7 @@ _MAX_SIZE = 1 << 24
 """Bytes: nobody writes more by hand."""
 
 
-def tables_of(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
+def read_tables(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
     """Return a TOML file and its tables.
 
     Raises

@@ -103,7 +103,7 @@ def _scale_to_height(panels: tuple[Panel, ...], max_height: float) -> tuple[Pane
     return tuple(replace(panel, height=share * panel.height) for panel in panels)
 
 
-def figures_of(study: Study) -> dict[str, RenderedFigure]:
+def draw_study_figures(study: Study) -> dict[str, RenderedFigure]:
     """Return every figure that this study can fill, by name; "lead" is that of the first screen."""
     all_pictures = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
     figures = {
@@ -196,7 +196,7 @@ def _make_vibration_pictures(study: Study) -> Iterator[plot.Picture]:
         yield plot.frf(study.measured, labels=("measured",))
     elif study.prediction is not None:
         yield plot.frf(study.prediction, labels=("predicted, untested",), band=study.frf_band)
-    chart = chart_of(study)
+    chart = draw_stabilisation_chart(study)
     if chart is not None:
         yield chart
     if study.direct is not None:
@@ -205,7 +205,7 @@ def _make_vibration_pictures(study: Study) -> Iterator[plot.Picture]:
         yield plot.hits(study.impact, study.measured)
 
 
-def chart_of(study: Study) -> plot.Picture | None:
+def draw_stabilisation_chart(study: Study) -> plot.Picture | None:
     """The stabilisation chart of the measured FRF with its modes; none of a transmissibility."""
     if study.measured is None or study.measured.quantity.over_base:
         return None

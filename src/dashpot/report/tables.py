@@ -37,7 +37,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.stiffness_under_mass import rival_of
+from dashpot.workflow.stiffness_under_mass import replace_by_alternative
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not applicable"}
@@ -411,7 +411,7 @@ def resonance(study: Study) -> TextTable | None:
 def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
     """The solids that are known, by what they are from, and the mass on each."""
     yield "model from relaxation", study.fit, mass
-    other = rival_of(study.fit)
+    other = replace_by_alternative(study.fit)
     if other is not None:
         yield "other family from relaxation", other, mass
     if study.joint is not None:

@@ -23,7 +23,7 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
     """
     if len(values) < 5:
         return 0.0
-    squares = _misses(time, values, len(values) // _MAX_SAMPLES or 1) ** 2
+    squares = _compute_line_residuals(time, values, len(values) // _MAX_SAMPLES or 1) ** 2
     count = max(3, int(0.98 * len(squares)))
     smallest_squares = np.partition(squares, count - 1)[:count]
     return float(np.sqrt(smallest_squares.mean())) / (0.935 if count < len(squares) else 1.0)
@@ -33,10 +33,10 @@ def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
     """Return the same by the median: blind to corners and glitches, and to half of all samples."""
     if len(values) < 5:
         return 0.0
-    return 1.4826 * median(np.abs(_misses(time, values)))
+    return 1.4826 * median(np.abs(_compute_line_residuals(time, values)))
 
 
-def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
+def _compute_line_residuals(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
     """Return residuals of samples from the line between their neighbours, of variance sigma^2."""
     before, middle, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
     w = (time[after] - time[middle]) / (time[after] - time[before])
@@ -56,7 +56,7 @@ def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
     return np.asarray(is_confirmed & (magnitude > limit))
 
 
-def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
+def remove_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
     """Return the channel with every spike replaced by the nearer of its neighbours."""
     mask = spikes(time, values)
     return np.where(mask, median_of_three(values), values) if mask.any() else values

@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.plain_text import sentence
 from dashpot.base.units import format_quantity
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three
 
 # Ramps and holds, and the loadings that they form.
@@ -84,7 +84,7 @@ def find_segments(
     x = median_of_three(displacement)
     travel = float(np.ptp(x))
     if resolution is None:
-        resolution = estimate_resolution(time, displacement, quantum(displacement))
+        resolution = estimate_resolution(time, displacement, find_quantum(displacement))
     if travel <= 4 * resolution:
         return (_make_segment("hold", time, x, 0, len(x) - 1),)
     corners = _find_corners(time, x, max(2 * resolution, 0.01 * travel))

@@ -8,7 +8,7 @@ from math import ceil, erf, log, sqrt
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 
 # Stuck channels: a hung converter, or a lost link.
 #
@@ -86,7 +86,7 @@ def find_stuck_runs(
     long_runs = np.flatnonzero(stops - starts >= MIN_RUN)
     if not len(long_runs):
         return no_runs
-    levels, count = values[starts], quantum(values)
+    levels, count = values[starts], find_quantum(values)
     noise_level = max(count, CHANGE_TOLERANCE * largest_reading)
     shortest = _compute_shortest_fault(levels, count, noise_level, len(values))
     if other_stretches:
@@ -110,7 +110,7 @@ def find_stuck_runs(
             or _has_stop(values, run, is_free, noise_level)
             or (
                 time_since_ramp is not None
-                and _ends_too_soon(values, run, time_since_ramp, noise_level)
+                and _has_early_end(values, run, time_since_ramp, noise_level)
             )
         )
 
@@ -178,7 +178,7 @@ def _has_stop(values: FloatArray, run: slice, free: BoolArray, count: float) -> 
     return bool(one_way and abs(values[start] - values[first]) > MIN_CHANGE_COUNTS * count)
 
 
-def _ends_too_soon(
+def _has_early_end(
     values: FloatArray, run: slice, time_since_ramp: FloatArray, count: float
 ) -> bool:
     """Return whether a channel that falls stands still long before its slowest arm has relaxed."""

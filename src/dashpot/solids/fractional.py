@@ -59,7 +59,7 @@ class Weights(NamedTuple):
     by_alpha: FloatArray
 
 
-def density_at(u: FloatArray, alpha: float) -> Weights:
+def compute_spectrum_density(u: FloatArray, alpha: float) -> Weights:
     """Return w(u), its derivative by ln tau, which is that by -u, and by alpha."""
     s, c = sin(alpha * pi), cos(alpha * pi)
     e = np.exp(-alpha * np.abs(u))
@@ -70,21 +70,23 @@ def density_at(u: FloatArray, alpha: float) -> Weights:
     return Weights(value, alpha * np.sign(u) * weight * value, by_alpha * value)
 
 
-def weights_at(u: FloatArray, alpha: float) -> Weights:
+def compute_arm_weights(u: FloatArray, alpha: float) -> Weights:
     r"""Return the weights of arms at even distances :math:`u = \ln(\tau_j/\tau)`.
 
     What lies beyond the first and the last is theirs.
     """
     h = float(u[1] - u[0])
-    density = density_at(u, alpha)
+    density = compute_spectrum_density(u, alpha)
     weights = Weights(*(h * component for component in density))
     for end in (0, -1):
         for component in weights:
             component[end] /= 2
-    return _with_ends(weights, u, density.value[[0, -1]], alpha)
+    return _add_tail_weights(weights, u, density.value[[0, -1]], alpha)
 
 
-def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: float) -> Weights:
+def _add_tail_weights(
+    weights: Weights, u: FloatArray, density: FloatArray, alpha: float
+) -> Weights:
     """Add what lies beyond the first and the last arm to them."""
     for end, sign in ((0, -1.0), (-1, 1.0)):
         tail_weight, slope = _integrate_tail(sign * float(u[end]), alpha)
@@ -94,11 +96,11 @@ def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: floa
     return weights
 
 
-def _even(max_distance: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
+def _make_even_arms(max_distance: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
     """Arms at even distances, as far as they weigh anything."""
     count = int(np.ceil(max_distance / step))
     u = step * np.arange(-count, count + 1.0)
-    return u, weights_at(u, alpha)
+    return u, compute_arm_weights(u, alpha)
 
 
 def _build_graded_arms(max_distance: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights]:
@@ -112,9 +114,9 @@ def _build_graded_arms(max_distance: float, alpha: float, nodes: int) -> tuple[F
     half_widths = np.diff(cuts)[:, None] / 2
     u = (cuts[:-1, None] + half_widths * (1 + x)).ravel()
     scale = (half_widths * weight).ravel()
-    weights = Weights(*(scale * component for component in density_at(u, alpha)))
-    end_densities = density_at(cuts[[0, -1]], alpha).value
-    return u, _with_ends(weights, cuts[[0, -1]], end_densities, alpha)
+    weights = Weights(*(scale * component for component in compute_spectrum_density(u, alpha)))
+    end_densities = compute_spectrum_density(cuts[[0, -1]], alpha).value
+    return u, _add_tail_weights(weights, cuts[[0, -1]], end_densities, alpha)
 
 
 def _select_arms(
@@ -313,7 +315,7 @@ class FractionalZener(Solid, Serialisable):
         if step < _PANEL_WIDTH / nodes:
             all_arms = _build_graded_arms(max_distance, self.alpha, nodes)
         else:
-            all_arms = _even(max_distance, self.alpha, step)
+            all_arms = _make_even_arms(max_distance, self.alpha, step)
         return _select_arms(*all_arms, low, high)
 
     # -- time ---------------------------------------------------------------------------------

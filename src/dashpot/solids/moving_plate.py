@@ -30,7 +30,7 @@ _FIRST_STRETCH = 64
 _ROUNDING = 1e-12
 
 
-def face_under_plate(
+def simulate_face_under_plate(
     solid: GeneralizedMaxwell, time: FloatArray, plate: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the compression of a seal under a plate that only pushes, m, and its force, N.

@@ -16,7 +16,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen, make_file_specimens
 from dashpot.fitting.fit_options import FitOptions, SolidOptions
-from dashpot.fitting.input_tests import depths_of
+from dashpot.fitting.input_tests import split_depths
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.columns.kind_detection import format_other_kind
@@ -77,7 +77,7 @@ def prepared_tests(
     if each_depth and len(tests) == 1 and cycle is None and time_limits == TimeLimits():
         (test,) = tests
         if isinstance(test, RelaxationTest):
-            return depths_of(test, filter=filter, machine=machine, with_checks=checked)
+            return split_depths(test, filter=filter, machine=machine, with_checks=checked)
     return tuple(
         record if isinstance(record, RampHold) else prepare(record, **preparation)
         for record in tests

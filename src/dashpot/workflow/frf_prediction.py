@@ -47,11 +47,11 @@ from dashpot.workflow.stiffness_under_mass import (
     RivalModes,
     StaticEquilibrium,
     family_checks,
+    find_alternative_modes,
     find_static_equilibrium,
     formal_limits,
     frf_limits,
     rest_checks,
-    rival_modes,
 )
 
 if TYPE_CHECKING:
@@ -653,7 +653,9 @@ class MountedMass:
         alternative = self.fit.evidence.alternative
         if alternative is None or not alternative.is_sufficient:
             return None
-        return RivalModes(alternative.family, rival_modes(self.fit, self.rests.point, self.load))
+        return RivalModes(
+            alternative.family, find_alternative_modes(self.fit, self.rests.point, self.load)
+        )
 
     def compute_limits(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
         """Return the limits of the response, over fewer lines."""

@@ -62,7 +62,7 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return entries
 
 
-def parts_of(value: Any, path: str) -> dict[str, Any]:
+def list_children(value: Any, path: str) -> dict[str, Any]:
     """Return what an object or an array holds by its place; nothing of any other value."""
     if isinstance(value, dict):
         return {f"{path}.{key}": child for key, child in value.items()}
@@ -76,7 +76,7 @@ def find_mistyped_number(value: Any, path: str = "$") -> str:
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
         numeric = path.rpartition(".")[2].partition("[")[0] in _NUMERIC
         return f'{path} is the text "{value}"; expected a number, with a point' if numeric else ""
-    children = parts_of(value, path).items()
+    children = list_children(value, path).items()
     return next(
         filter(None, (find_mistyped_number(child, item_path) for item_path, child in children)), ""
     )
@@ -98,8 +98,8 @@ def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
     # the bare contract's orders are left out: then there is nothing to hold the items against
     elif isinstance(value, list) and len(value) != len(reference):
         return ""
-    reference_parts = parts_of(reference, path)
-    children = parts_of(value, path).items()
+    reference_parts = list_children(reference, path)
+    children = list_children(value, path).items()
     return next(
         filter(
             None,

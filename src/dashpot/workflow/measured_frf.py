@@ -13,7 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
-from dashpot.base.option_fields import flag_of, iterate_option_fields
+from dashpot.base.option_fields import get_option_flag, iterate_option_fields
 from dashpot.base.provenance import Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_columns
@@ -153,7 +153,7 @@ def refuse_choices_of_hits(
     """
     default = HammerChoices()
     unused = [
-        flag_of(field)
+        get_option_flag(field)
         for field in iterate_option_fields(choices)
         if field.name not in exceptions
         and getattr(choices, field.name) != getattr(default, field.name)

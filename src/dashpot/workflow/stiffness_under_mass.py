@@ -259,15 +259,15 @@ def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: Float
     )
 
 
-def rival_of(fit: Fit) -> Fit | None:
+def replace_by_alternative(fit: Fit) -> Fit | None:
     """A fit with the other family's solid in place of its own, if that explains the tests too."""
     other = fit.evidence.alternative
     return None if other is None or not other.is_sufficient else replace(fit, solid=other.solid)
 
 
-def rival_modes(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Mode, ...]:
+def find_alternative_modes(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
-    other_fit = rival_of(fit)
+    other_fit = replace_by_alternative(fit)
     return () if other_fit is None else model_modes(load.seals * point.solid(other_fit), load.mass)
 
 
@@ -276,7 +276,7 @@ def family_checks(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[C
     if fit.evidence.alternative is None:
         return ()
     modes = model_modes(load.seals * point.solid(fit), load.mass)
-    other_modes = rival_modes(fit, point, load)
+    other_modes = find_alternative_modes(fit, point, load)
     return (families_predict_alike(next(iter(modes), None), next(iter(other_modes), None)),)
 
 

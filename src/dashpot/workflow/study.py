@@ -56,8 +56,8 @@ from dashpot.workflow.stiffness_under_mass import (
     family_checks,
     find_static_equilibrium,
     frf_limits,
+    replace_by_alternative,
     rest_checks,
-    rival_of,
 )
 
 # Logo of a report, as a data link.
@@ -210,7 +210,7 @@ class Study(Plottable, Serialisable):
     @property
     def rival(self) -> FRF | None:
         """The FRF by the other family of solids, if one explains the relaxation test as well."""
-        other = rival_of(self.fit)
+        other = replace_by_alternative(self.fit)
         if other is None or self.mass is None or self.static_equilibrium is None:
             return None
         point = self.static_equilibrium.point

@@ -14,7 +14,7 @@ from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Damping, Table
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import format_fixed_width
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
@@ -78,7 +78,7 @@ def nastran(
     """
     frequency_range = si_range(frequency_range, "frequency")
     nominal = convert_to_si(nominal, "frequency")
-    row = row_of(deck, line, shear)
+    row = make_springs(deck, line, shear)
     if deck.form == "arms":
         return _format_arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.amplitude.amplitude_laws import (
@@ -119,7 +119,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         residual_check,
         loss_residual_small(best.loss_left),
-        *check_machine(sources_of([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
+        *check_machine(list_sources([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
     if "lost" in best.numbers:
         checks.insert(2, softening_seen(reach_ratio))
@@ -149,7 +149,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         int(np.count_nonzero(is_stray)),
         sweep.unit,
         sweep.of,
-        (*checks, *caution_checks(sources_of([sweep]))),
+        (*checks, *caution_checks(list_sources([sweep]))),
         sweep.source,
         best.numbers.get("k3", 0.0),
         cubic,

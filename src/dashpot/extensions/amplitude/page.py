@@ -19,7 +19,7 @@ from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.plot.picture import Picture
-from dashpot.plot.plotted_data import unit_of
+from dashpot.plot.plotted_data import select_plot_unit
 from dashpot.report import result_output, solid_and_frf_pages
 from dashpot.report.result_page import (
     AppCard,
@@ -56,7 +56,7 @@ def page(levels: AmplitudeResult) -> KindPage:
     if any(check.name in loss for check in levels.checks):
         topics.append(Topic("Damping", loss))
     low, high = fit.amplitudes
-    word, scale = unit_of(np.array(fit.amplitudes), "m")
+    word, scale = select_plot_unit(np.array(fit.amplitudes), "m")
     if isinstance(fit, AmplitudeFit) and fit.of == "strain":
         word, scale = "%", 100.0
     amplitude_fact = (
@@ -143,7 +143,7 @@ def format_residual_note(levels: AmplitudeResult) -> str:
         if fit.left_out:
             text += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
     elif isinstance(fit, HitLevels):
-        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        word, scale = select_plot_unit(np.array(fit.amplitudes), "m")
         text = (
             "Four of five such tests find "
             f"{round_to_error(100 * fit.trend.detectable_stiffness_change, digits=2)} % of "
@@ -151,7 +151,7 @@ def format_residual_note(levels: AmplitudeResult) -> str:
             "% of damping per doubling"
         )
     else:
-        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        word, scale = select_plot_unit(np.array(fit.amplitudes), "m")
         arms, sliders = fit.solid.arms, len(fit.sliders)
         text = (
             f"{arms} arm{'s' * (arms != 1)}, {sliders} slider{'s' * (sliders != 1)}"
@@ -204,7 +204,7 @@ def _get_amplitude_unit(fit: AmplitudeFit) -> tuple[str, float]:
     """Return the word and the factor in which an amplitude is read."""
     if fit.of == "strain":
         return "%", 100.0
-    return unit_of(np.array(fit.amplitudes), "m")
+    return select_plot_unit(np.array(fit.amplitudes), "m")
 
 
 def _make_fact(
@@ -227,11 +227,11 @@ def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
     value, (low, high) = read(fit.solid, fit.rate_independent), fit.interval(read)
     for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
         for j, amplitude in enumerate(X.tolist()):
-            word, mm = unit_of(np.array(amplitude), "m")
+            word, mm = select_plot_unit(np.array(amplitude), "m")
             text = f"{name}, {round_to_error(mm * amplitude, digits=2)} {word}"
             yield ReportedValue(text, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
     if fit.k3:
-        word, mm = unit_of(X[1], "m")
+        word, mm = select_plot_unit(X[1], "m")
         share = 0.75 * X[1] ** 2
         text = f"cubic spring, {round_to_error(mm * X[1], digits=2)} {word}"
         low_end, high_end = (share * end for end in fit.k3_interval)

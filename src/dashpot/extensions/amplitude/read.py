@@ -27,7 +27,7 @@ from dashpot.reading.readers.inspect import list_unit_questions
 from dashpot.reading.readers.relaxation import relaxation_in
 from dashpot.reading.readers.sweep_columns import (
     SWEEP_OPTIONS,
-    parts_of,
+    load_parts,
     sweep_columns,
 )
 from dashpot.reading.table import Question
@@ -148,8 +148,8 @@ def read_amplitude(
         )
         roles, ratio = sweep_columns(file)
         column = find_amplitude_column(file)
-        channels_chosen = channels.with_units(file, [*roles, column])
-        _, values, unit, notes = parts_of(file, channels_chosen, ratio)
+        channels_chosen = channels.add_units(file, [*roles, column])
+        _, values, unit, notes = load_parts(file, channels_chosen, ratio)
         column_name = file.table.columns[column.index]
         factor, word = get_amplitude_factor(f"{column_name.name} {column_name.unit or ''}")
         amplitude = values[column.role] / factor

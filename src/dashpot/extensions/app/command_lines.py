@@ -8,7 +8,7 @@ from glob import escape
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
+from dashpot.base.option_fields import get_option_flag, get_option_key, iterate_option_fields
 from dashpot.base.units import (
     Dimension,
     find_unit,
@@ -27,8 +27,11 @@ T = TypeVar("T")
 def format_command_words(attribute: Field[Any], text: str) -> list[str]:
     """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
     if "under" not in attribute.metadata:
-        return [flag_of(attribute), text]
-    return [flag_of(attribute), f"{key_of(attribute)}{attribute.metadata.get('sign', '=')}{text}"]
+        return [get_option_flag(attribute), text]
+    return [
+        get_option_flag(attribute),
+        f"{get_option_key(attribute)}{attribute.metadata.get('sign', '=')}{text}",
+    ]
 
 
 _part_files: dict[Any, str] = {}
@@ -64,7 +67,7 @@ def format_options(result: Any, *names: str) -> list[str]:
             option_words += format_options(value)
         elif value != attribute.default and attribute in iterate_option_fields(result):
             if "is_flag" in attribute.metadata:
-                option_words.append(flag_of(attribute))
+                option_words.append(get_option_flag(attribute))
             else:
                 option_words += [
                     word

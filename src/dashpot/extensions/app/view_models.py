@@ -65,12 +65,12 @@ from dashpot.plot.picture import (
     Tag,
     joint_pen,
 )
-from dashpot.plot.plotted_data import downsample_to_extremes, unit_of
+from dashpot.plot.plotted_data import downsample_to_extremes, select_plot_unit
 from dashpot.plot.svg import strip, swatch
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.registry import KINDS
 from dashpot.report import first_screen
-from dashpot.report.figures import chart_of
+from dashpot.report.figures import draw_stabilisation_chart
 from dashpot.report.first_screen import GRADE_MARKS, Light, Row
 from dashpot.report.page_frame import VERDICT_COLOURS, environment
 from dashpot.report.result_page import Group
@@ -220,7 +220,7 @@ def render_test_panels(
 
 def _format_noise_comparison(residual_text: str, prepared: RampHold, unit: str) -> str:
     """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
-    force_unit, factor = unit_of(np.array([prepared.force_noise]), "N")
+    force_unit, factor = select_plot_unit(np.array([prepared.force_noise]), "N")
     noise_text = round_to_error(factor * prepared.force_noise, digits=2)
     text = f"{residual_text.removesuffix(force_unit).rstrip()}, noise {noise_text}"
     return text if force_unit == unit else f"{text} {force_unit}"
@@ -401,7 +401,7 @@ def render_hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
     """Return the panels of the hits of a study, as :func:`render_pulse_panels` draws them."""
     if study.impact is None or study.measured is None:
         return {}
-    return render_pulse_panels(study.impact, study.measured, chart_of(study), sizes)
+    return render_pulse_panels(study.impact, study.measured, draw_stabilisation_chart(study), sizes)
 
 
 def render_pulse_panels(

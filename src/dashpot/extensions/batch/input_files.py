@@ -17,7 +17,7 @@ from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.file_writing import validate_path
-from dashpot.base.option_fields import iterate_option_fields, key_of
+from dashpot.base.option_fields import get_option_key, iterate_option_fields
 from dashpot.base.serialisation import to_plain_value
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
@@ -514,7 +514,7 @@ def _parse_machine(location: str, text: str, folder: Path) -> str:
 
 
 def _parse_machine_fields(text: str) -> dict[str, Any]:
-    known = {key_of(field): field for field in iterate_option_fields(Machine)}
+    known = {get_option_key(field): field for field in iterate_option_fields(Machine)}
     fields: dict[str, Any] = {}
     for part in filter(None, map(str.strip, re.split(r"[;,](?=\s*[A-Za-z][\w -]*=)", text))):
         key, _, value = part.partition("=")

@@ -21,10 +21,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray, block_means, median
 from dashpot.base.errors import DataError
 from dashpot.extensions.blank_tests.datamodel import BlankTest
-from dashpot.numerics.inference.correlated_noise import Noise, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise
 from dashpot.preprocessing.signal_conditioning import hum_lines
 from dashpot.signals.disturbances import MAINS_FREQUENCIES
-from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.noise import remove_spikes, scatter
 from dashpot.signals.segments import find_segments
 
 MIN_LOADED_SHARE = 0.05
@@ -191,7 +191,7 @@ def solve_regression(
               C = \sigma^2 \kappa\,(A^T A - m\,\sigma_x^2\, e e^T)^{-1}
 
     with :math:`\sigma^2 \kappa` the power of the residuals by
-    :func:`~dashpot.numerics.inference.correlated_noise.noise_of`.
+    :func:`~dashpot.numerics.inference.correlated_noise.estimate_noise`.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def solve_regression(
     inverse = np.linalg.inv(gram)
     scaled_values = inverse @ (scaled.T @ values)
     residual = values - scaled @ scaled_values
-    residual_noise = noise_of(residual, basis)
+    residual_noise = estimate_noise(residual, basis)
     errors = np.sqrt(residual_noise.power * np.diag(inverse))
     return Regression(scaled_values / scale, errors / scale, residual, residual_noise)
 
@@ -360,7 +360,7 @@ def name_record(record: BlankTest) -> str:
 def orient_channels(record: BlankTest) -> tuple[FloatArray, FloatArray]:
     """Return displacement and force, both rising as the plate presses, from their rest."""
     count = max(len(record.time) // 50, 1)
-    force = without_spikes(record.time, record.force)
+    force = remove_spikes(record.time, record.force)
     force = force - median(force[:count])
     force = force if force[np.argmax(np.abs(force))] >= 0 else -force
     x = record.displacement - median(record.displacement[:count])
@@ -530,7 +530,7 @@ def _measure_hysteresis(history: PressHistory, model: FloatArray) -> float:
 def estimate_empty_run(record: BlankTest) -> EmptyRun:
     """Return what a run without a specimen determines: noise, drift, hum, and force by motion."""
     time = record.time - record.time[0]
-    force = without_spikes(record.time, record.force)
+    force = remove_spikes(record.time, record.force)
     force = force - median(force)
     x = record.displacement - median(record.displacement)
     columns = [np.ones(len(time)), time]

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, convert_to_si
@@ -87,7 +87,7 @@ def fit_blank_tests(
     blanks = estimate_blanks(records, roles)
     values = report_values(blanks, stiffness, relative_error)
     has_spring = stiffness is not None and bool(blanks.springs)
-    sources = sources_of(records)
+    sources = list_sources(records)
     return MachineFit(
         values,
         tuple(map(_thin_record, records, roles, blanks.series)),

@@ -17,7 +17,7 @@ from dashpot.fitting.admissible_spectra import (
     compute_upper_limit,
     deviance_limit,
 )
-from dashpot.fitting.data_blocks import find_largest_target, max_determinable_arms, solid_of
+from dashpot.fitting.data_blocks import build_solid, find_largest_target, max_determinable_arms
 from dashpot.fitting.marginal_relaxation import RelaxationRows
 from dashpot.fitting.nuisance_priors import ROUNDING, NuisanceTerms
 from dashpot.fitting.parameter_errors import estimate_covariance
@@ -32,8 +32,8 @@ from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.correlated_noise import (
     JacobianColumns,
     ResidualSeries,
-    marginal,
-    noise_of,
+    estimate_noise,
+    marginalise,
 )
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.numerics.nonnegative_least_squares import solve_linear
@@ -47,9 +47,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 #     \mathrm{cov}_{ij} = c^2 s_i s_j \sum_n h_n(\lg t_i)\, h_n(\lg t_j)
 #
 # with S the power of what the nearest non-negative spectrum leaves, by the rule of noise of every
-# fit (:func:`~dashpot.numerics.inference.correlated_noise.noise_of`), s the size of that spectrum,
-# and h_n straight lines between knots a quarter of a decade apart: what neighbours have in common -
-# a load cell, a thermostat, grips, smoothing - does not show in a residual.
+# fit (:func:`~dashpot.numerics.inference.correlated_noise.estimate_noise`), s the size of that
+# spectrum, and h_n straight lines between knots a quarter of a decade apart: what neighbours have
+# in common - a load cell, a thermostat, grips, smoothing - does not show in a residual.
 
 
 #: common error of neighbouring values, relative, one standard deviation
@@ -97,7 +97,7 @@ class CurveData:
         error_columns = (
             np.hstack((prior_columns, self.common)) if self.common.size else prior_columns
         )
-        white = marginal(np.zeros((len(mean), 0)), error_columns)
+        white = marginalise(np.zeros((len(mean), 0)), error_columns)
 
         def column(kinds: set[str]) -> FloatArray:
             indices = [i for i, name in enumerate(names) if name in kinds]
@@ -146,7 +146,7 @@ def weight_curve(
         size = fitted_curve[part] if fitted_curve[part].any() else fitted_curve
         rounding_limit = DIGITS_ERROR * float(np.sqrt(np.mean(size**2)))
         series = ResidualSeries(rows.target[part] - fitted_curve[part])
-        noise = noise_of(
+        noise = estimate_noise(
             series, JacobianColumns(active[part], shared=True), rounding=rounding_limit
         )
         weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
@@ -409,7 +409,7 @@ def fit_single_test(
     peaks = [find_largest_target(block) for block in samples]
     estimate = estimate_covariance(best, samples, peak=max(peaks))
     # thirteen parameters of 32 values leave a third less than their scatter
-    model = solid_of(best)
+    model = build_solid(best)
     count = sum(len(residual) for residual in estimate.residuals)
     parameter_count = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
     ratio = max(count - parameter_count, 1) / count

@@ -22,7 +22,7 @@ from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.structure import FRFSet
 from dashpot.vibration.modal.modal_methods import (
     compute_rms_accelerance,
-    lines_of,
+    get_set_lines,
     select_mode_band,
 )
 from dashpot.vibration.modal.pole_fit import MAX_DAMPING, FRFLines, mac
@@ -95,7 +95,7 @@ def stabilisation(
     """
     band_frfs = select_mode_band(points, band)
     rms_accelerance = compute_rms_accelerance(band_frfs)
-    lines = lines_of(band_frfs)
+    lines = get_set_lines(band_frfs)
     highest = min(highest, len(rms_accelerance.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []
     previous_order: tuple[ComplexArray, ComplexArray] | None = None

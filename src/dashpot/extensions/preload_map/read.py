@@ -40,7 +40,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.inspect import list_unit_questions
-from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, parts_of, sweep_columns
+from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, load_parts, sweep_columns
 from dashpot.reading.table import Question
 from dashpot.registry import list_names, require_handler
 from dashpot.signals.segments import Loading
@@ -113,8 +113,8 @@ class _StiffnessTable(NamedTuple):
 def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) -> _StiffnessTable:
     roles_wanted, ratio = sweep_columns(file)
     _require_units(file, roles_wanted)
-    channels_chosen = channels.with_units(file, roles_wanted)
-    loaded_columns, values, unit, notes = parts_of(file, channels_chosen, ratio)
+    channels_chosen = channels.add_units(file, roles_wanted)
+    loaded_columns, values, unit, notes = load_parts(file, channels_chosen, ratio)
     if unit != "N/m":
         raise ReadError(
             f"storage and loss are in {unit}, of a material; expected a stiffness, such as N/mm: "

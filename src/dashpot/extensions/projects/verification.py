@@ -39,7 +39,12 @@ from dashpot.extensions.projects.project import (
 )
 from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS, split_common
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_archive import from_json, has_edited_fit, parts_of, require_unique_keys
+from dashpot.workflow.json_archive import (
+    from_json,
+    has_edited_fit,
+    list_children,
+    require_unique_keys,
+)
 from dashpot.workflow.study import Study, run
 
 _ROUNDING_UNITS = 1.000001
@@ -279,7 +284,10 @@ def find_largest_difference(
         return compute(recorded, recomputed), f"{location} was {recorded!r} and is {recomputed!r}"
     if location.endswith("model.arms"):
         recorded, recomputed = _merge_coincident_arms(recorded), _merge_coincident_arms(recomputed)
-    recorded_parts, recomputed_parts = parts_of(recorded, location), parts_of(recomputed, location)
+    recorded_parts, recomputed_parts = (
+        list_children(recorded, location),
+        list_children(recomputed, location),
+    )
     if recorded_parts.keys() != recomputed_parts.keys():
         difference_text = "other keys" if isinstance(recorded, dict) else "another length"
         return float("inf"), f"{location or 'the document'} has {difference_text}"

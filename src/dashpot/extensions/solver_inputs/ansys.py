@@ -11,7 +11,7 @@ from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.export.deck import CARRIERS, Deck, DeckText, format_temperature_lines
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import format_tbdata, text
 from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
@@ -68,7 +68,7 @@ def ansys(
     """
     if deck.form == "table":
         requested = (si_range(frequency_range, "frequency"), tolerance)
-        return _write_table(deck, row_of(deck, line, shear), requested, first_id)
+        return _write_table(deck, make_springs(deck, line, shear), requested, first_id)
     return _write_prony(deck) if deck.form == "prony" else _write_arms(deck)
 
 

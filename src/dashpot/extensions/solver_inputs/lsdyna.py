@@ -10,7 +10,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import format_fields, format_fixed_width
 
 FORMS = ("arms", "prony")
@@ -68,7 +68,7 @@ def lsdyna(
     return (
         _write_arms(deck)
         if line is None
-        else _write_line(deck, row_of(deck, line, shear), first_id)
+        else _write_line(deck, make_springs(deck, line, shear), first_id)
     )
 
 

@@ -311,10 +311,10 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     `residual` is of the last samples up to the end of the hold, N. What wanders slowly counts as
     noise, which the limits hold; a model that misses the noise of each sample by so much is none.
     """
-    misfit, location_text = worst_misfit(test, residual)
+    misfit, location_text = find_worst_misfit(test, residual)
     peak = float(np.abs(test.force).max())
-    of_samples = max(noise_of_force(test), NEGLIGIBLE_MISFIT * peak)
-    noise = max(of_samples, slow_noise(residual, peak))
+    of_samples = max(estimate_force_noise(test), NEGLIGIBLE_MISFIT * peak)
+    noise = max(of_samples, estimate_slow_noise(residual, peak))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
         f"The model misses the force by {format_quantity(misfit, 'mN', '.3g')} rms "
@@ -342,7 +342,7 @@ def residuals_steady(
     the limits of every stiffness count their power.
     """
     noisy_residuals = [residual for residual in residuals if _rms(residual) > rounding]
-    ratios = [wander(residual) for residual in noisy_residuals if len(residual) >= 800]
+    ratios = [compute_wander(residual) for residual in noisy_residuals if len(residual) >= 800]
     if not ratios:
         return Finding("The residuals are too few, or only rounding, to judge slow wandering")
     return Finding(
@@ -483,7 +483,7 @@ def record_window(tests: Sequence[RampHold]) -> tuple[float, float]:
     )
 
 
-def wander(residual: FloatArray) -> float:
+def compute_wander(residual: FloatArray) -> float:
     """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
     cycles, power = slow_periodogram(residual, 240)
     slow_power, medium = (
@@ -493,7 +493,7 @@ def wander(residual: FloatArray) -> float:
     return slow_power / medium if medium > 0 else 1.0
 
 
-def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
+def find_worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
     """Return the largest rms of ramp, a ramp after it, and the rest; and where, in words."""
     time = test.time[: test.hold.stop][-len(residual) :]
     located_residuals = (
@@ -501,10 +501,12 @@ def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
         ("after the ramp", (time > test.ramp_end) & (time <= test.ramp_end + test.ramp_time)),
         ("in the hold", time > test.ramp_end + test.ramp_time),
     )
-    return largest_rms(residual, located_residuals)
+    return find_largest_rms(residual, located_residuals)
 
 
-def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) -> tuple[float, str]:
+def find_largest_rms(
+    residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]
+) -> tuple[float, str]:
     """Return the largest rms of some parts of a residual, and the words for that part."""
     pairs = [
         (float(np.sqrt(np.mean(residual[mask] ** 2))), location)
@@ -514,7 +516,7 @@ def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) ->
     return max(pairs, default=(0.0, "in the record"))
 
 
-def slow_noise(residual: FloatArray, peak: float) -> float:
+def estimate_slow_noise(residual: FloatArray, peak: float) -> float:
     """Return the median rms of eight stretches of a residual, N, up to a limit.
 
     The limit is `SLIGHT_WANDER` of the peak.
@@ -531,7 +533,7 @@ def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values * values)))
 
 
-def noise_of_force(test: RampHold) -> float:
+def estimate_force_noise(test: RampHold) -> float:
     """Return the noise of the force, N: the scatter between samples, and about the baseline."""
     if test.loading_start is None:
         unloaded_force = test.force[

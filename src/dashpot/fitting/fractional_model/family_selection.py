@@ -16,7 +16,7 @@ from dashpot.base.plain_text import sentence
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Alternative, OrderScore
 from dashpot.datamodel.parameter_estimate import ELEMENT_PARAMETERS, Profile
-from dashpot.fitting.data_blocks import FitData, solid_of
+from dashpot.fitting.data_blocks import FitData, build_solid
 from dashpot.fitting.fractional_model.checks import (
     MAX_HEARD_FREQUENCY,
     MIN_LOSS_DIFFERENCE,
@@ -39,13 +39,13 @@ from dashpot.numerics.least_squares import (
     triangle,
 )
 from dashpot.numerics.log_tau_descent import Stack
-from dashpot.solids.fractional import FractionalZener, Weights, weights_at
+from dashpot.solids.fractional import FractionalZener, Weights, compute_arm_weights
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # The best fractional element in a stack of blocks, without a guess.
 #
 # At fixed relaxation times tau_i, even in ln tau, the column of an element is a sum of columns of
-# arms (:func:`~dashpot.solids.fractional.weights_at`),
+# arms (:func:`~dashpot.solids.fractional.compute_arm_weights`),
 #
 # .. math:: c(\tau, \alpha) = \sum_i w(\ln\tau_i - \ln\tau;\, \alpha)\, \varphi(\tau_i)
 #
@@ -87,7 +87,7 @@ class ArmColumns:
 
     def weights(self, element: FloatArray) -> Weights:
         """Return weights of the arms that stand for an element."""
-        return weights_at(self.log_tau - element[0], float(element[1]))
+        return compute_arm_weights(self.log_tau - element[0], float(element[1]))
 
     @cached_property
     def problem(self) -> Problem:
@@ -367,7 +367,7 @@ class _Contender(NamedTuple):
     parameters: int
 
 
-def chosen_family(
+def select_family(
     arms: SelectedModel, family: str, fit: FractionalFit | None = None
 ) -> FamilySelection:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
@@ -448,7 +448,7 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
         *(
             _Contender(
                 arms,
-                solid_of(solution),
+                build_solid(solution),
                 solution.sse,
                 contender.parameters + count * (solution.order - arms.solution.order),
             )
@@ -457,7 +457,7 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
     ]
 
 
-def with_linear_fractional(
+def add_linear_alternative(
     nonlinear_fit: Fit, residuals: Sequence[FloatArray], fit: FractionalFit
 ) -> Fit:
     """Return a fit hold first that says what a linear fractional solid makes of the same tests.

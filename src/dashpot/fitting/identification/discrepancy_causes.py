@@ -170,7 +170,7 @@ def explain_discrepancy(
     return Discrepancy(
         tuple(explanations),
         leading_cause,
-        _to(fixed_problem, leading_cause).point.model,
+        _solve_from(fixed_problem, leading_cause).point.model,
         problem.priors,
     )
 
@@ -212,10 +212,10 @@ def _rank_causes(
 def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
     """The optimum of the same arms, or of the element, where the cause of that name is free."""
     cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
-    return _to(_free_quantity(candidate.problem, cause), candidate)
+    return _solve_from(_free_quantity(candidate.problem, cause), candidate)
 
 
-def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
+def _solve_from(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
     """Return the optimum of a problem from that of another."""
     return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 

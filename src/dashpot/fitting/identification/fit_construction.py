@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError, EndOfHold
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
@@ -98,7 +98,7 @@ class AlternativeCandidate(NamedTuple):
         )  # fmt: skip
 
 
-def chosen_rival(
+def select_family_rival(
     arms: Candidate, candidates: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
@@ -271,34 +271,36 @@ def build_identified_fit(
     `doubtful_tests` are its tests with all that their rigs may have done without a trace.
     """
     point, covariance = best.point, best.covariance
-    names, values, physical = _physical(best)
+    names, values, physical = _compute_physical_parameters(best)
     rig_sensitivity = _compute_rig_sensitivity(best, physical, doubtful_tests, rig)
     if discrepancy is not None:
         # which of the two solids is right is a doubt of its own
-        physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
-    residual, samples = _residual(best)
-    band = data_band(best, earlier_fit)
+        physical = physical + np.outer(
+            *[values - _compute_physical_parameters(best, discrepancy.other)[1]] * 2
+        )
+    residual, samples = _compute_residual(best)
+    band = compute_data_band(best, earlier_fit)
     alternative = None if family_rival is None else family_rival.alternative(band)
     estimate = ParameterEstimate(
         names,
         physical,
         dof=max(samples - len(best.theta), 1.0),
         residual=residual,
-        nuisance=_nuisance(best, covariance),
+        nuisance=_list_nuisances(best, covariance),
     )
     in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
     errors = (np.inf, np.inf)
     if earlier_fit is None and isinstance(best.problem.sought, Arms):
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
-        *_checks(best, covariance, earlier_fit, discrepancy, errors),
+        *_run_checks(best, covariance, earlier_fit, discrepancy, errors),
         *family_checks(best, family_rival, alternative),
         *dashpot,
     )
     of_noise, estimate = estimate, estimate.with_rig(rig_sensitivity)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
     all_checks = (*all_checks, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
-    end_of_hold = end_of_data(best, earlier_fit, estimate)
+    end_of_hold = compute_end_of_data(best, earlier_fit, estimate)
     law = None if earlier_fit is None else earlier_fit.elastic_law
     return build_fit(
         SolidEstimate(
@@ -321,8 +323,8 @@ def build_identified_fit(
         ),
         Provenance(
             "joint" if tests or earlier_fit is not None else "frf",
-            (*frf.source, *sources_of(tests)),
-            (*frf.steps, *steps_of(tests), _step(best)),
+            (*frf.source, *list_sources(tests)),
+            (*frf.steps, *list_steps(tests), _make_step(best)),
             _specimen(tests, earlier_fit),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
@@ -330,7 +332,7 @@ def build_identified_fit(
     )
 
 
-def end_of_data(
+def compute_end_of_data(
     best: Candidate, earlier_fit: Fit | None, estimate: ParameterEstimate
 ) -> EndOfHold | None:
     r"""Return what the tests leave open of the stiffness at rest; None where nothing bounds it.
@@ -377,7 +379,7 @@ def _specimen(tests: Sequence[RampHold], earlier_fit: Fit | None) -> Specimen:
     return Specimen() if earlier_fit is None else earlier_fit.specimen
 
 
-def _physical(
+def _compute_physical_parameters(
     best: Candidate, model: Solid | None = None
 ) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Names, values and covariance of the solid's parameters; values of another model, if given."""
@@ -424,12 +426,12 @@ def _compute_rig_sensitivity(
         gradients[-1][earlier_indices] = np.linalg.solve(
             root @ root.T, _compute_rig_covariance_root(prior, best)
         )
-    of_hammer = _slope_of_physical(best) @ compute_hammer_rig_sensitivity(best, rig)
+    of_hammer = _differentiate_physical_parameters(best) @ compute_hammer_rig_sensitivity(best, rig)
     indices = np.where(np.isfinite(covariance), covariance, 0.0)
     return np.hstack([*(indices @ gradient for gradient in gradients), of_hammer])
 
 
-def _slope_of_physical(best: Candidate) -> FloatArray:
+def _differentiate_physical_parameters(best: Candidate) -> FloatArray:
     """Return derivative of the solid's parameters by the flat vector."""
     problem, parametrisation = best.problem, best.problem.sought
     slope = np.zeros((parametrisation.size + problem.dashpot, len(best.theta)))
@@ -450,7 +452,7 @@ def _compute_rig_covariance_root(earlier_fit: Fit, best: Candidate) -> FloatArra
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-def _residual(best: Candidate) -> tuple[Residual, float]:
+def _compute_residual(best: Candidate) -> tuple[Residual, float]:
     lines, relaxations = 2 * len(best.problem.frf_data.lines.s), best.problem.relaxations
     effective = lines + sum(relaxation.samples for relaxation in relaxations)
     n = lines + sum(relaxation.block.samples for relaxation in relaxations)
@@ -517,7 +519,7 @@ def _find_loss_factor_band(
     )
 
 
-def data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
+def compute_data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
     """Return the valid band: an octave about the peak, and that of the relaxation test."""
     frf_data = best.problem.frf_data
     low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
@@ -527,7 +529,7 @@ def data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
     )
 
 
-def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
+def _list_nuisances(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
     index, point = best.problem.index, best.point
     items = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
     items += [
@@ -544,7 +546,7 @@ def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
     return tuple(nuisances)
 
 
-def _step(best: Candidate) -> Step:
+def _make_step(best: Candidate) -> Step:
     frf_data, relaxations = best.problem.frf_data, best.problem.relaxations
     return Step(
         "identify",
@@ -586,7 +588,7 @@ def _compare_parameters(
     else:
         old_model, new_model = earlier_fit.model, solid.maxwell
         rows = [("k_inf", "N/m", old_model.k_inf, "k_inf", new_model.k_inf, "k_inf")]
-        partner = _partners(old_model.tau, new_model.tau)
+        partner = _match_arms(old_model.tau, new_model.tau)
         for j, (k, tau) in enumerate(zip(new_model.k, new_model.tau, strict=True)):
             i = partner.get(j)
             k0, tau0 = (None, None) if i is None else (old_model.k[i], old_model.tau[i])
@@ -634,7 +636,7 @@ def _compare_parameters(
     return tuple(changes)
 
 
-def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
+def _match_arms(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
     """New arm -> old arm, nearest pairs first, none farther apart than a factor e."""
     pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
     entries: dict[int, int] = {}
@@ -644,7 +646,7 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
     return entries
 
 
-def _checks(
+def _run_checks(
     best: Candidate,
     covariance: FloatArray,
     earlier_fit: Fit | None,

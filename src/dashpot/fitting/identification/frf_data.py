@@ -151,7 +151,7 @@ class FRFData:
         )
 
 
-def frf_data_of(
+def select_frf_data(
     frf: FRF, *, seals: float, band: tuple[float, float] | None, mass: float | None = None
 ) -> FRFData:
     """Choose the lines of an FRF that a mass on seals can explain.

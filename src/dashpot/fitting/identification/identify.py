@@ -26,10 +26,10 @@ from dashpot.fitting.identification.discrepancy_causes import (
 from dashpot.fitting.identification.fit_construction import (
     AlternativeCandidate,
     build_identified_fit,
-    chosen_rival,
     reselect_family,
+    select_family_rival,
 )
-from dashpot.fitting.identification.frf_data import MAX_TAU_REACH, frf_data_of
+from dashpot.fitting.identification.frf_data import MAX_TAU_REACH, select_frf_data
 from dashpot.fitting.identification.likelihood import (
     Candidate,
     IdentificationProblem,
@@ -150,7 +150,7 @@ def identify(
     mass, compression = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
-    frf_data = frf_data_of(
+    frf_data = select_frf_data(
         frf, seals=require_seals(seals), band=si_range(band, "frequency"), mass=mass
     )
     prior_tests = find_prior_tests(
@@ -163,10 +163,10 @@ def identify(
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
     numbers = list_arm_counts(arms, prior_tests.arms)
-    problems = _reaching(problems, max(numbers))
-    best, candidates, family_rival = _best(problems, numbers, prior_tests, family)
+    problems = _extend_reach(problems, max(numbers))
+    best, candidates, family_rival = _select_best(problems, numbers, prior_tests, family)
     scale = best.line_scale
-    final_optimum = _last_descent(replace(best.problem, scale=scale), best.theta)
+    final_optimum = _run_final_descent(replace(best.problem, scale=scale), best.theta)
     earlier_fit = prior_tests.primary_fit
     element = (
         prior_tests.fractional_fit
@@ -203,13 +203,13 @@ def identify(
         # where two tests disagree, a dashpot only hides it
         dashpot=()
         if discrepancy
-        else (_dashpot_missed(best, element), *_arms_enough(best, arms, element)),
+        else (_check_dashpot(best, element), *_check_arm_count(best, arms, element)),
         rig=rig,
     )
-    return _with_choices(solid, bench)
+    return _record_choices(solid, bench)
 
 
-def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
+def _record_choices(fit: Fit, bench: FitOptions) -> Fit:
     """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
     if not bench.choices:
         return fit
@@ -219,7 +219,7 @@ def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
     return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 
-def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
+def _run_final_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
     """The optimum from near it, to the last digit; or where a whole descent lowers nothing more.
 
     A slow arm and k_inf may trade along a valley without an end, which vibration cannot
@@ -237,7 +237,7 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
 # -- the best solid of either family ----------------------------------------------------------
 
 
-def _best(
+def _select_best(
     problems: Sequence[IdentificationProblem],
     numbers: Sequence[int],
     prior_tests: PriorTests,
@@ -249,10 +249,10 @@ def _best(
         # an earlier fit of four parameters is no prior of arms
         return candidate, [], None
     candidates = _solve_every_order(problems, numbers, prior_tests.arms)
-    best = _chosen(candidates)
+    best = _select_candidate(candidates)
     if candidate is None:
         return best, candidates, None
-    family_rival = chosen_rival(best, candidates, candidate, family)
+    family_rival = select_family_rival(best, candidates, candidate, family)
     return family_rival.best, candidates if family_rival.best is best else [], family_rival
 
 
@@ -305,7 +305,9 @@ def _solve_every_order(
 ) -> list[Candidate]:
     """Return the optimum for every number of arms, or for fewer where the data reject so many."""
     candidates = [
-        optimum for problem in problems for optimum in _candidates(problem, numbers, earlier_fit)
+        optimum
+        for problem in problems
+        for optimum in _fit_candidates(problem, numbers, earlier_fit)
     ]
     fewest_arms = 0 if problems[0].constraints.before is not None else min(numbers)
     while not candidates and fewest_arms > 0:
@@ -313,14 +315,14 @@ def _solve_every_order(
         candidates = [
             optimum
             for problem in problems
-            for optimum in _candidates(problem, [fewest_arms], earlier_fit)
+            for optimum in _fit_candidates(problem, [fewest_arms], earlier_fit)
         ]
     if not candidates:
         raise FitError("no model with arms of positive stiffness explains the FRF; widen --band")
     return candidates
 
 
-def _candidates(
+def _fit_candidates(
     whole_problem: IdentificationProblem,
     numbers: Sequence[int],
     earlier_fit: Fit | None,
@@ -341,7 +343,7 @@ def _candidates(
         problem = replace(whole_problem, sought=Arms(number))
         # found one after another, in the order of `numbers`: no more of them than are tried
         starts = next((points for arms, points in linear if arms == number), [])
-        best = _lowest(problem, [*starts, *_spread(problem, earlier_fit)])
+        best = _find_lowest_optimum(problem, [*starts, *_spread_arms(problem, earlier_fit)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.is_complete(best.point.model) and not (
             candidates and best.cost > FAILED_DESCENT_RATIO * candidates[-1].cost
@@ -353,7 +355,7 @@ def _candidates(
     return candidates
 
 
-def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
+def _find_lowest_optimum(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
     """Return the lowest optimum from several starts, or the first that nothing is left of."""
     attempts: list[Candidate] = []
     for start in starts:
@@ -374,16 +376,16 @@ def _solve_from_start(
         return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     start_arms = start.model.maxwell.arms
     smaller_numbers = [number for number in numbers if number < start_arms]
-    candidates = _candidates(problem, [*smaller_numbers, start_arms], earlier_fit, start=start)
+    candidates = _fit_candidates(problem, [*smaller_numbers, start_arms], earlier_fit, start=start)
     # where an arm has left every candidate, as it is
     return (
-        _chosen(candidates)
+        _select_candidate(candidates)
         if candidates
         else descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     )
 
 
-def _chosen(candidates: Sequence[Candidate]) -> Candidate:
+def _select_candidate(candidates: Sequence[Candidate]) -> Candidate:
     """Choose the arms by both rules, with and without a dashpot; then the better of the two.
 
     An arm that cannot be placed leads nevertheless where BIC is decisive. Were the smaller model to
@@ -415,7 +417,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
     return min(best_candidates, key=lambda candidate: candidate.bic)
 
 
-def _arms_enough(
+def _check_arm_count(
     best: Candidate, request: int | Literal["auto"], earlier_fit: Fit | None
 ) -> tuple[Check, ...]:
     """Return whether the data support no further arm, where their number was asked for."""
@@ -424,7 +426,7 @@ def _arms_enough(
         return ()
     arm_count, shortage = parametrisation.count, None
     larger_numbers = [arm_count + index for index in range(1, EXTRA_ARMS + 1)]
-    candidates = [best, *_candidates(best.problem, larger_numbers, earlier_fit)]
+    candidates = [best, *_fit_candidates(best.problem, larger_numbers, earlier_fit)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     are_significant = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers = [candidate.arms for candidate in candidates]
@@ -443,7 +445,7 @@ def _arms_enough(
     return (arms_enough(shortage, arm_count, unit="sd"),)
 
 
-def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
+def _check_dashpot(best: Candidate, earlier_fit: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
     parametrisation = best.problem.sought
     if best.problem.dashpot:
@@ -457,7 +459,7 @@ def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
         fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
         for arms in range(max(parametrisation.count - 1, fewest_arms), parametrisation.count + 1):
             problem = replace(best.problem, dashpot=True, sought=Arms(arms))
-            attempts += [(problem, start) for start in _spread(problem, earlier_fit)]
+            attempts += [(problem, start) for start in _spread_arms(problem, earlier_fit)]
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
         attempts = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
@@ -510,7 +512,7 @@ def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Para
         yield [_start(problem, model, mass)] if mass > 0 else []
 
 
-def _spread(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Parameters]:
+def _spread_arms(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Parameters]:
     """Starts from the earlier fit, or from nothing, with arms spread over the lines."""
     omega = 2 * np.pi * problem.frf_data.peak_hz
     prior = problem.priors.mass
@@ -541,7 +543,9 @@ def _spread(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Par
     return starts
 
 
-def _reaching(problems: list[IdentificationProblem], max_arms: int) -> list[IdentificationProblem]:
+def _extend_reach(
+    problems: list[IdentificationProblem], max_arms: int
+) -> list[IdentificationProblem]:
     """They seek arms as slow as lines can show without a measurement: computed, without scatter."""
     identification_problem = problems[-1]
     if (

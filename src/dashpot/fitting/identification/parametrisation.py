@@ -27,7 +27,7 @@ from dashpot.fitting.fractional_model.family_selection import (
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.numerics.inference.model_order import is_well_determined
-from dashpot.solids.fractional import FractionalZener, weights_at
+from dashpot.solids.fractional import FractionalZener, compute_arm_weights
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # arms that lose this many powers of e are gone
@@ -193,7 +193,7 @@ class FractionalElement:
         """Return what it makes of a relaxation test."""
         log_tau, rows = self.grids[relaxation]
         k_inf, value = np.exp(numbers[:2])
-        weights = weights_at(log_tau - numbers[2], float(numbers[3]))
+        weights = compute_arm_weights(log_tau - numbers[2], float(numbers[3]))
         column, by_tau, by_alpha = (value * (rows.arms @ weight) for weight in weights)
         spring = k_inf * rows.spring
         slopes = np.column_stack((spring, column, by_tau, by_alpha))

@@ -14,7 +14,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_options import FitOptions, require_maxwell_family
 from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
-from dashpot.fitting.input_tests import temperatures_of
+from dashpot.fitting.input_tests import list_temperatures
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -68,7 +68,7 @@ def find_prior_tests(
     """
     if not records:
         return _use_earlier_fit(fit, temperature, family)
-    if len(temperatures_of(records)) > 1:
+    if len(list_temperatures(records)) > 1:
         require_maxwell_family(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
     earlier_fit = _select_family_fit("maxwell", fit) or fit_tests(list(records), **bench.choices)

@@ -13,19 +13,19 @@ from dashpot.base.errors import FitError
 from dashpot.base.option_fields import RampLawOption, require_choice
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, parameter_names
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.fit_construction import nuisances
+from dashpot.fitting.fit_construction import list_nuisances
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
     MAX_ARMS,
     HoldEstimate,
     RampHoldOptimum,
+    add_residual_statistics,
     build_nuisances,
     delay_derivative,
     fit_hold_only,
     fit_ramp_and_hold,
+    fit_recorded_hold,
     independent,
-    recorded_hold,
     spread,
-    with_residual_statistics,
 )
 from dashpot.fitting.nonlinear_ramp.linearity import (
     LinearFitQuality,
@@ -36,12 +36,12 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     DownsampledRows,
     QuasiLinear,
     Weighted,
-    downsample,
+    downsample_tests,
     tau_bounds,
 )
 from dashpot.fitting.parameter_errors import ParameterCovariance
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.numerics.inference.model_order import Shortage, bic_of_deviance, deviance
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
@@ -190,17 +190,17 @@ def build_ramp_law(
     errors = dict(zip(nuisance, estimate.standard_error[-len(nuisance) :].tolist(), strict=True))
     residuals = tuple(_residual(test, i, model, optimum) for i, test in enumerate(tests))
     parameter_covariance = ParameterCovariance(
-        (), covariance, residuals, tuple(map(noise_of, residuals))
+        (), covariance, residuals, tuple(map(estimate_noise, residuals))
     )
     return RampLaw(
-        law=elastic_law_of(optimum),
+        law=get_elastic_law(optimum),
         model=model,
         estimate=ParameterEstimate(
             names,
             covariance[: len(names), : len(names)],
             dof=max(parameter_covariance.effective - len(scale_vector), 1.0),
             residual=parameter_covariance.statistics([1.0] * len(tests)),
-            nuisance=nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
+            nuisance=list_nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
         ),
         law_covariance=covariance,
         hold=hold,
@@ -216,9 +216,9 @@ def _residual(
 ) -> FloatArray:
     """Return every sample less the model and the load cell."""
     priors = optimum.weighted.solid.rows.priors[i]
-    path = elastic_law_of(optimum).path(denoise_displacement(test)[0])
+    path = get_elastic_law(optimum).path(denoise_displacement(test)[0])
     time = test.time[: len(path)] - test.time[0]
-    arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
+    arms = compute_arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
     values = optimum.nuisance
     force = model.k_inf * path + arms @ np.asarray(model.k)
     force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - priors.offset_time)
@@ -227,7 +227,7 @@ def _residual(
     return np.asarray((test.force[: len(path)] - force)[priors.first_sample :])
 
 
-def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
+def get_elastic_law(optimum: RampHoldOptimum) -> ElasticLaw:
     """Return the law of an optimum."""
     knots, shape, k_inf = optimum.weighted.solid.knots, optimum.shape, float(optimum.k[0, 0])
     if len(knots) == 2:
@@ -287,13 +287,13 @@ def select_elastic_law(
         If a record has no samples on its ramp or in its hold to speak of.
     """
     require_choice("law", law, RampLawOption, FitError)
-    rows = downsample(tests)
+    rows = downsample_tests(tests)
     hold = fit_hold_only(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     linear_qualities, optimum = _assess_linear_law(rows, hold, noise, arms)
     if law != "nonlinear" and all(quality.is_adequate for quality in linear_qualities):
         score = ElasticLawScore(
-            LINEAR_KNOTS, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold
+            LINEAR_KNOTS, get_elastic_law(optimum), 0.0, optimum.ramp, optimum.hold
         )
         return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
     max_knots = int(rows.ramp.sum()) // _ROWS_PER_KNOT
@@ -308,13 +308,13 @@ def select_elastic_law(
         "nonlinear": nonlinear_laws,
         "auto": [LINEAR_KNOTS, *nonlinear_laws],
     }[law]
-    start = recorded_hold(rows, hold)
+    start = fit_recorded_hold(rows, hold)
     optima = {law: _solve_law(rows, law, hold, start) for law in laws}
-    scores = _scores(optima, hold)
+    scores = _score_laws(optima, hold)
     selected = _select_law(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    ramp_optimum = _with_delay(optima[selected.spacing], hold)
+    ramp_optimum = _add_delay(optima[selected.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
-        ramp_optimum = _with_faster_arm(ramp_optimum, hold)
+        ramp_optimum = _add_faster_arm(ramp_optimum, hold)
     return build_ramp_law(tests, hold, linear_qualities, ramp_optimum, scores)
 
 
@@ -328,7 +328,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
         The holds by the number of arms that was asked for.
     """
     arms = len(hold.log_tau)
-    hold_only = fit_hold_only(downsample(tests))
+    hold_only = fit_hold_only(downsample_tests(tests))
     supported = len(hold_only.log_tau)
     if supported <= arms:
         return None
@@ -346,7 +346,7 @@ def _solve_law(
     return fit_ramp_and_hold(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
 
 
-def _scores(
+def _score_laws(
     optima: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
 ) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
@@ -354,8 +354,8 @@ def _scores(
     return tuple(
         ElasticLawScore(
             spacing,
-            elastic_law_of(optimum),
-            _bic(optimum, hold, best_optimum.ramp_correlation),
+            get_elastic_law(optimum),
+            _compute_bic(optimum, hold, best_optimum.ramp_correlation),
             optimum.ramp,
             optimum.hold,
         )
@@ -363,7 +363,9 @@ def _scores(
     )
 
 
-def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]) -> float:
+def _compute_bic(
+    optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]
+) -> float:
     r"""Return :math:`\sum m_r \ln r_r^2 + m_h \ln r_h^2 + p \ln \sum m_r`, m = rows / kappa."""
     rows = optimum.weighted.solid.rows
     total, effective = 0.0, 0.0
@@ -389,20 +391,20 @@ def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     return best_score if is_better else linear
 
 
-def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+def _add_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with a delay of each force if the ramps show one."""
     solid, best_optimum = optimum.weighted.solid, optimum.optimum
     resolved_nuisances = build_nuisances(
         solid.rows, delay_derivative(optimum.weighted, best_optimum)
     )
     delayed = fit_ramp_and_hold(solid, hold, optimum, best_optimum.theta, value=resolved_nuisances)
-    gain = _bic(optimum, hold, delayed.ramp_correlation) - _bic(
+    gain = _compute_bic(optimum, hold, delayed.ramp_correlation) - _compute_bic(
         delayed, hold, delayed.ramp_correlation
     )
     return delayed if gain > MIN_BIC_GAIN else optimum
 
 
-def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+def _add_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with one more arm if the ramps show one that the holds hardly do."""
     solid, n = optimum.weighted.solid, len(hold.log_tau)
     rows = solid.rows
@@ -420,7 +422,7 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
         return optimum
     refined = fit_ramp_and_hold(solid, hold, optimum, trial.theta, value=optimum.weighted.nuisances)
     is_faster = float(refined.log_tau.min()) < fastest - np.log(2.0)
-    gain = _bic(optimum, hold, refined.ramp_correlation) - _bic(
+    gain = _compute_bic(optimum, hold, refined.ramp_correlation) - _compute_bic(
         refined, hold, refined.ramp_correlation
     )
     return (
@@ -438,7 +440,7 @@ def _assess_linear_law(
     candidates = []
     for index in (count, count - 1) if arms is None and count > 1 else (count,):
         start = hold if index == count else fit_hold_only(rows, index)
-        optimum = _joint(rows, hold, start.log_tau, noise)
+        optimum = _fit_jointly(rows, hold, start.log_tau, noise)
         qualities = tuple(
             assess_linear_fit(
                 optimum.ramp[i],
@@ -458,7 +460,7 @@ def _assess_linear_law(
     return (reliable or candidates)[0]
 
 
-def _joint(
+def _fit_jointly(
     rows: DownsampledRows, hold: HoldEstimate, log_tau: FloatArray, noise: Sequence[float]
 ) -> RampHoldOptimum:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
@@ -470,6 +472,6 @@ def _joint(
     with_delay = Weighted(
         solid, sd, build_nuisances(rows, delay_derivative(first_weights, best_fit))
     )
-    return with_residual_statistics(
+    return add_residual_statistics(
         with_delay, with_delay.descend(best_fit.theta), independent(hold)
     )

@@ -22,7 +22,7 @@ from dashpot.fitting.fit_construction import (
     Residuals,
     SolidEstimate,
     build_fit,
-    provenance_of,
+    collect_provenance,
     run_relaxation_checks,
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
@@ -100,7 +100,7 @@ def build_ramp_fit(
             end_of_hold=end,
             band_error=error,
         ),
-        provenance_of("full", tests, _make_step(tests, law)),
+        collect_provenance("full", tests, _make_step(tests, law)),
         elastic_law=replace(law.law, ratio_se=_shape_error(law)),
     )
 

@@ -28,8 +28,8 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
 )
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
-from dashpot.numerics.exponential_fit import Solution, full_jacobian, solve_orders
-from dashpot.numerics.inference.correlated_noise import make_directions, noise_of, white
+from dashpot.numerics.exponential_fit import Solution, compute_full_jacobian, solve_orders
+from dashpot.numerics.inference.correlated_noise import estimate_noise, make_directions, white
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import deviance
 from dashpot.numerics.least_squares import Optimum
@@ -140,7 +140,7 @@ def fit_hold_only(
 ) -> HoldEstimate:
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
     bounds = tau_bounds(rows)
-    blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
+    blocks = [_build_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
     fewest_samples = min(block.samples for block in blocks)
     max_order = max(min(max_arms if arms is None else arms, (fewest_samples - 3) // 2), 0)
     arm_penalty = (1 + len(blocks)) * float(np.log(fewest_samples)) if arms is None else 0.0
@@ -149,7 +149,7 @@ def fit_hold_only(
     return _build_hold_estimate(rows, blocks, solution)
 
 
-def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
+def _build_hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     r"""Return the rows of relaxation and of the instantaneous response to a plate still moving.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
@@ -182,8 +182,8 @@ def _select_order(
 ) -> Solution:
     """Return the solution with the least BIC, by the effective number of samples."""
     sizes = [block.samples for block in blocks]
-    largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
-    effective = sum(noise_of(residual).effective for residual in largest)
+    largest = np.split(compute_full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
+    effective = sum(estimate_noise(residual).effective for residual in largest)
     rounding_sse = sum(
         sample_count * rounding(rows, i) ** 2 for i, sample_count in enumerate(sizes)
     )
@@ -201,7 +201,7 @@ def _select_order(
 def _build_hold_estimate(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
 ) -> HoldEstimate:
-    jacobian = full_jacobian(blocks, solution)
+    jacobian = compute_full_jacobian(blocks, solution)
     boundaries = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
     for i, residual in enumerate(np.split(jacobian.residual, boundaries)):
@@ -209,7 +209,7 @@ def _build_hold_estimate(
         dof = max(len(residual) - sum(belongs_to_record), 1)
         rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
         scatter.append(max(float(np.sqrt(residual @ residual / dof)), rounding(rows, i)))
-        correlation.append(noise_of(residual).kappa)
+        correlation.append(estimate_noise(residual).kappa)
     sd = np.repeat(np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks])
     covariance = white(jacobian.matrix / sd[:, None], 1.0)
     for i, depth in enumerate(rows.depths):
@@ -276,13 +276,13 @@ def independent(hold: HoldEstimate) -> FloatArray:
     return np.asarray(hold.scatter * np.sqrt(hold.correlation))
 
 
-def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
+def fit_recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone, with the recorded history of a linear seal."""
     effects = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(
         QuasiLinear(rows, np.array([0.0, rows.depth])), effects, build_nuisances(rows)
     )
-    return with_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
+    return add_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
 
 
 def fit_ramp_and_hold(
@@ -307,7 +307,7 @@ def fit_ramp_and_hold(
             solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
         )
         previous = optimum
-        optimum = with_residual_statistics(weighted, weighted.descend(theta), by_hold)
+        optimum = add_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = optimum.optimum.theta
         change = np.array(optimum.ramp_scatter) / np.array(previous.ramp_scatter) - 1
         if float(np.abs(change).max()) < _CONVERGENCE_TOLERANCE:
@@ -315,7 +315,7 @@ def fit_ramp_and_hold(
     return optimum
 
 
-def with_residual_statistics(
+def add_residual_statistics(
     weighted: Weighted, best: Optimum, by_hold: FloatArray
 ) -> RampHoldOptimum:
     """Return an optimum with the residual statistics of each ramp and hold."""
@@ -330,7 +330,7 @@ def with_residual_statistics(
         ramp, hold = rows.ramp & (rows.record == i), rows.select_hold(i)
         ramp_rows = int(ramp.sum())
         remainder = max(ramp_rows - float(leverage[ramp].sum()), _MIN_DOF_SHARE * ramp_rows)
-        kappa = noise_of(scaled_residual[ramp]).kappa
+        kappa = estimate_noise(scaled_residual[ramp]).kappa
         ramps.append(max(float(np.sqrt(np.mean(scaled_residual[ramp] ** 2))), rounding(rows, i)))
         holds.append(max(float(np.sqrt(np.mean(scaled_residual[hold] ** 2))), rounding(rows, i)))
         correlations.append(kappa)

@@ -13,29 +13,29 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import Step
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
-from dashpot.fitting.checks.relaxation import slow_noise
+from dashpot.fitting.checks.relaxation import estimate_slow_noise
 from dashpot.fitting.data_blocks import (
     FitData,
     FitSetup,
     InitialFit,
     bic_penalty_per_arm,
-    block_of,
+    build_fit_data,
+    build_record_block,
+    build_solid,
     compress_tests,
-    data_of,
     eq5_obstacle,
     fit_all_orders,
     is_multi_step,
     max_determinable_arms,
-    solid_of,
 )
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.fractional_model.family_selection import FractionalFit, fit_fractional
-from dashpot.fitting.nonlinear_ramp.quasi_linear import ramp_obstacle, relaxes_from
+from dashpot.fitting.nonlinear_ramp.quasi_linear import explain_missing_ramp, find_relaxation_start
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
 from dashpot.fitting.parameter_errors import compute_residual
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.clock import is_evenly_sampled
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -123,18 +123,20 @@ def assess_residuals(
     hold_residuals : array, shape (m,)
         Residual of a fit to the hold alone, N.
     """
-    corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
+    corner, onset = find_relaxation_start(test), int(np.searchsorted(test.time, test.onset))
     hold_part = residuals[corner - test.hold.stop :]
     ramp = residuals[: -len(hold_part)][onset - corner :]
     # the colour of the noise shows in a stretch of it
-    noises = noise_of(ramp), noise_of(hold_residuals[: 4 * len(ramp)])
+    noises = estimate_noise(ramp), estimate_noise(hold_residuals[: 4 * len(ramp)])
     rms, hold_rms = (float(np.sqrt(np.mean(part**2))) for part in (ramp, hold_residuals))
     peak = float(np.abs(test.force[: test.hold.stop]).max())
     return assess_linear_fit(
         rms,
         float(np.sqrt(np.mean(hold_part**2))),
         hold_rms,
-        noise=max(sample_noise(test.force_noise, hold_rms), slow_noise(hold_residuals, peak)),
+        noise=max(
+            sample_noise(test.force_noise, hold_rms), estimate_slow_noise(hold_residuals, peak)
+        ),
         discrepancy=rms / max(hold_rms, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
@@ -202,7 +204,9 @@ class HoldBlocks:
         return tuple(
             compress_tests([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
-            else block_of(record, terms=_terms_of_hold(record), start=record.settled_samples.start)
+            else build_record_block(
+                record, terms=_terms_of_hold(record), start=record.settled_samples.start
+            )
             for record in self.records
         )
 
@@ -230,7 +234,7 @@ class HoldBlocks:
             near_log_tau=log_tau_start,
             negligible=bic_penalty_per_arm(self.blocks),
         )
-        return solid_of(solution)
+        return build_solid(solution)
 
 
 def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
@@ -284,7 +288,7 @@ def _find_worst_record(
     """
     worst_record = None
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
-        if is_multi_step(record) or ramp_obstacle(record) is not None:
+        if is_multi_step(record) or explain_missing_ramp(record) is not None:
             continue
         quality = assess_residuals(record, residual, holds.compute_hold_residual(i, log_tau))
         if not quality.is_adequate:
@@ -332,7 +336,7 @@ class DelayedMotion(NamedTuple):
     ) -> DelayedMotion:
         """Return the data of records; as they are where no lags are said."""
         no_lags = (0.0,) * len(records)
-        return cls(HoldBlocks(records), data_of(records, design), lags or no_lags, filtered)
+        return cls(HoldBlocks(records), build_fit_data(records, design), lags or no_lags, filtered)
 
     def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""

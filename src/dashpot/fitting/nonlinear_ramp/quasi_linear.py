@@ -95,7 +95,7 @@ class DownsampledRows:
         return np.asarray((self.record == record) & ~self.ramp)
 
 
-def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
+def downsample_tests(tests: Sequence[RampHold]) -> DownsampledRows:
     """Return the rows of prepared tests, from contact to the end of the hold.
 
     Raises
@@ -124,9 +124,9 @@ def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
     )
 
 
-def ramp_obstacle(test: RampHold) -> str | None:
+def explain_missing_ramp(test: RampHold) -> str | None:
     """Return why a record shows no elastic law by its ramp, in a sentence; None if it may."""
-    corner, hold_stop = relaxes_from(test), test.hold.stop
+    corner, hold_stop = find_relaxation_start(test), test.hold.stop
     climbing = corner - int(np.searchsorted(test.time, test.onset))
     if climbing < _MIN_RAMP_SAMPLES or hold_stop - corner < _MIN_HOLD_SAMPLES:
         return (
@@ -145,12 +145,12 @@ def ramp_obstacle(test: RampHold) -> str | None:
 
 
 def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
-    refusal = ramp_obstacle(test)
+    refusal = explain_missing_ramp(test)
     if refusal is not None:
         raise FitError(refusal)
     x = denoise_displacement(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
-    corner = relaxes_from(test)
+    corner = find_relaxation_start(test)
     usual_step = median(np.diff(time[first:corner]))
     median_step = median(np.diff(time[corner : corner + _MIN_HOLD_SAMPLES]))
     cuts = distinct(np.concatenate((
@@ -165,7 +165,7 @@ def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDA
     return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
 
 
-def relaxes_from(test: RampHold) -> int:
+def find_relaxation_start(test: RampHold) -> int:
     """Return the sample from which the force falls: the first of the hold, or the peak behind it.
 
     A force that rises on after the plate is said to stand belongs to the ramp.
@@ -225,7 +225,7 @@ class QuasiLinear:
 
     def __init__(self, rows: DownsampledRows, knots: FloatArray) -> None:
         self.rows, self.knots = rows, knots
-        self.hats = hat_integrals(rows.displacement, knots)
+        self.hats = integrate_hats(rows.displacement, knots)
         width = np.diff(knots)
         self.weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / knots[-1]
         steps = np.diff(self.hats, axis=0, prepend=0.0)
@@ -268,7 +268,7 @@ class QuasiLinear:
         return z, -change / z, decay
 
 
-def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
+def integrate_hats(x: FloatArray, knots: FloatArray) -> FloatArray:
     """Integral of each hat from 0 to x, shape (M, P); beyond the ends the last tangent stays."""
     width = np.diff(knots)
     i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(width) - 1)

@@ -87,32 +87,32 @@ def compute_arm_elongations(
 
 def _compute_responses(kernel: FloatArray) -> FloatArray:
     """Return a row of responses to each step of a stretch, and one to the end before it."""
-    return np.concatenate((_triangle(kernel[:STRETCH_SAMPLES]), kernel[None, 1:]))
+    return np.concatenate((_make_triangular_matrix(kernel[:STRETCH_SAMPLES]), kernel[None, 1:]))
 
 
 def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
     r"""Return the sums :math:`\sum_{j \le i} e^{-z (i - j)} v_j`, shape (n,)."""
     sample_count = len(values)
     if sample_count <= STRETCH_SAMPLES:
-        return values @ _triangle(np.exp(-z * np.arange(float(sample_count))))
+        return values @ _make_triangular_matrix(np.exp(-z * np.arange(float(sample_count))))
     power = np.exp(-z * np.arange(STRETCH_SAMPLES + 1.0))
     matrix = np.zeros((-(-sample_count // STRETCH_SAMPLES), STRETCH_SAMPLES))
     matrix.ravel()[:sample_count] = values
-    result = matrix @ _triangle(power[:STRETCH_SAMPLES])
+    result = matrix @ _make_triangular_matrix(power[:STRETCH_SAMPLES])
     result[1:] += (
         compute_exponential_cumsum(result[:, -1], z * STRETCH_SAMPLES)[:-1, None] * power[1:]
     )
     return np.asarray(result.ravel()[:sample_count])
 
 
-def _triangle(kernel: FloatArray) -> FloatArray:
+def _make_triangular_matrix(kernel: FloatArray) -> FloatArray:
     """Return the matrix whose row j holds kernel[i - j] at every i >= j."""
-    lag, lower_indices = _lags(len(kernel))
+    lag, lower_indices = _make_lag_matrix(len(kernel))
     return np.where(lower_indices, kernel[lag], 0.0)
 
 
 @lru_cache(maxsize=64)
-def _lags(lag_count: int) -> tuple[IndexArray, BoolArray]:
+def _make_lag_matrix(lag_count: int) -> tuple[IndexArray, BoolArray]:
     lag = np.arange(lag_count) - np.arange(lag_count)[:, None]
     return np.maximum(lag, 0), lag >= 0
 

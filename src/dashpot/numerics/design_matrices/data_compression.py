@@ -87,8 +87,8 @@ class DataCompression:
         last_value = values[..., -1:]
         differences = values - last_value
         z = _apply_stages(differences, self.stages)
-        energy = _squares(differences)
-        remainder_sse = energy - _squares(z)
+        energy = _sum_squares(differences)
+        remainder_sse = energy - _sum_squares(z)
         if (remainder_sse < MIN_REMAINDER_SHARE * energy).any():
             z, remainder_sse = self._explicit(differences)
         return z + last_value * self.root_weight, remainder_sse
@@ -108,9 +108,9 @@ class DataCompression:
         for sections in self.stages:
             projections = []
             for section in sections:
-                piece_values, z = _cut(values, section)
+                piece_values, z = _cut_into_pieces(values, section)
                 if len(section.basis) > 1:
-                    remainder_sse = remainder_sse + _aside(
+                    remainder_sse = remainder_sse + _compute_residual_sse(
                         piece_values, z.reshape(*piece_values.shape[:-1], -1), section.basis
                     )
                 projections.append(z)
@@ -136,15 +136,17 @@ def project_values(
 
 def _apply_stages(values: FloatArray, stages: Sequence[tuple[_RecordSection, ...]]) -> FloatArray:
     for sections in stages:
-        values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
+        values = np.concatenate(
+            [_cut_into_pieces(values, section)[1] for section in sections], axis=-1
+        )
     return values
 
 
-def _squares(values: FloatArray) -> FloatArray:
+def _sum_squares(values: FloatArray) -> FloatArray:
     return np.asarray(np.vecdot(values, values))
 
 
-def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
+def _cut_into_pieces(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
     """Return a section's pieces, (..., pieces, length), and their projections, (..., points)."""
     section_values = values[..., section.start : section.stop]
     length = len(section.basis)
@@ -156,7 +158,7 @@ def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, Float
     return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
-def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+def _compute_residual_sse(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
     total = np.zeros(shaped.shape[:-2])
     pieces_at_once = max(1, CACHE_SAMPLES // (total.size * len(basis)))
@@ -168,7 +170,7 @@ def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     return total
 
 
-def compression(
+def plan_compression(
     position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
 ) -> DataCompression:
     """Plan the compression of a sampling, positions ascending from where the decay starts.
@@ -190,7 +192,7 @@ def compression(
         nodes = position[0] + step * plan.nodes
         return DataCompression(nodes, plan.root_weight, plan.stages, step)
     root = np.ones(len(position)) if weights is None else weights
-    nodes, root, sections = _blocks(position - position[0], root)
+    nodes, root, sections = _place_nodes(position - position[0], root)
     return DataCompression(position[0] + nodes, root, (sections,), step, weights is not None)
 
 
@@ -250,7 +252,7 @@ def make_sample_plan(count: int) -> DataCompression:
             start += pieces * length
     positions, root = np.concatenate(position), np.concatenate(weight)
     edges = np.array(_doubling(count)[1:-1]) - 0.5
-    nodes, root, second = _blocks(positions, root, np.searchsorted(positions, edges))
+    nodes, root, second = _place_nodes(positions, root, np.searchsorted(positions, edges))
     return DataCompression(nodes, root, (tuple(sections), second))
 
 
@@ -259,7 +261,7 @@ def _piece(length: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes, root weights and basis of one short piece of equal samples."""
     if length == 1:
         return np.zeros(1), np.ones(1), np.ones((1, 1))
-    return gauss(np.arange(float(length)), np.ones(length), NODES_PER_SUBPIECE)
+    return compute_gauss_nodes(np.arange(float(length)), np.ones(length), NODES_PER_SUBPIECE)
 
 
 def _doubling(count: int) -> list[int]:
@@ -272,7 +274,7 @@ def _doubling(count: int) -> list[int]:
     return [*edges, count]
 
 
-def _blocks(
+def _place_nodes(
     position: FloatArray, root_weight: FloatArray, block_edges: IndexArray | None = None
 ) -> tuple[FloatArray, FloatArray, tuple[_RecordSection, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
@@ -289,14 +291,14 @@ def _blocks(
             roots.append(root_weight[span])
             sections.append(_RecordSection(span.start, span.stop, np.ones((1, 1))))
             continue
-        node, root, basis = gauss(position[span], root_weight[span], NODES_PER_PIECE)
+        node, root, basis = compute_gauss_nodes(position[span], root_weight[span], NODES_PER_PIECE)
         nodes.append(node)
         roots.append(root)
         sections.append(_RecordSection(span.start, span.stop, basis))
     return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
 
 
-def gauss(
+def compute_gauss_nodes(
     position: FloatArray, root_weight: FloatArray, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     r"""Return nodes, root weights and basis W (m, count) of a discrete measure.
@@ -445,7 +447,7 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     for first in range(0, len(all_columns), ROWS_PER_BATCH):
         rows = np.concatenate((factor, all_columns[first : first + ROWS_PER_BATCH]))
         factor = np.asarray(np.linalg.qr(rows, mode="r"))
-    factor = _to_its_floor(factor)
+    factor = _append_floor_row(factor)
     return replace(
         exact,
         rows=kernels.rows(factor),
@@ -458,7 +460,7 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     )
 
 
-def _to_its_floor(factor: FloatArray) -> FloatArray:
+def _append_floor_row(factor: FloatArray) -> FloatArray:
     """Return the factor whose last row is what no column reaches: nothing, where rows are few."""
     rows, columns = factor.shape
     return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
@@ -485,7 +487,7 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
     column_groups = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
-    factor = _to_its_floor(
+    factor = _append_floor_row(
         np.asarray(np.linalg.qr(np.concatenate(column_groups, axis=1), mode="r"))
     )
     return replace(

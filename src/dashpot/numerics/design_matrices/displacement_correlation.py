@@ -135,7 +135,7 @@ class ConvolvedMotion(EqualByValue):
         if not derivative:
             gram[..., arm_rows, arm_rows] = _values(arm, self.energy)
         else:
-            products = _products(arm, self.energy)
+            products = _compute_arm_products(arm, self.energy)
             gram[..., arm_rows, arm_rows] = products.qq
             offset_rows = slice(q + arms, y)
             slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
@@ -251,7 +251,7 @@ class _Products(NamedTuple):
     pp: FloatArray
 
 
-def _products(arm: _ArmSums, energy: float) -> _Products:
+def _compute_arm_products(arm: _ArmSums, energy: float) -> _Products:
     r"""Inner products of arms and of their derivatives, by the quotient rule on num/den."""
     arms = arm.z.shape[-1]
     ds = arm.slopes[..., -3, :]

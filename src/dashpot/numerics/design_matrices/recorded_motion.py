@@ -24,8 +24,8 @@ from dashpot.numerics.design_matrices.data_compression import (
     ACCURACY,
     SMALL_BLOCK,
     DataCompression,
-    compression,
     make_identity_plan,
+    plan_compression,
     project_values,
     reduced_block,
     uniform_step,
@@ -46,7 +46,7 @@ class _Ideal(NamedTuple):
     drift: str | None
 
 
-def hold_block(
+def build_hold_block(
     time: FloatArray,
     force: FloatArray,
     *,
@@ -90,7 +90,7 @@ def hold_block(
     """
     ideal_ramp = _Ideal(depth, ramp_time, ramp, k_inf, offset, drift)
     time, step = _validate_samples(time, force, weights)
-    plans = _plans(time, weights, ideal_ramp, step, compress=compress)
+    plans = _plan_compressions(time, weights, ideal_ramp, step, compress=compress)
     starts = (0.0, ideal_ramp.ramp_time)
     nodes = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
@@ -109,7 +109,7 @@ def hold_block(
     if len(target) == len(time):
         return DataBlock(rows, names, window, len(time))
     make_full = partial(
-        hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
+        build_hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
         offset=offset, drift=drift, weights=weights, compress=False,
     )  # fmt: skip
     # the columns follow from the clock and all but the data
@@ -150,7 +150,7 @@ def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock
     return replace(block, widen=widen)
 
 
-def _plans(
+def _plan_compressions(
     time: FloatArray,
     weights: FloatArray | None,
     ideal_ramp: _Ideal,
@@ -159,7 +159,7 @@ def _plans(
     compress: bool,
 ) -> tuple[DataCompression, ...]:
     """Return the hold's compression, after the ramp's if the record has it."""
-    plan = compression if compress else make_identity_plan
+    plan = plan_compression if compress else make_identity_plan
     if not ideal_ramp.ramp:
         return (plan(time, weights, step=step),)
     first = int(np.searchsorted(time, ideal_ramp.ramp_time))
@@ -261,7 +261,7 @@ REST_SHARE = 1e-5
 MAX_SLOWNESS = 10.0
 
 
-def recorded_block(
+def build_recorded_block(
     time: FloatArray,
     displacement: FloatArray,
     force: FloatArray,
@@ -395,7 +395,7 @@ def recursion_block(
     root = None if weights is None else weights[window, None]
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        q, p = arm_columns(time, x, tau, derivative=derivative)
+        q, p = compute_arm_columns(time, x, tau, derivative=derivative)
         q, p = q[window], p[window]
         return (q, p) if root is None else (root * q, root * p)
 
@@ -410,7 +410,7 @@ def recursion_block(
     )
 
 
-def arm_columns(
+def compute_arm_columns(
     time: FloatArray, x: FloatArray, tau: FloatArray, *, derivative: bool = True
 ) -> tuple[FloatArray, FloatArray]:
     """Elongations q of unit arms and dq / d ln tau, both (M, N), by the exact recursion.

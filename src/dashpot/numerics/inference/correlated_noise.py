@@ -107,8 +107,8 @@ class ResidualSeries:
 
     @cached_property
     def sequence(self) -> tuple[FloatArray, FloatArray | None]:
-        """Initial sequence of the residuals, see :func:`initial_sequence`."""
-        return initial_sequence(self.values)
+        """Initial sequence of the residuals, see :func:`compute_initial_sequence`."""
+        return compute_initial_sequence(self.values)
 
     @cached_property
     def durbin_watson(self) -> float:
@@ -145,7 +145,7 @@ class JacobianColumns:
     @cached_property
     def even(self) -> FloatArray:
         """Matrix that makes the columns orthonormal over all fitted data, shape (r, s)."""
-        return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
+        return np.eye(self.matrix.shape[1]) if self.shared else _orthonormalise(self.gram)[0]
 
     @property
     def absorbed_count(self) -> float:
@@ -169,7 +169,7 @@ class JacobianColumns:
         return self._size, self._spectra
 
 
-def noise_of(
+def estimate_noise(
     residual: FloatArray | ResidualSeries,
     jacobian: FloatArray | JacobianColumns | None = None,
     *,
@@ -296,7 +296,7 @@ def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
     return np.asarray(np.fft.irfft(power, fft_length)[..., :lags] / n)
 
 
-def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+def compute_initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
     """Return :func:`autocovariance` up to :func:`geyer_cut`, and what of it was transformed.
 
     Lag by lag while lags are few, and none transformed; all lags only if the part where most noise
@@ -363,7 +363,7 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
     """
     if not information.turn.size:
         return 1.0
-    rotation, _ = _turn(
+    rotation, _ = _orthonormalise(
         np.sum([columns.gram for columns in information.columns[: len(noise_along)]], axis=0)
     )
     noise_gains = np.linalg.eigvalsh(rotation.T @ np.sum(noise_along, axis=0) @ rotation)
@@ -484,9 +484,9 @@ def make_directions(
     millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
-    rotation, is_undetermined = _turn(information)
+    rotation, is_undetermined = _orthonormalise(information)
     if with_fine_scales and is_undetermined.any():
-        rotation, is_undetermined = _turn_finely(np.concatenate(jacobians))
+        rotation, is_undetermined = _orthonormalise_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
         JacobianColumns((rotation.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
@@ -495,7 +495,7 @@ def make_directions(
     return Directions(rotation, columns, gram, is_undetermined)
 
 
-def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
+def _orthonormalise(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     """The directions that J'J knows, orthonormal by it, and which parameters have lost a part."""
     scale = np.sqrt(np.diag(information))
     is_determined = scale > 0.0
@@ -509,8 +509,8 @@ def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     return rotation, ~is_determined | (dull > np.sqrt(_SINGULAR_SHARE))
 
 
-def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return :func:`_turn` by the singular values of J itself."""
+def _orthonormalise_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return :func:`_orthonormalise` by the singular values of J itself."""
     column_norms = np.linalg.norm(jacobian, axis=0)
     value = column_norms > 0.0
     scale = np.where(value, column_norms, 1.0)
@@ -537,7 +537,7 @@ def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
 # cut-off, and to believe that would let its transients decide. So slow noise is as good as white
 # above some frequency, and means over a few neighbours, which keep what is below it, stand for the
 # record. What a record holds beside the model, columns that are free or known to within a standard
-# deviation, adds to that covariance too, and is taken out likewise (``marginal``). Source: A. C.
+# deviation, adds to that covariance too, and is taken out likewise (``marginalise``). Source: A. C.
 # Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 
 
@@ -561,7 +561,7 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     return basis.block.transform_rows(lambda part: whiten @ part)
 
 
-def marginal(
+def marginalise(
     free_columns: FloatArray, error_columns: FloatArray
 ) -> Callable[[FloatArray], FloatArray]:
     """Return what makes noise of covariance 1 + C C' white, free columns projected out.
@@ -670,7 +670,7 @@ class NoiseGain:
     def __init__(
         self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
-        from dashpot.numerics.exponential_fit import full_jacobian
+        from dashpot.numerics.exponential_fit import compute_full_jacobian
         from dashpot.numerics.log_tau_descent import Stack
 
         pairs = zip(every_sample, noises, strict=True)
@@ -679,7 +679,7 @@ class NoiseGain:
         self._stack = Stack(blocks)
         self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
         self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
-        self._jacobian = full_jacobian(blocks, solution).matrix
+        self._jacobian = compute_full_jacobian(blocks, solution).matrix
         self._model = self._evaluate_model(solution.beta, solution.log_tau)
 
     def compute_step_gain(self, step: FloatArray) -> float:

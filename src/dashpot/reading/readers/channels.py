@@ -26,11 +26,11 @@ from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
     RoleAssignment,
     accelerations,
-    ask,
     assign,
     format_column,
     get_unit_word,
     handle,
+    join_questions,
     list_columns,
     no_units,
     unit_for,
@@ -220,10 +220,10 @@ def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    return with_units(file, chosen(file, roles))
+    return add_units(file, select_columns(file, roles))
 
 
-def chosen(
+def select_columns(
     file: OpenedFile, roles: Sequence[Role], *, other_questions: Sequence[Question] = ()
 ) -> list[RoleAssignment]:
     """Return the columns that play the roles; `other_questions` is asked with what they leave open.
@@ -263,11 +263,11 @@ def answered(
     """Return the columns found, or raise every question in one sentence with the hint."""
     questions = [answer for answer in assignments if isinstance(answer, Question)]
     if questions:
-        raise ReadError(ask(file.table, questions) + hint)
+        raise ReadError(join_questions(file.table, questions) + hint)
     return [answer for answer in assignments if isinstance(answer, RoleAssignment)]
 
 
-def with_units(file: OpenedFile, assignments: Sequence[RoleAssignment]) -> list[Channel]:
+def add_units(file: OpenedFile, assignments: Sequence[RoleAssignment]) -> list[Channel]:
     """Return assigned columns with their units.
 
     Raises
@@ -411,7 +411,7 @@ def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -
     return f'{" ".join(words)} --units "{",".join(unit_options)}"'
 
 
-def rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
+def describe_rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
     """Say which other columns could have played a role, where one was clearly better."""
     taken_columns = {channel.index for channel in channels_chosen}
     columns = file.table.columns
@@ -501,7 +501,7 @@ def load(
         if _is_mark(top)
     ]
     notes = [
-        note for j in marked_columns for note in _without_marks(loaded_data.values[:, j], tops[j])
+        note for j in marked_columns for note in _remove_marks(loaded_data.values[:, j], tops[j])
     ]
     return replace(loaded_data, notes=(*loaded_data.notes, *notes)) if notes else loaded_data
 
@@ -511,7 +511,7 @@ def _is_mark(top: float) -> bool:
     return top >= _OVERLOAD or not f"{top:.10g}".strip("9.")
 
 
-def _without_marks(column: FloatArray, top: float) -> list[str]:
+def _remove_marks(column: FloatArray, top: float) -> list[str]:
     """Take the marks of no reading, of the largest size, out of a column, with a note."""
     size = np.abs(column)
     if top >= _OVERLOAD:

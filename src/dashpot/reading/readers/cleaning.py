@@ -79,7 +79,7 @@ def drop_missing(
     ]
 
 
-def without_padding(loaded_columns: LoadedColumns) -> LoadedColumns:
+def remove_padding(loaded_columns: LoadedColumns) -> LoadedColumns:
     """Return the rows, time first, without those at the end that only fill a buffer.
 
     That is the last row again and again, or rows of one number (0, -1, NaN) or all alike at which
@@ -200,7 +200,7 @@ def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
-    rate, leaps = 1 / step, [*_find_late_start(steps), *_leaps(time)]
+    rate, leaps = 1 / step, [*_find_late_start(steps), *_list_clock_jumps(time)]
     if len(steps) > 1 and steps[-1] / _MAX_LAST_STEP_RATIO > steps[:-1].max():
         message = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
@@ -251,7 +251,7 @@ def _find_late_start(steps: FloatArray) -> list[str]:
     return [Caution(message)]
 
 
-def _leaps(time: FloatArray) -> list[str]:
+def _list_clock_jumps(time: FloatArray) -> list[str]:
     """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
     # of the first and the last row others show
     leaps = [jump for jump in find_clock_jumps(time) if 0 < jump.at < len(time) - 2]
@@ -266,7 +266,10 @@ def _leaps(time: FloatArray) -> list[str]:
 
 def has_swapped_signals(displacement: FloatArray, force: FloatArray) -> bool:
     """Whether the 'force' is held and the 'displacement' relaxes; in a creep test it goes on."""
-    return _relaxes(displacement) > 0.08 and max(_relaxes(force), _creeps(force)) < 0.01
+    return (
+        _compute_relaxed_share(displacement) > 0.08
+        and max(_compute_relaxed_share(force), _creeps(force)) < 0.01
+    )
 
 
 def compute_active_fraction(signal: FloatArray) -> float:
@@ -278,7 +281,7 @@ def compute_active_fraction(signal: FloatArray) -> float:
     return float(np.mean(deviation > _LOUD_SHARE * deviation.max()))
 
 
-def _relaxes(values: FloatArray) -> float:
+def _compute_relaxed_share(values: FloatArray) -> float:
     """Share of its range that a signal falls back from its peak by the end of a long tail."""
     change = np.abs(values - values[0])
     peak = int(np.argmax(change))

@@ -205,9 +205,9 @@ def _identify_toml(path: str | Path) -> Recognised | None:
     """Return the kind of a file named .toml; None of any other."""
     if Path(path).suffix.casefold() != ".toml":
         return None
-    from dashpot.reading.toml import tables_of
+    from dashpot.reading.toml import read_tables
 
-    _, tables = tables_of(path)
+    _, tables = read_tables(path)
     if "door" in tables:
         return Recognised("door", "it has the table [door]")
     if "machine" in tables:

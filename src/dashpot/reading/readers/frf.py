@@ -48,7 +48,7 @@ _FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
 """Range of a phase in radians, wrapped and unwrapped over ten modes."""
 
 
-def as_a_ratio(file: OpenedFile) -> OpenedFile:
+def make_ratio_file(file: OpenedFile) -> OpenedFile:
     """Return a file of two signals, each by amplitude and phase, as one of the response they make.
 
     That is a motion over a force, or the motion of a mass over that of its base. Any other file is
@@ -173,7 +173,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         channels.expect(
             file, ["frf", "transmissibility"], "an FRF is", stated_columns=["real", "magnitude"]
         )
-        converted_file = as_a_ratio(file)
+        converted_file = make_ratio_file(file)
         return build_frf(converted_file, determine_frf_columns(converted_file))
 
 
@@ -199,7 +199,7 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     sd, notes = _deviation(file.table)
     notes += _lags(file.table, index)
     metadata = _comments(file.table.header)
-    shift, remarks = _shift(file, metadata, hertz * column["frequency"])
+    shift, remarks = _get_window_decay(file, metadata, hertz * column["frequency"])
     notes += remarks
     notes += [line for line in file.table.header if "sha256" in line]
     scale = _compute_derivative_factor(factor, order, hertz * column["frequency"], shift)
@@ -217,7 +217,7 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     )  # fmt: skip
 
 
-def _shift(
+def _get_window_decay(
     file: OpenedFile, metadata: Mapping[str, float], frequency: FloatArray
 ) -> tuple[float, list[str]]:
     """Return the decay of the exponential window that the values carry, 1/s, and notes.
@@ -277,7 +277,7 @@ def determine_frf_columns(file: OpenedFile) -> FRFColumns:
     requested, factors = [], {"phase": 1.0}
     ratio = None
     try:
-        ratio = _kind(file, main, index[main])
+        ratio = _determine_kind(file, main, index[main])
     except ReadError as error:
         requested.append(str(error))
     requested += _unlike_parts(file, index)
@@ -305,10 +305,10 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
     for pair in PAIRS:
         if {"frequency", *pair} <= index.keys() and "coherence" not in options:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
-    raise ReadError("; ".join(options.values()) or _lacking(file, index))
+    raise ReadError("; ".join(options.values()) or _describe_missing_columns(file, index))
 
 
-def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
+def _describe_missing_columns(file: OpenedFile, index: Mapping[Role, int]) -> str:
     """Return what to say of columns that make no FRF."""
     columns_text = list_columns(file.table.columns)
     parts = {"magnitude", "phase"} & index.keys()
@@ -343,7 +343,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     return entries
 
 
-def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
+def _determine_kind(file: OpenedFile, role: Role, index: int) -> Ratio:
     """Return what the FRF relates, from the unit, held against a ``kind:`` comment."""
     column, word = file.table.columns[index], file.unit_word(index, role) or ""
     new_ratio = parse_response_unit(word)

@@ -133,7 +133,7 @@ def _load_temperature_column(
     if assignment is None or assignment.index in {channel.index for channel in used_channels}:
         return None, notes
     try:
-        (channel,) = channels.with_units(file, [assignment])
+        (channel,) = channels.add_units(file, [assignment])
     except ReadError:
         if file.options.temperature is not None:
             raise
@@ -143,7 +143,7 @@ def _load_temperature_column(
     )
     kelvin = channels.si(loaded_columns.values[:, 0], channel.unit)
     kelvin = kelvin[np.isfinite(kelvin)]
-    return kelvin if len(kelvin) else None, [*notes, *channels.rivals(file, [channel])]
+    return kelvin if len(kelvin) else None, [*notes, *channels.describe_rivals(file, [channel])]
 
 
 def _rise(kelvin: FloatArray) -> float:

@@ -34,7 +34,7 @@ from dashpot.reading.readers import channels, cleaning
 from dashpot.reading.readers.channels import OpenedFile, find_mass_motions
 from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
 from dashpot.reading.readers.detect_kind import open_or_identify, recognise_opened
-from dashpot.reading.readers.sweep_columns import sweep_columns, swept
+from dashpot.reading.readers.sweep_columns import load_sweep, sweep_columns
 from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler
 
@@ -199,14 +199,14 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     """Return the inspection of an open file."""
     raw, table, options = file.raw, file.table, file.options
     kind, reason = recognise_opened(file)
-    roles, questions = _proposal(file, kind)
+    roles, questions = _propose_roles(file, kind)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     if table.large:
         numbers = [i for i in numbers if i in roles] or numbers[:1]
     loaded_columns = channels.load(table, numbers, options.segment, refuse_questions=False)
     by_index = {i: loaded_columns.values[:, j] for j, i in enumerate(numbers)}
     time = _time(file, by_index, roles, len(loaded_columns.values))
-    rate, is_even, duration = _sampling(time, loaded_columns.starts)
+    rate, is_even, duration = _inspect_sampling(time, loaded_columns.starts)
     warnings = [*table.notes, *loaded_columns.notes]
     by_hand = kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].by_hand
     if time is not None and not loaded_columns.doubts and not by_hand:
@@ -223,12 +223,15 @@ def inspect_opened(file: OpenedFile) -> Inspection:
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
         header=table.header, rows=len(loaded_columns.values),
-        columns=_columns(file, _first(numbers, loaded_columns.values), roles),
-        rate=rate, even=is_even, duration=duration, segments=_segments(loaded_columns, time),
+        columns=_inspect_columns(file, _first(numbers, loaded_columns.values), roles),
+        rate=rate, even=is_even, duration=duration,
+        segments=_inspect_segments(loaded_columns, time),
         warnings=tuple(warnings), questions=(*table.doubts, *open_questions, *questions),
         simulated=table.simulated,
     )  # fmt: skip
-    vars(inspection)[_COURSE] = _course(len(table.columns), numbers, loaded_columns.values)
+    vars(inspection)[_COURSE] = _select_course_rows(
+        len(table.columns), numbers, loaded_columns.values
+    )
     return inspection
 
 
@@ -260,7 +263,7 @@ def _judge_sizes(
         refuse_sizes(file, channels_chosen, strain, stress)
 
 
-def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
+def _select_course_rows(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
     """Return rows spread evenly over the record, of every column."""
     rows = len(values) if numbers else 0
     at = distinct(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
@@ -269,7 +272,7 @@ def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatAr
     return course
 
 
-def _columns(
+def _inspect_columns(
     file: OpenedFile, first: _First, roles: dict[int, tuple[Role, str]]
 ) -> tuple[InspectedColumn, ...]:
     columns = []
@@ -290,18 +293,20 @@ def _first(numbers: Sequence[int], values: FloatArray) -> _First:
     return dict(zip(numbers, map(tuple, cells.T.tolist()), strict=True))
 
 
-def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+def _propose_roles(
+    file: OpenedFile, kind: str
+) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
     roles, questions = _assign_kind_roles(file, kind)
     if kind in {"frf", "transmissibility"}:
-        from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
+        from dashpot.reading.readers.frf import determine_frf_columns, make_ratio_file
 
-        select = find_handler("first point", "frf") or as_a_ratio
+        select = find_handler("first point", "frf") or make_ratio_file
         questions = list_unit_questions(
-            lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE"
+            lambda: determine_frf_columns(make_ratio_file(select(file))), "ROLE"
         )
     if kind in SWEEP_KINDS and not questions:
-        questions = list_unit_questions(lambda: swept(file), "ROLE")
+        questions = list_unit_questions(lambda: load_sweep(file), "ROLE")
     propose_more = find_handler("propose roles", kind)
     if propose_more:
         questions += propose_more(file, roles)
@@ -322,7 +327,7 @@ def _assign_kind_roles(
     )
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    roles_wanted = _roles_of(file, kind, clocked=bool(clocks))
+    roles_wanted = _list_expected_roles(file, kind, clocked=bool(clocks))
     curve = not _CURVES.isdisjoint(roles_wanted)
     for role in roles_wanted:
         is_elapsed = curve and role == "time"
@@ -339,13 +344,13 @@ def _assign_kind_roles(
                 continue
             roles[assignment.index] = (role, assignment.reason)
         welcome = role in _OPTIONAL_ROLES or (
-            role == "time" and kind in _KINDS_WITHOUT_CLOCK and _none(assignment)
+            role == "time" and kind in _KINDS_WITHOUT_CLOCK and _has_no_copies(assignment)
         )
         questions += [] if welcome else _make_role_questions(file, role, assignment)
     return roles, questions
 
 
-def _none(assignment: RoleAssignment | Question) -> bool:
+def _has_no_copies(assignment: RoleAssignment | Question) -> bool:
     """Return whether no two columns could play a role."""
     return isinstance(assignment, RoleAssignment) or not assignment.choices
 
@@ -371,7 +376,7 @@ def _get_usual_roles(kind: str) -> tuple[Role, ...]:
     return KINDS_OF_FILE[kind].roles if kind in KINDS_OF_FILE else ()
 
 
-def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
+def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
     roles_wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
@@ -421,7 +426,7 @@ def _time(
     return channels.si(by_index[index].copy(), unit)
 
 
-def _sampling(
+def _inspect_sampling(
     time: FloatArray | None, starts: tuple[int, ...]
 ) -> tuple[float | None, bool, float | None]:
     """Median rate, whether each segment is evenly sampled, and duration."""
@@ -438,7 +443,9 @@ def _sampling(
     return 1 / step, is_even, float(np.nanmax(time) - np.nanmin(time))
 
 
-def _segments(loaded_columns: LoadedColumns, time: FloatArray | None) -> tuple[Segment, ...]:
+def _inspect_segments(
+    loaded_columns: LoadedColumns, time: FloatArray | None
+) -> tuple[Segment, ...]:
     stops = (*loaded_columns.starts[1:], len(loaded_columns.values))
     segments = []
     for name, start, stop in zip(

@@ -47,17 +47,17 @@ def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     ReadError
         If a column is not found, or one could be storage or the size.
     """
-    assignments = _parts(file)
+    assignments = _find_part_columns(file)
     columns = channels.answered(file, list(assignments.values()), _hint(file, assignments))
-    _told_apart(file, columns)
+    _refuse_equal_columns(file, columns)
     ratio = next((column.index for column in columns if column.role == "loss_factor"), None)
     columns = [column for column in columns if column.role != "loss_factor"]
     temperature = file.find_unambiguous_column("temperature")
     return [*columns, temperature] if temperature else columns, ratio
 
 
-def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
-    """Return the columns of a sweep, as :func:`parts_of`.
+def load_sweep(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
+    """Return the columns of a sweep, as :func:`load_parts`.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str,
         With what the file leaves open.
     """
     roles_wanted, ratio = sweep_columns(file)
-    parts = parts_of(file, channels.with_units(file, roles_wanted), ratio)
+    parts = load_parts(file, channels.add_units(file, roles_wanted), ratio)
     if "temperature" not in parts[1] and temperatures_of_segments(file, parts[0]) is None:
         refuse_unlike_blocks(*parts[:2])
     return parts
@@ -110,7 +110,7 @@ def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolA
     return [of_row[is_complete] == number for number in range(1, len(loaded_columns.starts) + 1)]
 
 
-def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
+def _find_part_columns(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     """Return the columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
     assignments = {role: assign(table, role, options) for role in _ROLES}
@@ -139,7 +139,7 @@ def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question
     return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
 
 
-def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
+def _refuse_equal_columns(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     """Refuse one column for storage and loss."""
     modulus_columns = [column.index for column in columns if column.role in {"storage", "loss"}]
     if len(modulus_columns) == len(set(modulus_columns)):
@@ -176,7 +176,7 @@ def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
 
 def _require_loss_angle(file: OpenedFile, name: str) -> None:
     """Refuse the size of the complex modulus without its angle."""
-    if vocabulary.says_size(name) or file.options.magnitude:
+    if vocabulary.names_magnitude(name) or file.options.magnitude:
         raise ReadError(
             f"'{name}' is the size |K*|, and no column is its loss angle or loss factor; "
             "expected one of these beside it (--column phase=NAME or loss-factor=NAME), or "
@@ -195,7 +195,7 @@ def _is_size(
         If the name says neither that nor storage.
     """
     columns, storage = file.table.columns, assignments["storage"]
-    if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
+    if file.options.magnitude or vocabulary.names_magnitude(columns[size.index].name):
         is_named = isinstance(storage, RoleAssignment) and storage.index != size.index
         return bool(file.options.magnitude) or not is_named
     if isinstance(storage, Question) or (
@@ -211,7 +211,7 @@ def _is_size(
     return False
 
 
-def parts_of(
+def load_parts(
     file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
     """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
@@ -235,7 +235,7 @@ def parts_of(
     rows, gaps = channels.select_complete_rows(loaded_columns)
     values = channels.convert_signals_to_si(rows, channels_chosen)
     warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []
-    notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
+    notes = [*file.table.notes, *gaps, *channels.describe_rivals(file, warmth)]
     if "loss" in column_by_role:
         if base.unit.dimension != column_by_role["loss"].unit.dimension:
             raise ReadError(

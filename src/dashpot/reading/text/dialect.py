@@ -174,7 +174,7 @@ def find_dialect(
     windows = list(_windows(lines))
     decimal_marks = [decimal_mark for decimal_mark in _MARKS if decimal in {None, decimal_mark}]
     signs = _delimiters(windows, delimiter)
-    plain_dialects = [_plainly(window, signs, decimal_marks) for window in windows]
+    plain_dialects = [_find_plain_dialect(window, signs, decimal_marks) for window in windows]
     cell_counts = [
         len(window) * dialect.cells if dialect else 0
         for dialect, window in zip(plain_dialects, windows, strict=True)
@@ -187,10 +187,10 @@ def find_dialect(
     max_numbers = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
     for sign, decimal_mark, (i, window) in product(signs, decimal_marks, enumerate(rest)):
         if max_numbers[sign][i] > highest:
-            score, dialect = _best_run(window, sign, decimal_mark, min_score=highest)
+            score, dialect = _find_best_run(window, sign, decimal_mark, min_score=highest)
             if dialect is not None:
                 highest, best = score, dialect
-    dialect = None if best is None else _from_the_top(lines, best)
+    dialect = None if best is None else _extend_to_first_row(lines, best)
     if dialect is not None and (dialect.mark, decimal) == (".", None) and dialect.delimiter != ",":
         dialect = _determine_decimal_mark(lines, dialect)
     return None if dialect is None else _fill_blank_columns(lines, dialect)
@@ -236,7 +236,7 @@ def _determine_decimal_mark(lines: Sequence[str], dialect: Dialect) -> Dialect:
     other = replace(dialect, mark=",")
     if not any(other.row(line) for line in lines[: dialect.first]):
         return dialect
-    other = _from_the_top(lines, other) or dialect
+    other = _extend_to_first_row(lines, other) or dialect
     return other if other.first < dialect.first else dialect
 
 
@@ -265,7 +265,7 @@ def _has_groups(window: Sequence[str]) -> bool:
     )
 
 
-def _plainly(
+def _find_plain_dialect(
     window: Sequence[str], signs: Sequence[str], decimal_marks: Sequence[Mark]
 ) -> Dialect | None:
     """Return the dialect by which every cell of a window is a plain number, None if there is none.
@@ -323,7 +323,7 @@ def _sample_lines(window: list[str]) -> list[str]:
     return window[len(window) - count :]
 
 
-def _best_run(
+def _find_best_run(
     lines: Sequence[str], sign: str, decimal_mark: Mark, *, min_score: float
 ) -> tuple[float, Dialect | None]:
     """Score and dialect of the best run of lines of one width, if it scores above `min_score`."""
@@ -424,7 +424,7 @@ def _content(cells: Sequence[str], decimal_mark: Mark) -> Content:
     return "number" if numbers + missing >= 0.6 * len(cells) else "text"
 
 
-def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
+def _extend_to_first_row(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
     """Return the same dialect with the first line of its first steady run of rows."""
     needed_rows, first, steady = 3, -1, 0
     fallback = -1

@@ -352,13 +352,13 @@ def _most_are_units(words: Counter[str]) -> bool:
     """Return whether most words are units, or built like one: no more are judged than decide it."""
     remainder = 0.4 * words.total()
     for word, count in words.items():
-        remainder -= count * (not _says_unit(word))
+        remainder -= count * (not _has_unit(word))
         if remainder < -_ZERO_FACTOR:
             return False
     return True
 
 
-def _says_unit(word: str) -> bool:
+def _has_unit(word: str) -> bool:
     is_unit = (
         units.find_unit(word) is not None or vocabulary.normalise_name(word) in vocabulary.COUNTED
     )
@@ -405,7 +405,7 @@ def find_header_change(
     new_header = read_header(lines, dialect)
     if new_header.misfit:
         return new_header.misfit
-    if not _says_columns(new_header.columns):
+    if not _has_column_names(new_header.columns):
         return None  # a sentence, not a row of names
     pairs = ((columns[i], new_header.columns[i]) for i in indexes)
     return next(
@@ -418,7 +418,7 @@ def find_header_change(
     )
 
 
-def _says_columns(columns: Sequence[Column]) -> bool:
+def _has_column_names(columns: Sequence[Column]) -> bool:
     """Return whether at least half of what stands there is a name or a unit that is known."""
     total = sum(bool(vocabulary.matches(c.name) or units.find_unit(c.unit or "")) for c in columns)
     return total > 0 and 2 * total >= sum(bool(c.name or c.unit) for c in columns)

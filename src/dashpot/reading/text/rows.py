@@ -317,7 +317,7 @@ def _load_columns(
         notes.append("the last row is cut off within its last number and was left out")
     if not is_decimal_certain:
         points = find_undecided_columns(values)
-        table_lines = _patient(
+        table_lines = _tolerate_foreign_lines(
             _drop_first_lines(blocks(), dialect.first), time_budget, dialect.first + 1
         )
         commas = reader.grouped | reader.plain.commas
@@ -370,7 +370,9 @@ def _drop_first_lines(blocks: Iterator[str], first: int) -> Iterator[str]:
             yield text
 
 
-def _patient(blocks: Iterator[str], time_budget: TimeBudget, line: int) -> Iterator[str]:
+def _tolerate_foreign_lines(
+    blocks: Iterator[str], time_budget: TimeBudget, line: int
+) -> Iterator[str]:
     for text in blocks:
         time_budget.check_time_limit(line)
         yield text

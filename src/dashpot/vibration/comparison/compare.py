@@ -25,7 +25,7 @@ from dashpot.vibration.mass_on_seals import (
     model_modes,
     operating_point,
 )
-from dashpot.vibration.modal.peaks import Peak, find_peak, mount_band
+from dashpot.vibration.modal.peaks import Peak, find_mount_band, find_peak
 
 # factor about the measured peak; lines beyond are mass line, tip roll-off and drift
 COMPARED_BAND_FACTOR = 4.0
@@ -330,7 +330,7 @@ def _find_modes(frf: FRF, is_used: BoolArray) -> tuple[Mode, ...]:
     """
     try:
         lines = frf.only(is_used)
-        band = mount_band(lines.frequency, lines.value, lines.random_sd)
+        band = find_mount_band(lines.frequency, lines.value, lines.random_sd)
         is_gapless = len(frf.band(*band).frequency) == len(lines.band(*band).frequency)
         return (frf if is_gapless else lines).modes(band=band)
     except DashpotError:

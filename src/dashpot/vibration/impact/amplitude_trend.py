@@ -111,7 +111,7 @@ class Trend:
         return self.damping_line.found
 
 
-def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
+def add_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     r"""Return the hits, each accepted one with the resonance of its own FRF and its amplitude.
 
     A hit of spectrum F sets a mode moving by :math:`|F(f_n)| / (m \omega_d)`. The modal mass m
@@ -164,7 +164,7 @@ def _get_modal_mass(mode: Mode) -> float:
     return float(1 / (2 * mode.pole.imag * abs(mode.residue)))
 
 
-def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
+def fit_amplitude_trend(hits: Sequence[Hit]) -> Trend | None:
     r"""Regress the resonance of every single hit on its amplitude; None of too few hits.
 
     .. math:: 2 \ln f_i = a + s \log_2 X_i, \qquad \ln\zeta_i = b + d \log_2 X_i

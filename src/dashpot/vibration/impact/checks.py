@@ -15,7 +15,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.numerics.inference.covariance_estimate import estimate as estimate_optimum
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.least_squares import solve_ordinary
-from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import Trend, fit_amplitude_trend
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.hit_faults import HitQuality
 from dashpot.vibration.impact.rocking import Combination
@@ -47,7 +47,7 @@ def agreement(
     With fewer than four hits nobody can say who is wrong, so none is left out.
     """
     qualities, accepted = list(qualities), accepted.copy()
-    differences = disagreement(spectra.only(accepted))
+    differences = compute_disagreement(spectra.only(accepted))
     if differences is None:
         return qualities, accepted
     typical = float(np.median(differences))
@@ -66,7 +66,7 @@ def agreement(
     return qualities, accepted
 
 
-def disagreement(spectra: Spectra) -> FloatArray | None:
+def compute_disagreement(spectra: Spectra) -> FloatArray | None:
     """Return the relative difference of each response from the FRF of the other hits.
 
     The median over the other hits, so that one bad hit does not discredit the good ones.
@@ -84,7 +84,7 @@ def disagreement(spectra: Spectra) -> FloatArray | None:
     return np.asarray(np.median(separate, axis=1))
 
 
-def checks_of(
+def run_frf_checks(
     frf: FRF,
     spectra: Spectra,
     estimator: Estimator,
@@ -107,7 +107,7 @@ def checks_of(
     if spectra.averages >= MIN_HITS and main is not None:
         checks += [
             hits_agree(frf, spectra, estimator, main),
-            amplitude_linear(trend_of_hits(frf.hits), main),
+            amplitude_linear(fit_amplitude_trend(frf.hits), main),
         ]
     if combination is not None:
         checks += [rocking_cancelled(frf, combination), hits_centred(frf, combination)]
@@ -121,7 +121,7 @@ def mass_shown(frf: FRF, main: Mode | None, mass: float) -> Check:
     apparent = (
         None
         if main is None
-        else apparent_mass(
+        else estimate_apparent_mass(
             frf.frequency, frf.value, natural_frequency=main.frequency, shift=frf.shift, sd=frf.sd
         )
     )
@@ -483,7 +483,7 @@ def hits_centred(frf: FRF, combination: Combination) -> Finding:
     return Finding(message, value, remedy="Strike closer to the centre.")
 
 
-def apparent_mass(
+def estimate_apparent_mass(
     frequency: FloatArray,
     accelerance: ComplexArray,
     *,

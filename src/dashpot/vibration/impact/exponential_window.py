@@ -198,7 +198,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         return ExponentialWindow(stated=bool(rates), ratio=ratio, is_stated=not rates)
     if not windowed_scatter:
         return ExponentialWindow(stated_rate or 0.0, stated=True, ratio=ratio)
-    rate, sd = _fitted_rate(windowed_scatter)
+    rate, sd = _fit_decay_rate(windowed_scatter)
     if not np.isfinite(sd):
         return ExponentialWindow(
             stated_rate or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated_rate)
@@ -238,11 +238,13 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
 def _scatter_of_responses(hits: Sequence[HitBlock]) -> list[ScatterDecay]:
     """Return the scatter of every response whose noise can be seen before the pulse."""
     channels = range(len(hits[0].acceleration))
-    decays = [scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
+    decays = [estimate_scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
     return [decay for decay in decays if decay is not None]
 
 
-def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> ScatterDecay | None:
+def estimate_scatter_decay(
+    rows: Sequence[FloatArray], hits: Sequence[HitBlock]
+) -> ScatterDecay | None:
     """Return the decay of one channel's noise, from its rows in all hits; None if it is not seen.
 
     Parameters
@@ -335,7 +337,7 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
     return decay.only(keep)
 
 
-def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
+def _fit_decay_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     """Return the decay that all channels share, 1/s, and its standard error."""
     noise_segments = [_select_noise_segments(decay) for decay in scatter_decays]
     if not noise_segments or max(len(decay.time) for decay in noise_segments) < _MIN_STRETCHES:
@@ -401,7 +403,7 @@ def _begins_with_record(scatter_decays: Sequence[ScatterDecay], rate: float) -> 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
     """Return whether the noise of the hammer decays with the window; True where it is not seen."""
-    decay = scatter_decay([hit.force for hit in hits], hits)
+    decay = estimate_scatter_decay([hit.force for hit in hits], hits)
     if decay is None:
         return True
     decay_index = int(np.argmin(np.abs(decay.time - 1 / rate)))

@@ -17,8 +17,8 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.vibration.impact.amplitude_trend import with_resonances
-from dashpot.vibration.impact.checks import agreement, checks_of, window_decay_determined
+from dashpot.vibration.impact.amplitude_trend import add_resonances
+from dashpot.vibration.impact.checks import agreement, run_frf_checks, window_decay_determined
 from dashpot.vibration.impact.exponential_window import (
     NO_WINDOW,
     ExponentialWindow,
@@ -32,7 +32,7 @@ from dashpot.vibration.impact.hit_faults import (
     judge_hit,
 )
 from dashpot.vibration.impact.hits import HitBlock, cut_hits, remove_ringing
-from dashpot.vibration.impact.rocking import Combination, null_rocking
+from dashpot.vibration.impact.rocking import Combination, compute_rocking_weights
 from dashpot.vibration.impact.spectral_estimators import (
     ChannelSpectra,
     Estimator,
@@ -41,7 +41,7 @@ from dashpot.vibration.impact.spectral_estimators import (
     estimate,
     random_error,
 )
-from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.peaks import find_mount_band
 from dashpot.vibration.modal.pole_fit import FRFLines
 
 # Average of hits: windows, signs and weights.
@@ -270,7 +270,7 @@ def _combine(
         random_error(spectra, value)
         for spectra, value in zip(band_transforms.split_channels(), values, strict=True)
     ]
-    combination = null_rocking(
+    combination = compute_rocking_weights(
         FRFLines.from_measurement(
             band_transforms.s,
             values,
@@ -290,7 +290,7 @@ def _find_mount_band(transforms: ChannelSpectra) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
     pairs = [(estimate(spectra), spectra) for spectra in transforms.split_channels()]
     value, spectra = max(pairs, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
-    return mount_band(transforms.frequency, value, random_error(spectra, value))
+    return find_mount_band(transforms.frequency, value, random_error(spectra, value))
 
 
 # Estimation of an FRF.
@@ -401,8 +401,8 @@ def estimate_frf(
     )
     main_mode = next(iter(frf.modes(band=resonance_band)), None)
     if main_mode is not None:
-        frf = replace_notes(frf, hits=with_resonances(frf, average.spectra, main_mode))
-    checks = checks_of(
+        frf = replace_notes(frf, hits=add_resonances(frf, average.spectra, main_mode))
+    checks = run_frf_checks(
         frf,
         average.spectra,
         choices.estimator,

@@ -11,7 +11,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.vibration.modal.peaks import run_about
+from dashpot.vibration.modal.peaks import find_run
 
 # Detection of hits, blocks, and removal of residual ringing.
 
@@ -94,13 +94,13 @@ class HitBlock:
 
     def pulse(self, level: float = 0.1) -> slice:
         """Return the samples around the peak that stay above `level` times the peak."""
-        return run_about(self.force > level * self.peak, self.peak_at)
+        return find_run(self.force > level * self.peak, self.peak_at)
 
     def width(self, level: float) -> float:
         """Pulse width at `level` times the peak, s, its ends found by straight lines."""
         pulse_samples = self.pulse(level)
         pulse_ends = pulse_samples.start, pulse_samples.stop - 1
-        return width_at(self.force, level * self.peak, pulse_ends) / self.rate
+        return compute_width(self.force, level * self.peak, pulse_ends) / self.rate
 
     def moments(self) -> tuple[float, float]:
         """Return the mean time of the pulse from the start of the block, and its rms width, s."""
@@ -111,7 +111,7 @@ class HitBlock:
         return mean_time, float(np.sqrt((time - mean_time) ** 2 @ weights))
 
 
-def width_at(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
+def compute_width(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
     """Samples between the crossings of a level just outside two samples, by straight lines."""
     first, last = pulse_ends
     width = float(last - first)
@@ -165,7 +165,7 @@ def cut_hits(
                 "column out, or look at its cable and range and hit again"
             )
     rate = tests[0].rate
-    onsets = [hit for test in tests for hit in _find(test)]
+    onsets = [hit for test in tests for hit in _find_onsets(test)]
     pretrigger_samples = _choose_pretrigger(onsets, rate, pretrigger)
     length = _choose_length(onsets, rate, pretrigger_samples, record)
     return tuple(
@@ -190,7 +190,7 @@ def _belong_together(tests: Sequence[ImpactTest]) -> None:
             )
 
 
-def _find(test: ImpactTest) -> list[_PulseOnset]:
+def _find_onsets(test: ImpactTest) -> list[_PulseOnset]:
     """Find where the pulses begin in each continuous record of a test."""
     records = test.records()
     centred_forces = [test.force[r] - np.median(test.force[r]) for r in records]

@@ -54,7 +54,7 @@ class Combination:
     reach: float | None = None
 
 
-def null_rocking(
+def compute_rocking_weights(
     lines: FRFLines, hits: ComplexArray, reach: float | None = None
 ) -> Combination | None:
     """Return weights that null the rocking mode.

@@ -12,7 +12,7 @@ from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.checks import stiffness_causal
-from dashpot.vibration.modal.peaks import find_peak, run_about
+from dashpot.vibration.modal.peaks import find_peak, find_run
 
 # Effect of small errors of a test on storage and loss factor.
 
@@ -247,7 +247,7 @@ def _find_band_around_peak(
     peak_line = int(np.argmin(np.abs(frequency - peak)))
     if not is_usable[peak_line]:
         return float("nan"), float("nan")
-    run = run_about(is_usable, peak_line)
+    run = find_run(is_usable, peak_line)
     return float(frequency[run.start]), float(frequency[run.stop - 1])
 
 

@@ -12,7 +12,7 @@ from dashpot.base.option_fields import require_choice
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.registry import require_handler
-from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.peaks import find_mount_band
 from dashpot.vibration.modal.pole_fit import FRFLines, find_poles
 
 # Modes common to several FRFs.
@@ -37,7 +37,7 @@ def compute_rms_accelerance(points: FRFSet) -> FRF:
     return FRF(first.frequency, rms_values.astype(complex), sd=sd, units="SI")
 
 
-def lines_of(points: FRFSet) -> FRFLines:
+def get_set_lines(points: FRFSet) -> FRFLines:
     """Return the accelerances of a set as lines to be fitted, a row for each point."""
     first = points.frfs[0].to(Kind.ACCELERANCE)
     return FRFLines.from_measurement(
@@ -55,7 +55,7 @@ def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet
     """
     all_of_them = compute_rms_accelerance(points)
     f = all_of_them.frequency
-    low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
+    low, high = band or find_mount_band(f, all_of_them.value, all_of_them.sd)
     keep = (f >= low) & (f <= high) & (f > 0)
     if np.count_nonzero(keep) < MIN_BAND_LINES:
         raise DataError(
@@ -71,13 +71,13 @@ def find_shapes(
     points: FRFSet, *, band: tuple[float, float] | None = None, count: int | None = None
 ) -> tuple[ModeShape, ...]:
     """Poles that all points share and each point's residues; see :meth:`.FRFSet.modes`."""
-    return shapes_of(select_mode_band(points, band), count)
+    return find_mode_shapes(select_mode_band(points, band), count)
 
 
-def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
+def find_mode_shapes(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
     """Modes on all lines of accelerances, by `find_poles`; the largest motion first."""
     max_modes = MAX_MODES if len(band_frfs.frfs) == 1 else MAX_MODES_OF_SET
-    fit = find_poles(lines_of(band_frfs), max_modes=max_modes, count=count)
+    fit = find_poles(get_set_lines(band_frfs), max_modes=max_modes, count=count)
     if fit is None:
         return ()
     # a window spreads each line's noise over its neighbours, which then count less
@@ -90,12 +90,14 @@ def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, .
         residues, errors = fit.residues[:, i], widening * fit.residue_se[:, i]
         largest_point = int(np.argmax(np.abs(residues)))
         values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[largest_point]))
-        mode = mode_at(complex(p), complex(residues[largest_point]), values, "rational")
+        mode = make_mode(complex(p), complex(residues[largest_point]), values, "rational")
         shapes.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
     return tuple(sorted(shapes, key=lambda shape: -float(np.linalg.norm(shape.residues))))
 
 
-def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], method: str) -> Mode:
+def make_mode(
+    p: complex, residue: complex, errors: tuple[float, float, float], method: str
+) -> Mode:
     """Turn a pole and the accelerance's residue into a mode, errors of sigma and omega and all."""
     sigma_se, omega_se, residue_se = errors
     pole_magnitude = abs(p)
@@ -143,7 +145,7 @@ def find_modes(
         cached_modes: dict[object, tuple[Mode, ...]] = vars(frf).setdefault("_modes", {})
         key = (*band_frfs.frfs[0].frequency[[0, -1]].tolist(), count)
         if key not in cached_modes:
-            cached_modes[key] = tuple(shape.mode for shape in shapes_of(band_frfs, count))
+            cached_modes[key] = tuple(shape.mode for shape in find_mode_shapes(band_frfs, count))
         return cached_modes[key]
     if count not in (None, 1):
         raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")

@@ -41,7 +41,7 @@ class Peak:
     decay: float
 
 
-def run_about(mask: BoolArray, index: int) -> slice:
+def find_run(mask: BoolArray, index: int) -> slice:
     """Return the unbroken run of True about an index."""
     gaps = np.flatnonzero(~mask)
     left_gaps, right_gaps = gaps[gaps < index], gaps[gaps > index]
@@ -51,7 +51,7 @@ def run_about(mask: BoolArray, index: int) -> slice:
     )
 
 
-def mount_band(
+def find_mount_band(
     frequency: FloatArray, accelerance: ComplexArray, sd: FloatArray | None = None
 ) -> tuple[float, float]:
     """Two octaves to either side of where a block on its mounts moves most, Hz.
@@ -104,15 +104,15 @@ def find_peak(frf: FRF) -> Peak:
     s, value = accelerance.s[keep], accelerance.value[keep]
     sd = accelerance.random_sd
     relative = None if sd is None else sd[keep] / np.abs(value)
-    lines = _about_the_peak(np.abs(value))
+    lines = _select_peak_lines(np.abs(value))
     local = None if relative is None else relative[lines]
-    return _parabola(s[lines], s[lines] ** 2 / value[lines], local, frf)
+    return _fit_parabola(s[lines], s[lines] ** 2 / value[lines], local, frf)
 
 
-def _about_the_peak(height: FloatArray) -> slice:
+def _select_peak_lines(height: FloatArray) -> slice:
     """Return the lines of the half-power band, widened to the fewest that hold a parabola."""
     peak_line = int(np.argmax(height))
-    run = run_about(height > height[peak_line] / np.sqrt(2), peak_line)
+    run = find_run(height > height[peak_line] / np.sqrt(2), peak_line)
     low = min(max(run.start, peak_line - MAX_LINES // 2), peak_line - MIN_LINES // 2)
     high = max(min(run.stop - 1, peak_line + MAX_LINES // 2), peak_line + MIN_LINES // 2)
     low = max(0, min(low, len(height) - MIN_LINES))
@@ -120,7 +120,9 @@ def _about_the_peak(height: FloatArray) -> slice:
     return slice(low, high + 1)
 
 
-def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, frf: FRF) -> Peak:
+def _fit_parabola(
+    s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, frf: FRF
+) -> Peak:
     centre = complex(np.mean(s))
     scale = float(np.ptp(s.imag)) / 2
     u = (s - centre) / scale
@@ -142,7 +144,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
         span = (omega[1] - omega[0]) * np.array([-1.0, 1.0])
         peak, peak_height = float(omega[best]), float(height[best])
         omega = np.linspace(max(first, peak + span[0]), min(last, peak + span[1]), 2001)
-    pole = _pole(c, centre, scale, peak)
+    pole = _compute_pole(c, centre, scale, peak)
     # off the axis, where the pole is, the parabola is known less well than on its lines
     scaled_pole = (pole - centre) / scale
     slope = abs(c[1] + 2 * c[2] * scaled_pole) / scale
@@ -155,7 +157,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
         height=peak_height,
         damping_ratio=float(sigma / abs(pole)),
         frequency_se=float(np.sqrt(variance))
-        * _wander(c, covariance, peak, centre, scale)
+        * _compute_peak_sd(c, covariance, peak, centre, scale)
         / (2 * np.pi),
         damping_se=float(error / peak),
         half_power_lines=float(abs(sigma) / np.pi / step),
@@ -163,7 +165,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
     )
 
 
-def _wander(
+def _compute_peak_sd(
     c: ComplexArray,
     coefficient_covariance: ComplexArray,
     peak: float,
@@ -190,6 +192,6 @@ def _value(c: ComplexArray, u: ComplexArray) -> ComplexArray:
     return np.asarray(c[0] + u * (c[1] + u * c[2]))
 
 
-def _pole(c: ComplexArray, centre: complex, scale: float, peak: float) -> complex:
+def _compute_pole(c: ComplexArray, centre: complex, scale: float, peak: float) -> complex:
     roots = centre + scale * np.roots(c[::-1])
     return complex(roots[np.argmin(np.abs(roots - 1j * peak))])

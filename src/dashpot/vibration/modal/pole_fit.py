@@ -437,7 +437,7 @@ def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> 
     trial = pole_trial = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
     failures = 0
     for _ in range(count or max_modes):
-        last, trial = trial, _refine(_with_next_pole(trial), STEP_TOLERANCE)
+        last, trial = trial, _refine(_add_next_pole(trial), STEP_TOLERANCE)
         if count is not None or _is_last_supported(trial, last):
             pole_trial, failures = trial, 0
         else:
@@ -448,7 +448,7 @@ def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> 
     if count is None:
         pole_trial = _prune(pole_trial)
     modes = len(pole_trial.poles)
-    return _finish(_with_outer_poles(pole_trial), modes) if modes else None
+    return _finish(_add_outer_poles(pole_trial), modes) if modes else None
 
 
 def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
@@ -487,7 +487,7 @@ def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
     return trial if descent is None else descent.point
 
 
-def _with_next_pole(trial: PoleTrial) -> PoleTrial:
+def _add_next_pole(trial: PoleTrial) -> PoleTrial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
     lines, omega = trial.ground.lines, trial.ground.lines.s.imag
     missed_power = (trial.misfit * lines.sd**2).sum(axis=0)
@@ -498,10 +498,10 @@ def _with_next_pole(trial: PoleTrial) -> PoleTrial:
         for r in TRIAL_DAMPING_RATIOS
         for i in np.linspace(-1.5, 1.5, 7)
     ]
-    return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
+    return _add_best_pole(trial, scans(lines, starts) + trial.ground.broad)[0]
 
 
-def _with_best(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
+def _add_best_pole(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
     """Add the pole, of several, that explains most, and say how much that is."""
     gains = np.concatenate([_compute_gains(trial, scan) for scan in candidates])
     best = int(np.argmax(gains))
@@ -530,7 +530,7 @@ def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     return gains
 
 
-def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
+def _add_outer_poles(trial: PoleTrial) -> PoleTrial:
     """Add poles beyond either end of the band, as background, where they explain what is missed."""
     omega, value_count = trial.ground.lines.s.imag, trial.ground.rest.size
     low, high = float(omega[0]), float(omega[-1])
@@ -544,7 +544,7 @@ def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
     ]
     scanned_poles = scans(trial.ground.lines, starts)
     for _ in range(2):
-        refined_trial, gain = _with_best(trial, scanned_poles)
+        refined_trial, gain = _add_best_pole(trial, scanned_poles)
         # a scan shows a part of what a refined pole explains
         if 10 * gain < trial.sse * _get_least_gain(trial) / value_count:
             break

@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, block_means
 from dashpot.extensions.batch.arrays.batched_solver import ManySolutions
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.correlated_noise import autocovariance, geyer_cuts
 
 # about so many means stand for a record
@@ -62,7 +62,9 @@ def _compute_jacobians(
     jacobian[:, 0] = x
     if not order:
         return jacobian, k_inf * x
-    columns_and_slopes = arm_columns(time, x, np.exp(solutions.log_tau[rows, :order].ravel()))
+    columns_and_slopes = compute_arm_columns(
+        time, x, np.exp(solutions.log_tau[rows, :order].ravel())
+    )
     q, slope = (part.T.reshape(len(rows), order, -1) for part in columns_and_slopes)
     jacobian[:, 1 : 1 + order] = q
     np.multiply(k[:, :, None], slope, out=jacobian[:, 1 + order :])

@@ -22,7 +22,7 @@ def evaluate_trials(
 ) -> StackTrial:
     """Return one trial of each record, ln tau (R, N).
 
-    As :func:`~dashpot.numerics.log_tau_descent.point_at`.
+    As :func:`~dashpot.numerics.log_tau_descent.solve_at`.
     """
     q = family.fixed_count
     p = q + log_tau.shape[1]

@@ -10,7 +10,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import round_to_error
 from dashpot.extensions.curves.checks import MAX_MISFIT
-from dashpot.fitting.checks.relaxation import largest_rms
+from dashpot.fitting.checks.relaxation import find_largest_rms
 from dashpot.fitting.checks.solid import format_arm_count
 from dashpot.preprocessing.checks import MAX_FROZEN_SHARE, MAX_PRELOAD
 from dashpot.preprocessing.contact import MIN_BASELINE
@@ -280,4 +280,4 @@ def _find_worst_part(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
         ("in the hold", (time > settled_time) & (time <= test.hold_end)),
         ("after the hold", time > test.hold_end),
     )
-    return largest_rms(residual, parts)
+    return find_largest_rms(residual, parts)

@@ -15,7 +15,7 @@ from dashpot.plot.plotted_data import (
     compute_padded_limits,
     downsample_to_extremes,
     format_fit_stamp,
-    unit_of,
+    select_plot_unit,
 )
 
 TIME_LABEL = "time since the load began, s"
@@ -47,7 +47,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         fitted_displacement(fit, data)[is_shown],
     )
     if data.unit == "N/m":
-        word, scale = unit_of(measured, "m")
+        word, scale = select_plot_unit(measured, "m")
         label = f"displacement, {word}"
     else:
         scale, label = 100.0, "strain, %"
@@ -63,7 +63,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         height=240,
     )  # fmt: skip
     residual = measured - fitted_values
-    word, small = unit_of(residual, "m") if data.unit == "N/m" else ("%", 100.0)
+    word, small = select_plot_unit(residual, "m") if data.unit == "N/m" else ("%", 100.0)
     x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
     rms = round_to_error(small * fit.estimate.residual.rms)
     lower = Panel(

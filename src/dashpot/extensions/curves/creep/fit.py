@@ -22,14 +22,14 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.plain_text import decapitalise_sentence
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Nuisance
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.curves.checks import plateau_determined
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.creep.load_noise import load_rows
@@ -85,7 +85,7 @@ from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covarian
 from dashpot.fitting.relaxation_likelihood import estimate_noise_power
 from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 from dashpot.numerics.exponential_fit import Solution, solve
 from dashpot.numerics.inference.model_order import MIN_K_OVER_SE, bic, significant
 from dashpot.preprocessing.checks import check_temperature
@@ -159,7 +159,7 @@ def fit_creep(
     if isinstance(test, Superposition):
         return _fit_master_curve(test, options)
     if isinstance(test, CreepCompliance):
-        origin = UnshiftedCurve(sources_of([test]))
+        origin = UnshiftedCurve(list_sources([test]))
         return _fit_curve(test, origin, options)
     record = load_hold(test) if isinstance(test, CreepTest) else test
     record, retardation = _align_load(record, options)
@@ -213,7 +213,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     time = regularise_clock(record.time - record.time[0])
     window = slice(baseline.first, None)
     block = make_retardation_block(
-        recorded_block(
+        build_recorded_block(
             time, record.load, record.displacement, window=window,
             offset="offset", drift="drift", k_inf=GLASS,
         ),
@@ -269,7 +269,7 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     # the displacement may have moved before the force shows it
     first = int(np.searchsorted(record.time, record.onset - _REST_SD * delay_prior.sd))
     travel = float(np.ptp(x))
-    count = quantum(x)
+    count = find_quantum(x)
     noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     max_travel, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
@@ -403,7 +403,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         ),
         Provenance(
             "creep",
-            sources_of([record]),
+            list_sources([record]),
             (
                 *record.steps,
                 *_make_lead_steps(record),
@@ -722,6 +722,6 @@ def _make_curve_block(
     *,
     flows: bool,
 ) -> DataBlock:
-    block = hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
+    block = build_hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
     block = make_retardation_block(replace(block, window=(window[0], 10 * window[1])), GLASS)
     return block.with_column(FLOW, weight * t) if flows else block

@@ -102,7 +102,7 @@ def read_over_time(
     temperature = file.find_unambiguous_column("temperature")
     if temperature is not None and temperature.index not in {column.index for column in columns}:
         columns = [*columns, temperature]
-    channels_chosen = channels.with_units(file, columns)
+    channels_chosen = channels.add_units(file, columns)
     loaded_columns = channels.load(
         file.table, [channel.index for channel in channels_chosen], file.options.segment
     )

@@ -23,7 +23,7 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Source, sources_of
+from dashpot.base.provenance import Source, list_sources
 from dashpot.base.units import celsius
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
@@ -139,7 +139,7 @@ def join_tests(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Sou
     columns_by_name: Any = dict(
         zip(names, (column[row_indices] for column in columns), strict=True)
     )
-    return replace(temperatures[0], **columns_by_name), sources_of(tests)
+    return replace(temperatures[0], **columns_by_name), list_sources(tests)
 
 
 def _with_temperature(test: Measured, number: int) -> Measured:

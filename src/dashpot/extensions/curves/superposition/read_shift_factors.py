@@ -34,7 +34,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
         If temperature or shift is not found, a factor is not above 0, or a temperature recurs.
     """
     with channels.open_file(path, options) as file:
-        columns = channels.with_units(
+        columns = channels.add_units(
             file, channels.answered(file, [assign(file.table, "temperature", file.options)])
         )
         names = [_join_name_words(column) for column in file.table.columns]

@@ -50,9 +50,9 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.data_blocks import (
     FitData,
     FitSetup,
-    block_of,
+    build_fit_data,
     build_prior_rows,
-    data_of,
+    build_record_block,
     fit_all_orders,
 )
 from dashpot.fitting.fit_construction import (
@@ -119,7 +119,7 @@ def _fit_single_test(
 ) -> SingleTemperatureTest:
     """Return one test of several temperatures with its own fit, and the law of a nonlinear ramp."""
     kelvin = record.specimen.temperature or 0.0
-    data = data_of([record], FitSetup("full"))
+    data = build_fit_data([record], FitSetup("full"))
     linearity = assess_linearity(
         HoldBlocks([record]), data, FitOptions(max_arms=_MAX_TEST_ARMS, thorough=thorough)
     )
@@ -135,7 +135,7 @@ def _fit_single_test(
     ramp_law = select_elastic_law([record], law=law)
     if ramp_law.is_linear and not is_nonlinear_requested:
         return SingleTemperatureTest.from_first_fit(record, kelvin, linearity.initial_fit, None)
-    block = block_of(
+    block = build_record_block(
         record,
         terms=("offset", "drift"),
         index=0,

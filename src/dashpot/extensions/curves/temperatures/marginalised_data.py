@@ -34,7 +34,7 @@ from dashpot.fitting.nuisance_priors import (
 from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, select_motion_samples
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.numerics.design_matrices.data_compression import compact_block
-from dashpot.numerics.inference.correlated_noise import marginal
+from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.signals.disturbances import compute_warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -220,7 +220,7 @@ def _marginal(test: SingleTemperatureTest) -> DataBlock:
     compact = compact_block(test.block, excess=TAU_MARGIN)
     basis, names = _basis(compact, test.spread), compact.fixed_names
     prior_columns, mean = test.terms.build_prior_columns(basis.fixed, names)
-    white = marginal(basis.fixed[:, :0], prior_columns)
+    white = marginalise(basis.fixed[:, :0], prior_columns)
     data, residual = white(basis.turn), white(basis.target - mean)
     stiffness_column = white(basis.fixed[:, [names.index("k_inf")]])
 

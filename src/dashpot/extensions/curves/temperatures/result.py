@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.option_fields import ShiftLaw, Vertical
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Provenance
@@ -87,8 +87,8 @@ def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
     records = [test.record for test in best.tests]
     return Provenance(
         "full",
-        sources_of(records),
-        (*steps_of(records), _step(best, shifts)),
+        list_sources(records),
+        (*list_steps(records), _step(best, shifts)),
         replace(_deepest(best).record.specimen, temperature=shifts.reference),
     )
 

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, HasChecks, select_gravest_check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Key, Serialisable
@@ -302,7 +302,7 @@ def evaluate_cld(
         specimens,
         (),
         None,
-        (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
+        (*_select_worst_checks(specimens), *caution_checks(list_sources(specimens))),
     )
     if not relaxation and limits is None and _has_several_speeds(specimens):
         return _add_speed_fit(scatter)

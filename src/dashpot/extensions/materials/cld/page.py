@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from dashpot import plot
 from dashpot.base.number_format import format_count, round_to_error
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.fit_files import CLDResult
@@ -26,7 +26,7 @@ from dashpot.report.tables import TextTable
 def page(result: CLDResult) -> KindPage:
     """Return the page of one specimen or of several."""
     first, specimen_count = result.specimens[0], len(result.specimens)
-    sources = sources_of(result.specimens)
+    sources = list_sources(result.specimens)
     capability = result.capability
     text = "no limits given" if capability is None else capability.summary
     topics = [

@@ -12,10 +12,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import (
     CLD,
@@ -243,7 +243,7 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     turn, push = get_inward_signs(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = get_sample_clock(test)
-    resolution = estimate_resolution(clock, x, quantum(x))
+    resolution = estimate_resolution(clock, x, find_quantum(x))
     strokes = find_strokes(x, resolution=resolution)
     pairs = _pair_strokes(strokes)
     zero = find_zero(clock, x, force, pairs[0][0], resolution=resolution)
@@ -368,7 +368,7 @@ def _run_checks(
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
-        *check_machine(sources_of([test]), chosen_cycle.peak / chosen_cycle.depth),
+        *check_machine(list_sources([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
             chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
             cycle=chosen_cycle.number,

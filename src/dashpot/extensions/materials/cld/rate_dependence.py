@@ -26,8 +26,8 @@ from dashpot.extensions.materials.cld.multi_speed_fit import (
     DownsampledRecord,
     thin_records,
 )
-from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.fitting.nonlinear_ramp.quasi_linear import integrate_hats
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
@@ -106,9 +106,9 @@ def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
         is_moving = _select_moving_samples(record)
         x, v = record.compression[is_moving] + contact_shift, record.velocity[is_moving]
         compression = np.maximum(record.compression + contact_shift, 0.0)
-        q, _ = arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
+        q, _ = compute_arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
         damping = _make_hat_weights(x, data.knots) * v[:, None]
-        parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[is_moving]), axis=1))
+        parts.append(np.concatenate((integrate_hats(x, data.fine), damping, q[is_moving]), axis=1))
         targets.append(record.force[is_moving])
     A = np.concatenate((*parts, np.zeros((len(offsets), parts[0].shape[1]))))
     return Rows(np.concatenate((*targets, -data.noise * offsets)), A)

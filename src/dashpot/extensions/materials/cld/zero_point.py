@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, find_true_runs, median
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.materials.strokes import Stroke
 from dashpot.preprocessing.contact import find_contact, find_first_contact
 from dashpot.signals.noise import estimate_robust_scatter
@@ -68,7 +68,7 @@ def find_zero(
     contact has its zero at its first samples, unless they carry more than a twentieth of the rise:
     that is a preload, and is left.
     """
-    noise = max(estimate_robust_scatter(clock, force), quantum(force) / 12**0.5)
+    noise = max(estimate_robust_scatter(clock, force), find_quantum(force) / 12**0.5)
     rested = first.first + 1 >= _MIN_REST_SAMPLES
     start = slice(0, first.first + 1)
     level, rest_position, top = (

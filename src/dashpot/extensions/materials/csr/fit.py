@@ -15,7 +15,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
@@ -94,7 +94,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
             strain = max(strain, curvature or 0.0)
     aging = Aging(
         law, ovens, float(read.time.max()), tuple(orders.items()),
-        float(np.sqrt(uncertainty.noises[0].power)), sd, (), sources_of(records),
+        float(np.sqrt(uncertainty.noises[0].power)), sd, (), list_sources(records),
     )  # fmt: skip
     checked_checks = checks.run_checks(aging, read, uncertainty, strain, drift=drift)
     return replace(aging, checks=(*checked_checks, *caution_checks(aging.sources)))

@@ -26,7 +26,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.extensions.materials.drop.elastic_law import POWERS
 from dashpot.extensions.materials.drop.least_squares_problem import DropProblem
 from dashpot.extensions.materials.drop.motion import Masses, integrate_impact
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.numerics.least_squares import Optimum
 from dashpot.solids.moving_plate import EvenStep
 
@@ -168,7 +168,7 @@ class _Flights(NamedTuple):
     @property
     def noise_correlation_factor(self) -> float:
         """Factor of the variance for correlated noise, before first contact."""
-        return noise_of(self.before).kappa if len(self.before) else 1.0
+        return estimate_noise(self.before).kappa if len(self.before) else 1.0
 
     @property
     def variance_increase(self) -> float | None:

@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     HyperelasticOptimum,
@@ -542,7 +542,7 @@ def _is_motion_of_machine(curve: ElasticCurve) -> bool:
     return any(
         column.startswith(("strain", "stretch"))
         and ("displacement" in column.casefold() or MACHINE_NAME.search(column))
-        for source in sources_of([curve])
+        for source in list_sources([curve])
         for column in source.columns
     )
 

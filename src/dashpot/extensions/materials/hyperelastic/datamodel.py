@@ -17,7 +17,7 @@ from dashpot.base.arrays import (
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
-from dashpot.base.provenance import Source, describe_record_source, sources_of
+from dashpot.base.provenance import Source, describe_record_source, list_sources
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
 from dashpot.base.serialisation import Key, Serialisable
@@ -235,7 +235,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
-        return sources_of(self.curves)
+        return list_sources(self.curves)
 
     @property
     def _headline(self) -> str:

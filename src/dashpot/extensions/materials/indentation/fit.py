@@ -22,7 +22,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import require_choice
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import get_display_unit
 from dashpot.base.value_ranges import SIZES
@@ -46,7 +46,7 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationFit, I
 from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
 from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
@@ -240,7 +240,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         clipped=window.clipped,
         other_laws=other_laws,
     )
-    return replace(fitted, checks=(*checked_checks, *caution_checks(sources_of([test]))))
+    return replace(fitted, checks=(*checked_checks, *caution_checks(list_sources([test]))))
 
 
 def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | None) -> None:
@@ -372,7 +372,7 @@ def _estimate_law_errors(
     signal = window.sample_collision(hit, float(best.theta[-1]))
     model = signal.value
     count = len(best.residual)
-    noise = noise_of(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
+    noise = estimate_noise(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples

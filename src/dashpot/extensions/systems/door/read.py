@@ -29,7 +29,7 @@ from dashpot.extensions.systems.door.read_closing import read_closing
 from dashpot.extensions.systems.door.read_leak import read_leak_setup
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
-from dashpot.reading.toml import Section, Vector, tables_of
+from dashpot.reading.toml import Section, Vector, read_tables
 
 MAX_SIZE = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
@@ -49,7 +49,7 @@ def read_door(path: str | Path) -> Door:
     ReadError
         If the file is not TOML, or a table lacks a key, has one too many, or says what cannot be.
     """
-    raw, tables = tables_of(path)
+    raw, tables = read_tables(path)
     for name in tables:
         if name not in {*_TABLES, "closing", "leak"}:
             text = ", ".join(f"[{table}]" for table in (*_TABLES, "closing", "leak"))
