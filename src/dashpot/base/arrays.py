@@ -75,7 +75,7 @@ def _are_equal(a: object, b: object) -> bool:
 
 
 def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
-    """Keep the result of a function of one frozen record with the record, as a property would."""
+    """Cache the result of a function on its frozen record, as a decorator."""
 
     @wraps(function)
     def once(record: T) -> R:
@@ -220,7 +220,7 @@ def _make_rotation_tables(count: int, turn: float) -> tuple[ComplexArray, Comple
 
 
 def increasing(name: str, values: FloatArray) -> FloatArray:
-    """Return `values` if they rise strictly, else say where they do not."""
+    """Return `values`; raise DataError at the first that does not rise strictly."""
     falls = np.flatnonzero(values[1:] <= values[:-1])
     if falls.size:
         i = int(falls[0]) + 1

@@ -50,7 +50,7 @@ def get_choice_values(choice: Any) -> tuple[str, ...]:
 def require_choice(
     name: str, value: object, choice: Any, error: type[DashpotError] = DataError
 ) -> None:
-    """Refuse what is none of the words of a choice.
+    """Raise an error if a word is none of the allowed choices.
 
     Raises
     ------
@@ -213,7 +213,7 @@ class FormData:
         return si_range(text, dimension) if text else None
 
     def options(self, files: int) -> tuple[str, ...]:
-        """Return the words of a shell that say the same of so many files."""
+        """Return the command-line words of the filled fields, for so many files."""
         results: list[str] = []
         for form_field in self.asks:
             names = (

@@ -85,7 +85,7 @@ class Source(Serialisable):
 
     @property
     def cautions_or_none(self) -> tuple[str, ...] | None:
-        """The cautions; None without any, of which no document speaks."""
+        """The cautions; None if there are none, so that a document leaves the key out."""
         return self.cautions or None
 
 

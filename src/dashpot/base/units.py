@@ -365,7 +365,7 @@ def from_unit(value: float | FloatArray, unit: Unit) -> float | FloatArray:
 
 
 def get_default_unit(dimension: Dimension) -> str:
-    """Return the unit in which something is given where nothing else is known.
+    """Return the default unit of a dimension.
 
     >>> get_default_unit("length"), get_default_unit("time")
     ('mm', 's')
@@ -452,7 +452,7 @@ def convert_to_si(value: Quantity, dimension: Dimension) -> float: ...
 @overload
 def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None: ...
 def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
-    """Return a quantity in SI units; a number is in SI already, None stays None.
+    """Return a quantity in SI units; numbers are taken as SI, None stays None.
 
     >>> convert_to_si("104g", "mass"), convert_to_si(0.104, "mass"), convert_to_si(None, "mass")
     (0.104, 0.104, None)

@@ -89,7 +89,7 @@ class PlausibleRange(NamedTuple):
     hard: Span
 
     def absurd(self, size: float) -> bool:
-        """Whether no test has it; what is no number is no such size, and 0 is said elsewhere."""
+        """Whether a value is impossible; not for nan and 0, which other checks refuse."""
         low, high = self.hard
         return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
 

@@ -381,7 +381,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         return {**intervals, "k_inf": self._k_inf_between(intervals["k_inf"], level)}
 
     def _k_inf_between(self, formal: Interval, level: float) -> Interval:
-        """The interval of k_inf: from 0 to what a test leaves of it, or to its own upper end."""
+        """The interval of k_inf: from 0 to the upper limit by the test, or to its own upper end."""
         if self._has_given_k_inf:
             return formal
         end = self.evidence.end_of_hold
@@ -519,7 +519,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """Everything done since the raw files."""
+        """All processing steps since the raw files."""
         return self.provenance.steps
 
     @property
@@ -745,7 +745,7 @@ def list_arm_values(fit: Fit) -> tuple[ReportedValue, ...]:
 
 
 def list_reported_nuisances(fit: Fit) -> tuple[Nuisance, ...]:
-    """Return the nuisance parameters to report: none where nothing explains two tests."""
+    """Return the nuisance parameters to report; none where two tests are contradictory."""
     return () if fit.evidence.has_unexplained_discrepancy else fit.estimate.nuisance
 
 

@@ -237,7 +237,7 @@ class DepthStiffness:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Evidence behind a fit: what the data support, and what remains undetermined.
+    """Evidence for a fit: scores of the model orders, checks, and undetermined quantities.
 
     Attributes
     ----------

@@ -225,7 +225,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return stiffness
 
     def _into_si(self) -> None:
-        """Put lines and values into SI: a ratio of two units shows what the values relate."""
+        """Convert frequencies and values to SI; the ratio of two units shows the kind of FRF."""
         if self.units == SI:
             return
         hertz, of_value = get_unit_words(self, {"frequency": "frequency", "value": "compliance"})

@@ -228,7 +228,7 @@ class Machine(Serialisable):
                 )
 
     def delay_sd(self, sample: float) -> float:
-        """Return standard deviation of the delay of the force, s, for samples so far apart, s."""
+        """Return the standard deviation of the force's delay, s, for a sample interval, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         if self.sync is None:
             return max(sample, DEFAULT_UNCERTAINTIES["delay"].size, filtered)
@@ -249,7 +249,7 @@ class Machine(Serialisable):
 
     @property
     def min_rest_time(self) -> float:
-        """Time for which a seal was left alone before its record, at least, s."""
+        """Least time that the seal was unloaded before its record, s."""
         return DEFAULT_UNCERTAINTIES["rest after it"].size if self.rest is None else self.rest
 
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
@@ -302,7 +302,7 @@ class Machine(Serialisable):
     def drift_conflict(
         self, slope: tuple[float, float], final: float, duration: float, noise: float | None = None
     ) -> float:
-        r"""Return by how much a baseline contradicts what is known of the cell: above 1 it does.
+        r"""Return the deviation of the measured drift from the stated one; above 1 they conflict.
 
         .. math:: |m| \big/ 3\sqrt{e^2 + w^2 + s^2}
 

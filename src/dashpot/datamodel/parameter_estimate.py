@@ -212,7 +212,7 @@ class ParameterEstimate(EqualByValue):
 
     @property
     def noise_only(self) -> ParameterEstimate:
-        """Estimate by the noise alone, as if the rig added nothing."""
+        """Estimate with the errors by noise alone, without those of the rig."""
         if self.noise_covariance is None:
             return self
         return replace(self, covariance=self.noise_covariance, noise_covariance=None)

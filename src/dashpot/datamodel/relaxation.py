@@ -386,7 +386,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @property
     def encoder_step(self) -> float:
-        """The step of the displacement's readings that noise leaves, m; 0 if none shows.
+        """The step of the displacement's readings, m; 0 if noise hides it.
 
         Noise beyond half a step dithers it away: readings then average to the truth.
         """
@@ -459,7 +459,7 @@ COARSE_STEP = 0.003
 
 
 def find_quantum(values: FloatArray) -> float:
-    """Return the step of which all differences are whole multiples; 0 if there is none to be seen.
+    """Return the step of which all differences are whole multiples; 0 if there is none.
 
     Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
     """

@@ -54,7 +54,7 @@ class Shift:
 
     @property
     def facts(self) -> tuple[ReportedValue, ReportedValue]:
-        """Both shifts as a table has them; what was held has no error."""
+        """Both shifts as rows of a table; a fixed one has no error."""
         return (
             ReportedValue("log10 a_T", self.log10_a_t, error=self.se or None),
             ReportedValue("b_T", self.b_t, error=self.b_t_se or None),
@@ -370,7 +370,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return min(self.tested_shifts, key=lambda shift: abs(shift.temperature - temperature))
 
     def times(self, scale: FloatArray) -> TemperatureShifts:
-        """Return the shifts of a solid whose parameters are so many times those of this one."""
+        """Return the shifts of a solid whose parameters are scaled by these factors."""
         if not len(self.cross):
             return self
         return replace(self, cross=self.cross * np.append(scale, 1.0)[:, None])
@@ -410,7 +410,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
 
 def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
+    """Return the covariance of `turn` @ x for x of this covariance, which may be infinite."""
     unknown = np.isinf(np.diag(covariance))
     values = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
     is_affected = (turn[:, unknown] != 0).any(axis=1)

@@ -81,7 +81,7 @@ class SpringRow:
         return first_id + 2 * station, first_id + 2 * station + 1
 
     def format_node_numbering(self, first_id: int) -> str:
-        """Return how a header says which nodes are whose."""
+        """Return the lines of the header that explain the numbers of the nodes."""
         last = self.nodes(len(self.stations) - 1, first_id)[1]
         return (
             f"nodes {first_id} to {last}, two at each place: the first is the ground side, the "

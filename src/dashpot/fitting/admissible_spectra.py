@@ -89,7 +89,7 @@ class SpectralData(Protocol):
         ...
 
     def rows(self, log_tau: FloatArray, *, slopes: bool) -> RelaxationRows:
-        """Everything that depends on the solid."""
+        """Rows of the design matrix, which depend on the solid."""
         ...
 
 
@@ -145,7 +145,7 @@ class AdmissibleSpectra:
     def _solve_on_grid(
         self, tests: Sequence[SpectralData], log_tau: FloatArray, start: FloatArray
     ) -> float:
-        """Take a grid, find the best spectrum on it from a start, N/m; return what it leaves."""
+        """Find the best spectrum on a grid from a start, N/m; return its residual SSE."""
         order = _spread(len(log_tau))
         all_rows = []
         for test in tests:
@@ -175,7 +175,7 @@ class AdmissibleSpectra:
         return self.total
 
     def reduce_grid(self, decades: float) -> AdmissibleSpectra:
-        """Return the same set on fewer relaxation times, at least so many decades apart.
+        """Return the same set on fewer relaxation times, at least `decades` apart.
 
         All that carry weight in a spectrum that was met stay, and so does the best. A search ends
         at a gain of `ROUGH_TOLERANCE` of a standard deviation of the noise. A limit is then
@@ -555,7 +555,7 @@ class StiffnessSet:
 
     @property
     def far(self) -> float:
-        """Some point of the set is as far."""
+        """Largest distance of a point of the set from the origin."""
         return max(map(abs, self.points))
 
     def find_hull_point(self) -> tuple[complex, bool]:

@@ -161,7 +161,7 @@ def build_prior_rows(
     design: FitSetup,
     spreads: Sequence[float] | None = None,
 ) -> tuple[DataBlock, ...]:
-    """Return what is known of each load cell and its clock before the fit, a block per test.
+    """Return the priors of each load cell and its clock as rows, one block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; by default
     as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.estimate_hold_noise`). Eq. 5 has
@@ -251,7 +251,7 @@ def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def regularise_clock(time: FloatArray) -> FloatArray:
-    """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
+    """Return an even clock if `time` is one but for rounding, else `time`.
 
     A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform
     grid, that grid is meant, and the fit need not treat the record as unevenly sampled.
@@ -314,7 +314,7 @@ class FitData:
 
     @property
     def full_rows(self) -> tuple[DataBlock, ...]:
-        """A row per sample, and what was known before them."""
+        """One row per sample, and the priors."""
         return (*self.samples, *self.priors)
 
     @property
@@ -328,14 +328,14 @@ class FitData:
 
     @cached_property
     def peak(self) -> float:
-        """Largest target: it sets what rounding alone leaves."""
+        """Largest target: it sets the level of rounding."""
         return max(find_largest_target(block) for block in self.samples)
 
 
 def build_fit_data(
     records: Sequence[RampHold], design: FitSetup, log_tau_start: FloatArray | None = None
 ) -> FitData:
-    """Return the tests as data, with what is known of load cell and clocks.
+    """Return the tests as data, with the priors of load cells and clocks.
 
     Whose solid has relaxation times `log_tau_start` some is not searched for: they are given as ln
     tau.
@@ -377,7 +377,7 @@ class InitialFit(NamedTuple):
         return tuple(series.values for series in self.series)
 
     def get_residuals(self, solution: Solution) -> tuple[ResidualSeries, ...]:
-        """Return what a solution leaves of each record, where that is at hand; else nothing."""
+        """Return the residual of each record, if it is available; else nothing."""
         return self.series if solution is self.noise_solution else ()
 
 
@@ -390,7 +390,7 @@ def fit_all_orders(
     only_max_arms: bool = False,
     log_tau_start: FloatArray | None = None,
 ) -> InitialFit:
-    """Solve up to `max_arms` arms, with priors that weigh as the noise does that is left.
+    """Solve up to `max_arms` arms, with the weight of the priors set by the residual noise.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
     that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last, which with

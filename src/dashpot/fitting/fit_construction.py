@@ -151,7 +151,7 @@ def _add_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Ch
 def estimate_without_errors(
     model: GeneralizedMaxwell, samples: int, sse: float, nuisance: tuple[Nuisance, ...]
 ) -> ParameterEstimate:
-    """Return what an optimum alone shows of its parameters: no error of any."""
+    """Return the parameters of an optimum as an estimate without errors."""
     names = parameter_names(model.arms)
     return ParameterEstimate(
         names,

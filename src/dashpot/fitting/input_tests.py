@@ -82,7 +82,7 @@ def split_depths(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
 
 
 def _isolate_loading(record: RampHold) -> RampHold:
-    """Return a loading without its history, and the check of what that leaves out.
+    """Return a loading without its history, and the check of the error by this.
 
     Of a seal that has not recovered the way from where it was met is taken for that from first
     contact: as long, in proportion.
@@ -139,7 +139,7 @@ def list_temperatures(records: Sequence[RampHold]) -> FloatArray:
 
 
 def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatArray:
-    """Return the temperatures of the tests, K; one or none if they are of one as far as is known.
+    """Return the temperatures of the tests, K; at most one if all have the same.
 
     `shared` is True where tests of several may be fitted: by the recorded motion, one solid.
 

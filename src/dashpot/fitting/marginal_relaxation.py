@@ -220,7 +220,7 @@ class RelaxationData:
         slopes: bool = True,
         extra_priors: Mapping[str, Prior] = MappingProxyType({}),
     ) -> RelaxationRows:
-        """Everything that depends on the solid, whitened for all that the rig adds.
+        """Rows that depend on the solid, whitened for the effects of the rig.
 
         But for what is `extra_priors`, by the kinds of its columns: a column each, times its
         standard deviation.
@@ -311,7 +311,7 @@ def _build_delay_columns(
 
 
 def misfits(relaxations: Sequence[RelaxationData]) -> tuple[float, float]:
-    """Return what the fit leaves of some tests, and what of it no model can remove."""
+    """Return the misfit of each test, and the part that no model can remove."""
     return sum(relaxation.misfit for relaxation in relaxations), sum(
         relaxation.floor for relaxation in relaxations
     )

@@ -378,7 +378,7 @@ def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
 
 
 def _draw_parameters(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
-    """Normal draws of parameters, none known worse than `widest`, shape (draws, p)."""
+    """Draw parameters from a normal law with errors up to `widest`, shape (draws, p)."""
     variance = np.diag(covariance)
     is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
     covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0

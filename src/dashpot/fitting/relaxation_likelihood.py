@@ -220,7 +220,7 @@ def _keep_slow_arms(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell
 
 
 def _compute_law_deviation(law: ElasticLaw | None) -> float:
-    """Return what the size of a vibration's force is not known to, where a gentle law bends.
+    """Return the relative error of the vibration stiffness by a slightly nonlinear law.
 
     About the depth it is the tangent's, about the middle of the way the secant's.
     """
@@ -230,7 +230,7 @@ def _compute_law_deviation(law: ElasticLaw | None) -> float:
 def _shift_to_reference(
     test: RampHold, fit: Fit, single_fit: Fit | None, *, for_limits: bool
 ) -> RelaxationData:
-    """Return a test of several temperatures: what it says of the solid at their reference.
+    """Return a test at another temperature as data of the reference temperature.
 
     Its shifts are as free as other spectra may want them, within what the line through the fit
     bears; its stiffnesses may differ by a gain.
@@ -415,7 +415,7 @@ def _weight_block(
 
 
 def _compute_arm_residual(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
-    """Return what the arms of a solid leave of a record, their stiffnesses free."""
+    """Return the residual of a record for these relaxation times, stiffnesses free."""
     rows = block.exact.evaluate(np.log(model.tau), derivative=False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
     return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])

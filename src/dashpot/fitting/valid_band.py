@@ -76,7 +76,7 @@ def _find_band_end(
     known_line: float,
     unknown_line: float,
 ) -> float:
-    """Return the last frequency with a known loss factor, between a known and an unknown one."""
+    """Return the last frequency at which the loss factor is known well enough."""
     for iteration in range(MAX_END_LINES):
         known_error, unknown_error = all_errors[known_line][1], all_errors[unknown_line][1]
         exponent = 0.5

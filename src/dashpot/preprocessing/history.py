@@ -99,7 +99,7 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
 def _fit_alternately(
     record: RampHold, plate: FloatArray, arms: int
 ) -> tuple[float, RampHold, EarlierLoadings]:
-    """Solid and face, each found with the other: what is left of the force, N, and the record."""
+    """Return residual, N, record and history of a solid and a seal face fitted in turn."""
     from dashpot.solids.moving_plate import simulate_face_under_plate
 
     (solid, remainder), ratio = _fit_solid(record, arms), np.inf
@@ -130,7 +130,7 @@ def _estimate_first_face(record: RampHold, plate: FloatArray) -> FloatArray:
 
 
 def _fit_solid(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
-    """A solid that follows the last loading after the earlier ones, and what it leaves, N rms."""
+    """Return a solid fitted to the last loading after the earlier ones, and its residual, N rms."""
     from dashpot.numerics.design_matrices.recorded_motion import build_recorded_block
     from dashpot.numerics.exponential_fit import solve_orders
 

@@ -315,7 +315,7 @@ def _find_earlier_loading(
     *,
     find_contact: Callable[..., tuple[Baseline, Touch]],
 ) -> _EarlierLoading | None:
-    """Return contact and baseline of earlier loadings; None if none pressed the seal."""
+    """Return contact and baseline of earlier loadings; None if there was no contact."""
     last_baseline, last_touch = last_contact
     if not list_earlier_presses(motion):
         return None

@@ -138,7 +138,7 @@ def filter_record(test: RampHold, chosen_filter: Filter) -> RampHold:
 
 
 def get_record_filter(test: RampHold) -> Filter | None:
-    """Return the filter that a record went through, None if it went through none."""
+    """Return the filter that was applied to a record; None if there was none."""
     for step in test.steps:
         if step.name == FILTER_STEP:
             return parse_filter(dict(step.parameters)["filter"])
@@ -368,7 +368,7 @@ def _compute_plate_amplitude(
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
-    """Return what was taken off, as a step of the preparation; nothing if nothing was."""
+    """Return the processing step that removed hum; None if none was removed."""
     if not lines:
         return ()
     lines_text = ", ".join(

@@ -139,7 +139,7 @@ class RawFile:
 
 @contextmanager
 def add_name_to_errors(name: str) -> Iterator[None]:
-    """Put a file's name before what is wrong with it or with its numbers."""
+    """Context manager that adds the name of the file to error messages."""
     try:
         yield
     except (ReadError, DataError) as error:
@@ -180,7 +180,7 @@ def open_raw(path: str | Path) -> RawFile:
 
 
 def missing(path: str | Path) -> str:
-    """Say that a file or folder is not there, and what is that may be meant."""
+    """Return the message for a missing file or folder, with similar names."""
     from difflib import get_close_matches  # few need it, and it costs time to import
 
     missing_path = Path(path)

@@ -71,7 +71,7 @@ def _column(message: str, **field_options: Any) -> Any:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Reading options; what is None is found in the file.
+    """Options for reading a file; those that are None are determined from the file.
 
     Every field is an option of the command line and a line of a profile.
 
@@ -281,7 +281,7 @@ class ReadOptions:
         return {name.strip().casefold(): unit for name, unit in dict(self.units).items()}
 
     def with_defaults(self, profile: ReadOptions) -> ReadOptions:
-        """These options, and the profile's wherever these say nothing."""
+        """Return these options, with those of a profile where they are None."""
         default = ReadOptions()
         given_fields = {
             field.name: getattr(self, field.name)
@@ -293,7 +293,7 @@ class ReadOptions:
         return replace(profile, **given_fields)
 
     def select_fields(self, names: Sequence[str]) -> ReadOptions:
-        """These fields of what is for all files, all else as if it had not been said."""
+        """Return only these fields of the options for all files."""
         selected_fields = {name: getattr(self, name) for name in names if name != "own"}
         return ReadOptions(**selected_fields, own=self.own)
 

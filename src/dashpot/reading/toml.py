@@ -102,7 +102,7 @@ class Section:
                 raise ReadError(f"{self.where}: {name} is missing")
 
     def quantity(self, name: str, dimension: Dimension) -> float | None:
-        """Return a quantity in SI units, such as ``"25kg"``; None if it is not there."""
+        """Return a quantity in SI units, such as ``"25kg"``; None if the key is missing."""
         value = self.entries.get(name)
         return None if value is None else self._quantity(name, value, dimension)
 

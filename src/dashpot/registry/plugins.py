@@ -225,7 +225,7 @@ def parse_extension(name: str, mapping: Mapping[str, Any]) -> Extension:
 
 
 def find_plugin(group: Group, name: str) -> Plugin | None:
-    """Return the plug-in of a name; None if there is none.
+    """Return the plug-in of this name; None if it is not installed.
 
     Raises
     ------

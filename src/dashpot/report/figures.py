@@ -64,7 +64,7 @@ def render_figure(
     low: float | None = None,
     phone: int = 1,
 ) -> RenderedFigure:
-    """Draw a picture for a page: `width` px wide, by default what its columns leave.
+    """Render a picture for a page, `width` px wide; by default the width of its column.
 
     On a phone and on paper its panels are `low` px high together at most, if that is given. On a
     phone `phone` strips stand beside each other, on paper three at most.

@@ -284,7 +284,7 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
 
 
 def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
-    """Storage and loss factor over frequency, one above the other, and what is known of them.
+    """Return figures of storage and loss factor over frequency, with their bounds.
 
     Parameters
     ----------
@@ -366,7 +366,7 @@ def make_solid_groups(fit: Fit) -> Iterator[Group]:
 
 
 def _make_band_rows(fit: Fit) -> Iterator[Row]:
-    """Storage and loss factor at the middle of the band, with what the parameters leave open."""
+    """Return storage and loss factor at the middle of the band, with their errors."""
     low, high = fit.band
     if not (0 < low < high):
         return

@@ -409,7 +409,7 @@ def resonance(study: Study) -> TextTable | None:
 
 
 def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
-    """The solids that are known, by what they are from, and the mass on each."""
+    """Return the models by the test that they are from, and the mass on each."""
     yield "model from relaxation", study.fit, mass
     other = replace_by_alternative(study.fit)
     if other is not None:

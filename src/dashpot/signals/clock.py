@@ -46,7 +46,7 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
 
 
 def find_rate_change(time: FloatArray) -> ClockJump | None:
-    """Return where steps change most, if at once and for twenty to either side, else None.
+    """Return where the sampling rate changes most, if it is even on both sides; else None.
 
     `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
     """

@@ -45,7 +45,7 @@ def _compute_line_residuals(time: FloatArray, values: FloatArray, count: int = 1
 
 
 def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
-    """True where one sample stands apart while its two neighbours agree."""
+    """Return a mask of samples that deviate from two neighbours that agree."""
     magnitude = np.abs(values - median_of_three(values))
     is_confirmed = np.zeros(len(values), dtype=bool)
     limit = 0.02 * float(np.ptp(values))

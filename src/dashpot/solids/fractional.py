@@ -203,7 +203,7 @@ class FractionalZener(Solid, Serialisable):
     # -- algebra ------------------------------------------------------------------------------
 
     def __add__(self, other: object) -> Solid:
-        """Side by side: springs and dashpots join it, any other solid stands beside it."""
+        """Return both in parallel: springs and dashpots merge, other solids are kept beside it."""
         if not isinstance(other, Solid):
             return NotImplemented
         is_spring = isinstance(other, GeneralizedMaxwell) and not other.arms

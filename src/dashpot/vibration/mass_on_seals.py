@@ -354,7 +354,7 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
 
 
 def _estimate_undamped_pole(model: Solid, mass: float) -> complex:
-    """Return the pole of the undamped mass, 1/s: a start where rounding left none."""
+    """Return the pole of the undamped mass, 1/s, as a starting point."""
     omega = np.sqrt(max(model.k_0, 0.0) / mass)
     for _ in range(50):
         stiffness = float(model.stiffness_at(1j * omega).real) if omega > 0 else 0.0

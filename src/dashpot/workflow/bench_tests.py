@@ -207,7 +207,7 @@ class BenchFitOptions(SolidOptions):
         )  # fmt: skip
 
     def nothing_of(self, *names: str) -> bool:
-        """Return whether each of these is left at what it is where nothing is said."""
+        """Return whether all of these options have their defaults."""
         return all(getattr(self, name) == getattr(BenchFitOptions, name) for name in names)
 
 
@@ -321,5 +321,5 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
 
 
 def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
-    """Return the optimum with so many arms alone, which is drawn, not checked."""
+    """Return the optimum with this number of arms, without checks, as for a figure."""
     return fit_relaxation(test, arms=arms, method=method, intervals=False)

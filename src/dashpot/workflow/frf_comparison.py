@@ -45,7 +45,7 @@ def find_mass_on_seals(
     *,
     band: tuple[float, float] | None = None,
 ) -> MassOnSeals:
-    """Return what moves with the block given, else what the peak of the FRF in `band`, Hz, implies.
+    """Return the mass that moves: by the options, else by the peak of the FRF in `band`, Hz.
 
     The seals are as stiff as under that mass, or at the compression given.
     """

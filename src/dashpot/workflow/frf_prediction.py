@@ -68,7 +68,7 @@ def apply_part_factor(
     base: bool,
     peak: Callable[[Solid, float, float], float] | None = None,
 ) -> Fit:
-    """Return the fit of one of `seals` such parts; the fit itself where nothing is said.
+    """Return the fit of one of `seals` such parts; the fit itself if no part is given.
 
     `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
     the user was measured.
@@ -561,7 +561,7 @@ def prediction(
 
 
 def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
-    """Return what a level does to the parts; None where none is asked for."""
+    """Return the predictor of a level of excitation; None if none is given."""
     if choices is None or not choices.levels:
         return None
     predictor: LevelPredictor = require_handler("predict at levels", choices)(choices, swept)
@@ -686,7 +686,7 @@ class MountedMass:
 def _compute_bounds(
     load: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
 ) -> Callable[..., FRFBounds] | None:
-    """Return what bounds the FRF by the relaxation tests; None without them."""
+    """Return the bounds of the FRF by the relaxation tests; None without tests."""
     if not tests:
         return None
     from dashpot.workflow.bench_tests import fill_missing_temperatures, refuse_unfitted_tests

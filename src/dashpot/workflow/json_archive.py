@@ -53,7 +53,7 @@ def has_edited_fit(value: Any) -> bool:
 
 
 def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return a JSON object whose keys each stand once."""
+    """Return a JSON object; raise an error if a key occurs twice."""
     entries = dict(pairs)
     if len(entries) < len(pairs):
         keys = [key for key, _ in pairs]
@@ -63,7 +63,7 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def list_children(value: Any, path: str) -> dict[str, Any]:
-    """Return what an object or an array holds by its place; nothing of any other value."""
+    """Return the members of a JSON object or array by their path; none of other values."""
     if isinstance(value, dict):
         return {f"{path}.{key}": child for key, child in value.items()}
     if isinstance(value, list):
@@ -72,7 +72,7 @@ def list_children(value: Any, path: str) -> dict[str, Any]:
 
 
 def find_mistyped_number(value: Any, path: str = "$") -> str:
-    """Say which number of a document is a text; nothing if none is."""
+    """Return a message for a number that a document has as text; "" if there is none."""
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
         numeric = path.rpartition(".")[2].partition("[")[0] in _NUMERIC
         return f'{path} is the text "{value}"; expected a number, with a point' if numeric else ""
@@ -83,7 +83,7 @@ def find_mistyped_number(value: Any, path: str = "$") -> str:
 
 
 def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
-    """Report what a document holds beyond its value written again; nothing if all is known."""
+    """Return a message for keys that are not in the format; "" if there are none."""
     if value == reference:
         return ""
     if isinstance(value, dict | list) and type(value) is not type(reference):
@@ -132,7 +132,7 @@ def schemas() -> dict[str, type[Serialisable]]:
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
-    """Return what a schema name holds; only what it names is loaded."""
+    """Return the class of a schema name; only the module that it needs is imported."""
     return find_handler("document", name) or schemas().get(name)
 
 
@@ -304,7 +304,7 @@ def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | Non
 
 @cache
 def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
-    """Return what adds to the values of a document what its keys leave out."""
+    """Return the function that adds default values to the keys of a document."""
     completion = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
     return _FIELD_CONVERSIONS.get(cls) or completion or dict
 
@@ -451,7 +451,7 @@ def read_fit(path: str | Path) -> Fit:
 
 
 def read_exported(path: str | Path) -> object:
-    """Return a solid or a fit of which a row says who exports it; ``-`` is stdin.
+    """Read a solid or a fit for an export; ``-`` is stdin.
 
     Raises
     ------
@@ -471,7 +471,7 @@ def _require_fit(path: str | Path, result: object) -> Fit:
 
 
 def format_unexpected_kind(path: str | Path, result: object) -> str:
-    """Return what a document holds that is not what was wanted, and who wants it."""
+    """Return the message for a document of another kind than the command needs."""
     return f"{path} is {_describe_kind(str(getattr(result, 'schema', '')))}"
 
 

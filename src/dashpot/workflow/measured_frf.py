@@ -89,7 +89,7 @@ def measured_frf(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
 ) -> FRF:
-    """Return the FRF of what was measured, with what it says of itself.
+    """Return the FRF of a test, with the metadata of its file.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def add_frf_checks(
     mass: float | None = None,
     is_driven: bool = True,
 ) -> FRF:
-    """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
+    """Return a measured FRF with the checks of its values at the peak.
 
     The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
     Only where a point is struck itself (`is_driven`) does its phase show whether the part
@@ -208,7 +208,7 @@ def average(
 
 
 def total_mass(block: BlockOnSeals) -> tuple[float | None, tuple[Check, ...]]:
-    """Return the block's mass with what moves of the seals, where both are known."""
+    """Return the mass of the block and the moving part of the seals, where both are known."""
     if block.mass is not None:
         SIZES["mass"].refuse(block.mass)
     if block.mass is None or block.seal_mass is None:

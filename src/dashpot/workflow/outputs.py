@@ -56,7 +56,7 @@ class Outputs:
             _refuse_closed(path)
 
     def write(self, path: str | Path, content: str | bytes) -> None:
-        """Write a file whole or not at all, and the folder it stands in if there is none."""
+        """Write a file atomically; create its folder if necessary."""
         self.claim([path])
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         write_atomic(path, content.encode() if isinstance(content, str) else content)

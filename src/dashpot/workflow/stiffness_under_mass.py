@@ -222,7 +222,7 @@ def frf_limits(
 
 
 def _scale_bounds(bounds: FRFBounds, frequency: float, height: float) -> FRFBounds:
-    """Return limits on an axis so many times as long, so many times as high."""
+    """Return limits with both axes multiplied by factors."""
 
     def times(scale: float, interval: tuple[float, float] | None) -> tuple[float, float] | None:
         return None if interval is None else (scale * interval[0], scale * interval[1])

@@ -70,7 +70,7 @@ LOGO_TYPES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 
 
 def read_logo(path: str | Path) -> str:
-    """Return an image as a data URI. As an image, an SVG runs nothing and loads nothing.
+    """Return an image as a data URI; an SVG in an image element runs no script.
 
     Raises
     ------
@@ -456,7 +456,7 @@ def _select_earlier_fit(
 
 
 class _MassResponse(NamedTuple):
-    """Predicted and measured response of the mass on the seals; else nothing."""
+    """Predicted and measured response of the mass on the seals; None where missing."""
 
     prediction: FRF | None = None
     comparison: Comparison | None = None
@@ -472,7 +472,7 @@ class _MassResponse(NamedTuple):
 
 
 class _JointResults(NamedTuple):
-    """Both tests fitted together, and what that fit says of the mass; else nothing."""
+    """Results of the joint fit of both tests, and its mass; None where missing."""
 
     joint: Fit | None = None
     joint_prediction: FRF | None = None

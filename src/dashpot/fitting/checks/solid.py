@@ -246,7 +246,7 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
 
 
 def format_residual(rms: float, unit: str) -> str:
-    """Return what a fit leaves in words."""
+    """Return the residual of a fit as text."""
     if unit in {"N", "m"}:
         return format_quantity(rms, {"N": "mN", "m": "um"}[unit], ".3g")
     return f"{100 * rms:.3g} %" if unit == "1" else f"{rms:.3g} {unit}"

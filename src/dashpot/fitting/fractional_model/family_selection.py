@@ -246,7 +246,7 @@ class FractionalFit(SelectedModel):
 
     @property
     def is_at_edge(self) -> bool:
-        """Slope or relaxation time stands at an end of what is sought."""
+        """Whether slope or relaxation time is at an end of its range."""
         return bool(self.solution.at_bound.any())
 
     def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:  # noqa: ARG002
@@ -265,7 +265,7 @@ class FractionalFit(SelectedModel):
 
 
 def fit_fractional(data: FitData) -> FractionalFit:
-    """Return the best fractional solid of some data, whose priors weigh as their noise does.
+    """Return the best fractional solid; the weight of the priors follows the noise.
 
     Raises
     ------
@@ -344,7 +344,7 @@ class FamilySelection:
         )
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
-        """Return what to ask of a solid that was taken beside another family."""
+        """Return the checks of a solid that was selected against another family."""
         if self.other is None:
             return ()
         check = model_families_distinguished(alternative)
@@ -359,7 +359,7 @@ class FamilySelection:
 
 
 class _Contender(NamedTuple):
-    """One solid of a family: what it leaves, N^2, and how many parameters it has."""
+    """One solid of a family: its sum of squared residuals, N^2, and its number of parameters."""
 
     family: SelectedModel
     solid: Solid
@@ -460,7 +460,7 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
 def add_linear_alternative(
     nonlinear_fit: Fit, residuals: Sequence[FloatArray], fit: FractionalFit
 ) -> Fit:
-    """Return a fit hold first that says what a linear fractional solid makes of the same tests.
+    """Return a nonlinear fit with a linear fractional solid as its alternative.
 
     Parameters
     ----------

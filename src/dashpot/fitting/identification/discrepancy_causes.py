@@ -122,7 +122,7 @@ def explain_discrepancy(
     law: ElasticLaw | None = None,
     compression: float | None = None,
 ) -> Discrepancy | None:
-    """Look for what explains both tests; None if they agree.
+    """Find the cause that explains the difference of both tests; None if they agree.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def _find_failed_checks(candidate: Candidate) -> set[str]:
 
 
 def agreement(candidate: Candidate, priors: NuisancePriors | None = None) -> list[Check]:
-    """Return every check of whether one seal explains all tests under what is known of the rig.
+    """Return the checks of whether one seal explains all tests, given the priors of the rig.
 
     `priors` is that, where the candidate was found with a cause free.
     """
@@ -265,7 +265,7 @@ def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
 
 
 def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Check]:
-    """Return how far each nuisance had to go from what was known of it."""
+    """Return the deviation of each nuisance parameter from its prior."""
     mass = priors.mass
     pairs = [
         (checks.gain_plausible, float(np.log(point.gain)), priors.gain.sd),
@@ -349,7 +349,7 @@ def _format_stiffness_change(value: float, error: float) -> str:
 
 
 def format_seal_count_hint(value: float) -> str:
-    """Say so where the seals are as stiff as another number of them would be."""
+    """Return a hint if the stiffness would fit another number of seals."""
     times = max(value, 1 / value)
     if round(times) < 2 or abs(times / round(times) - 1) > _COUNT_TOLERANCE:
         return ""

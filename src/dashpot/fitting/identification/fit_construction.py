@@ -82,7 +82,7 @@ class AlternativeCandidate(NamedTuple):
 
     @property
     def worst_misfit_ratio(self) -> float:
-        """Root of what the best leaves of a test over what the other does, of the worst test."""
+        """Ratio of the misfits of both families, of the test where it is worst."""
         own_misfits, other_misfits = (
             _compute_misfits(candidate) for candidate in (self.best, self.other)
         )
@@ -131,7 +131,7 @@ def reselect_family(
 
 
 def is_at_bound(candidate: Candidate) -> bool:
-    """Return whether a relaxation time or a slope stands at an end of what is sought."""
+    """Return whether a relaxation time or a slope is at an end of its range."""
     problem = candidate.problem
     numbers = candidate.theta[: problem.sought.size]
     return is_at_edge(problem.sought, numbers, problem.log_tau_range)
@@ -335,7 +335,7 @@ def build_identified_fit(
 def compute_end_of_data(
     best: Candidate, earlier_fit: Fit | None, estimate: ParameterEstimate
 ) -> EndOfHold | None:
-    r"""Return what the tests leave open of the stiffness at rest; None where nothing bounds it.
+    r"""Return the limits of the stiffness at rest; None if no test limits it.
 
     A hammer says nothing of it: with a hold it is what the hold leaves. Of vibration alone it is at
     most the storage at the lowest line, :math:`k_\infty \le K'(\omega_1)`, for
@@ -637,7 +637,7 @@ def _compare_parameters(
 
 
 def _match_arms(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
-    """New arm -> old arm, nearest pairs first, none farther apart than a factor e."""
+    """Return the old arm of each new arm: nearest pairs first, within a factor e."""
     pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
     entries: dict[int, int] = {}
     for distance, i, j in pairs:

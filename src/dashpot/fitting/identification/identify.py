@@ -356,7 +356,7 @@ def _fit_candidates(
 
 
 def _find_lowest_optimum(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
-    """Return the lowest optimum from several starts, or the first that nothing is left of."""
+    """Return the lowest optimum from several starts, or the first that fits exactly."""
     attempts: list[Candidate] = []
     for start in starts:
         attempts.append(descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE))
@@ -546,7 +546,7 @@ def _spread_arms(problem: IdentificationProblem, earlier_fit: Fit | None) -> lis
 def _extend_reach(
     problems: list[IdentificationProblem], max_arms: int
 ) -> list[IdentificationProblem]:
-    """They seek arms as slow as lines can show without a measurement: computed, without scatter."""
+    """Return the problems, of computed lines with slower arms: these have no scatter."""
     identification_problem = problems[-1]
     if (
         identification_problem.frf_data.known_sd

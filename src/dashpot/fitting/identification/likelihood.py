@@ -290,7 +290,7 @@ class ModelPrediction:
 
     @property
     def rows(self) -> Rows:
-        """All weighted residuals, tests first, what is known beforehand last; none is linear."""
+        """All weighted residuals: tests first, priors last; none is linear."""
         y = -np.concatenate([*self.tests, self.lines, self.prior_residuals[0]])
         return Rows(y, np.empty((len(y), 0)), lambda _: self.slope)
 
@@ -532,7 +532,7 @@ class Candidate:
 
     @property
     def exact(self) -> bool:
-        """True if it leaves nothing of the lines, and nothing else was measured."""
+        """Whether it fits the lines exactly, and there is no other data."""
         lines = 2.0 * len(self.problem.frf_data.lines.s)
         is_negligible = self.line_misfit / lines <= SMALLEST_SCATTER**2
         return (

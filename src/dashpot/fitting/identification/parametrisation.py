@@ -125,11 +125,11 @@ class Arms:
         return dict(zip(names, values.tolist(), strict=True)), indices
 
     def is_identified(self, error: FloatArray) -> bool:
-        """Return whether standard errors of the numbers leave none unknown."""
+        """Return whether the standard errors of all parameters are small enough."""
         return bool(self.find_identified_arms(error).all())
 
     def find_identified_arms(self, error: FloatArray) -> BoolArray:
-        """Return which arms those leave known, in the order of the numbers."""
+        """Return which arms these errors identify, in the order of the parameters."""
         N = self.count
         return is_well_determined(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
 
@@ -259,14 +259,14 @@ def differentiate_poles(
 def is_at_edge(
     parametrisation: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]
 ) -> bool:
-    """Return whether a relaxation time or a slope stands at an end of what is sought."""
+    """Return whether a relaxation time or a slope is at an end of its range."""
     low, high = (limits := parametrisation.ends(log_tau)).T
     end_numbers = numbers[len(numbers) - len(limits) :]
     return bool(np.any((end_numbers < low + _AT_EDGE) | (end_numbers > high - _AT_EDGE)))
 
 
 def on_another_spring(solid: Solid, times: float) -> Solid:
-    """Return a solid whose k_inf alone is so many times as large."""
+    """Return the solid with k_inf multiplied by a factor."""
     if isinstance(solid, FractionalZener):
         k_inf = times * solid.k_inf
         return replace(solid, k_inf=k_inf, k_0=solid.k_0 - solid.k_inf + k_inf)

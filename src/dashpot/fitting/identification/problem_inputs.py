@@ -117,7 +117,7 @@ def _use_earlier_fit(fit: Fit | None, temperature: float | None, family: str) ->
 def find_operating_point(
     earlier_fit: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
-    """Return the operating point under the hammer; None if not needed or not known."""
+    """Return the operating point under the hammer; None if it is not needed or unknown."""
     law = None if earlier_fit is None else earlier_fit.elastic_law
     if earlier_fit is None or law is None or law.kind == "linear":
         return None
@@ -151,7 +151,7 @@ def require_seals(seals: float) -> float:
 
 
 def make_priors(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
-    """Return what is known of mass, rig and seals before the hammer."""
+    """Return the priors of mass, rig and seals."""
     factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
     return NuisancePriors(
         _make_mass_prior(mass, rig.mass_sd),
@@ -177,7 +177,7 @@ def make_constraints(solid_prior: KnownSolid, prior_tests: PriorTests) -> Constr
 
 
 def _make_mass_prior(mass: float | None, sd: float | None) -> Prior | None:
-    """Return what is known of a mass, kg."""
+    """Return the prior of a mass, kg."""
     if mass is None:
         return None
     if not (np.isfinite(mass) and mass > 0):

@@ -150,7 +150,7 @@ class RampLaw:
 
     @property
     def rho(self) -> tuple[float, ...]:
-        """Residual of each hold over what the hold alone leaves."""
+        """Residual of each hold over that of a fit of the hold alone."""
         return tuple(a / b for a, b in zip(self.optimum.hold, self.hold.rms, strict=True))
 
 

@@ -145,13 +145,13 @@ def assess_residuals(
 
 
 def _compute_motion_residual(test: RampHold, ramp: slice) -> float:
-    """Return standard deviation of what the encoder leaves of the motion on the ramp, m."""
+    """Return the standard deviation of the encoder's error on the ramp, m."""
     _, residual = denoise_displacement(test)
     return float(np.sqrt(np.mean(residual[ramp] ** 2)))
 
 
 def sample_noise(scatter: float, rms: float) -> float:
-    """Standard deviation of the noise of one sample, N: its scatter, or what its hold leaves.
+    """Standard deviation of the noise of one sample, N: scatter, or residual of its hold.
 
     What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
     """
@@ -238,7 +238,7 @@ class HoldBlocks:
 
 
 def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
-    """Return what a hold is given beside arms: of one that stands, an offset is as its spring."""
+    """Return the nuisance terms of a hold: no offset at rest, where it equals the spring."""
     return ("offset",) if abs(record.hold_creep) > MAX_CREEP else ()
 
 

@@ -234,7 +234,7 @@ class QuasiLinear:
 
     @property
     def bends(self) -> slice:
-        """The hats whose shape is free: none of a straight law."""
+        """The hats with a free shape; none if the law is linear."""
         return slice(0, len(self.knots) if len(self.knots) > 2 else 0)
 
     def theta(self, log_tau: FloatArray, shape: FloatArray) -> FloatArray:
@@ -353,7 +353,7 @@ class Weighted:
         self._known[len(sd) : -1] = np.diag(1.0 / prior_sd)
 
     def _white(self, columns: FloatArray) -> FloatArray:
-        """Columns of the rows in units of their noise, rows of zeros for what is known before."""
+        """Columns of the rows in units of their noise, with rows of zeros for the priors."""
         values = np.zeros((len(self.target), columns.shape[1]))
         values[: len(columns)] = self.root[:, None] * columns
         return values

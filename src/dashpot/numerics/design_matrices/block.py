@@ -445,7 +445,7 @@ def prior_block(
     *,
     unit: float,
 ) -> DataBlock:
-    r"""Return what is known of fixed coefficients before the data, as rows beside those of a block.
+    r"""Return priors of fixed coefficients as rows beside those of a block.
 
     .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
 

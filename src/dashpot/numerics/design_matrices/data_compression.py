@@ -461,7 +461,7 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
 
 
 def _append_floor_row(factor: FloatArray) -> FloatArray:
-    """Return the factor whose last row is what no column reaches: nothing, where rows are few."""
+    """Return the factor with a last row for the residual that no column reaches, if any."""
     rows, columns = factor.shape
     return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
 

@@ -175,7 +175,7 @@ def estimate_noise(
     *,
     rounding: float = 0.0,
 ) -> Noise:
-    r"""Return what `residual`, shape (n,), says about its noise.
+    r"""Return the noise estimated from `residual`, shape (n,).
 
     A fit takes the part of the noise that its columns span out of the residuals: with Q an
     orthonormal basis of the Jacobian and S the sum of all :math:`\gamma_l`,
@@ -209,7 +209,7 @@ def estimate_noise(
 def _join_noise_scales(
     fine_noise: Noise, slow_autocovariance: FloatArray, samples_per_mean: int
 ) -> Noise:
-    """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
+    """Return the noise of fine and coarse scales: of samples, and of means over a few."""
     gamma, fine_length = fine_noise.autocovariance, len(fine_noise.autocovariance)
     lag = np.arange(fine_length, max(samples_per_mean * len(slow_autocovariance), fine_length))
     # between one mean and its neighbour it is at least what neighbours share
@@ -230,7 +230,7 @@ def _join_noise_scales(
 def _estimate_noise(
     series: ResidualSeries, columns: JacobianColumns | None, *, rounding: float = 0.0
 ) -> Noise:
-    """Return what the correlations of neighbours say, up to the lag at which chance takes over."""
+    """Return the noise by the autocorrelation up to the lag at which it is chance."""
     n = len(series.values)
     kept_autocovariance, gamma = series.sequence
     parameters = 0.0 if columns is None else columns.absorbed_count
@@ -459,7 +459,7 @@ class Directions(NamedTuple):
         *,
         other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
     ) -> FloatArray:
-        """Return the covariance of the parameters (p, p), infinite where the data say nothing."""
+        """Return the covariance of the parameters (p, p), infinite where they are undetermined."""
         noise_matrix = noise_along.copy()
         for absorbed_columns, columns in zip(other_columns, self.columns, strict=False):
             row = absorbed_columns(columns.matrix)

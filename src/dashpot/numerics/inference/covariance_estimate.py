@@ -244,7 +244,7 @@ def estimate(
     prior_variance: float | None = None,
     with_fine_scales: bool = False,
 ) -> Estimate:
-    """Return what the residuals of each record say of an optimum.
+    """Return the covariance estimate of an optimum, by the residuals of each record.
 
     Parameters
     ----------

@@ -421,7 +421,7 @@ class _SimultaneousProfiles:
                 goals[i] = trace.goal
 
     def _spare(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
-        """Let each arm's walks know what it costs to do without the arm."""
+        """Add the deviance without each arm to the walks of that arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
         of_arm = {arm: i for i, arm in enumerate(sides.owner.tolist()) if arm >= 0}

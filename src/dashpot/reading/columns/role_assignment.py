@@ -187,7 +187,7 @@ def _likely_accelerations(
 
 
 def _floor(best: float) -> float:
-    """The least score beside the best: one unit-only column beside named ones is something else."""
+    """Return the least score of a candidate beside the best one."""
     if best < 2.0:
         return 1.0
     return max(1.5, best - 1.5) if best >= 3.5 else 1.5
@@ -284,7 +284,7 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
 
 
 def _fits(word: str, role: Role) -> bool | None:
-    """Return whether a unit word is one of a role: None where it measures something else."""
+    """Return whether a unit fits a role; None if it is of another dimension."""
     dimension = DIMENSION.get(role)
     if role == "magnitude":
         return parse_response_unit(word) is not None
@@ -392,7 +392,7 @@ def join_questions(table: FileTable, questions: Sequence[Question]) -> str:
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
-    """Return whether the name says the role best, but the unit suits nothing that the name says."""
+    """Return whether the name fits the role best, but the unit fits none of its meanings."""
     word = column.unit
     if not word:
         return False
@@ -414,7 +414,7 @@ def _all_say_something(table: FileTable) -> bool:
 
 
 def _example(table: FileTable, role: Role) -> str:
-    """Return a column that could be meant: one whose name says nothing else."""
+    """Return a column that may have the role: its name has no other meaning."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
     example_index = _PLACE.get(role, 0)
     at = numbers[min(example_index, len(numbers) - 1)]
@@ -533,7 +533,7 @@ def _determine_frequency_unit(word: str, column: Column, label: str) -> str:
 
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
-    """Ask what a factor beside a unit does: nobody knows if it is applied to the numbers."""
+    """Ask whether a factor beside a unit has been applied to the numbers."""
     result = split_factor(word)
     unit = result and (units.find_unit(result[1], dimension) or _find_part_unit(result[1], role))
     if not result or not unit or sensitivity(word, dimension, None):
@@ -550,7 +550,7 @@ def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> N
 
 
 def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> None:
-    """Ask what a factor stated beside the numbers does: nobody knows if it is applied to them."""
+    """Ask whether a factor in the header has been applied to the numbers."""
     if not column.factor:
         return
     raise ReadError(
@@ -562,7 +562,7 @@ def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> 
 
 
 def get_unit_word(column: Column, role: Role, options: ReadOptions) -> str | None:
-    """Return what the user, or else the file, says is the unit of a column in its role, if any."""
+    """Return the unit of the column of a role by the options, else by the file; or None."""
     pure = "1" if role == "stretch" else None  # a ratio of lengths
     sentences = (options.unit_of(role, column.name), column.unit, pure)
     return next((word for word in sentences if word is not None), None)
@@ -585,7 +585,7 @@ def _unit_like(column: Column, role: Role) -> str:
 
 
 def _clock_unit(label: str, stated_unit: str | None) -> Unit:
-    """Seconds, in which clock times are read whatever stands over them."""
+    """Return seconds, the unit of clock times whatever their heading."""
     if stated_unit is None or stated_unit == "s" or vocabulary.clock_order(stated_unit):
         return units.parse_unit("s", "time")
     raise ReadError(

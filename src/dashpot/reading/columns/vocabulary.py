@@ -240,7 +240,7 @@ def tokens(name: str) -> list[str]:
 
 
 def has_word(name: str, words: tuple[str, ...]) -> bool:
-    """Return whether one of the words stands in the name, alone or (CJK) as a part."""
+    """Return whether one of the words is in the name, as a word or (CJK) as a part."""
     name = replace_channel_number(name)
     single, inner_words = _split_search_words(words)
     return not single.isdisjoint(_split_name_words(name)) or any(
@@ -257,7 +257,7 @@ def _split_name_words(name: str) -> frozenset[str]:
 
 @lru_cache(maxsize=64)
 def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[str, ...]]:
-    """Return what a name may hold as a word of its own, and what as a part of one."""
+    """Return the search words that must be whole words, and those that may be parts."""
     return frozenset(words), tuple(word for word in words if ord(word[0]) > 0x3000)
 
 
@@ -307,7 +307,7 @@ def replace_channel_number(name: str) -> str:
 
 @lru_cache(maxsize=1 << 16)
 def find_informative_words(name: str) -> str:
-    """Return a name without its own number, "" if none of its words says anything.
+    """Return a name without its number; "" if none of its words has a meaning.
 
     >>> find_informative_words("Force 0017"), find_informative_words("ceoeeaa")
     ('Force 00', '')

@@ -305,7 +305,7 @@ _INTERVAL = compile_on_use(
 
 
 def _interval_hints(header: Sequence[str]) -> list[str]:
-    """Return what the header says about the time between two samples."""
+    """Return a hint on the sampling interval that the header states."""
     for line in header:
         match = _INTERVAL.search(line[:500])
         unit = match and units.find_unit(match[2] or "s", "time")
@@ -317,7 +317,7 @@ def _interval_hints(header: Sequence[str]) -> list[str]:
 
 
 def _hints(header: Sequence[str]) -> list[str]:
-    """Return what the header says about the sampling rate, for a table without time."""
+    """Return a hint on the sampling rate that the header states, for a table without time."""
     names = []
     for line in header:
         match = _RATE.search(line[:500])

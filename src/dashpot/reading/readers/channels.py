@@ -92,7 +92,7 @@ class OpenedFile:
         return unit_for(self.table.columns[index], index + 1, role, self.options)
 
     def unit_word(self, index: int, role: Role) -> str | None:
-        """Return what the user, or else the file, says is the unit of a column, if either does."""
+        """Return the unit of a column by the options or the file; or None."""
         return get_unit_word(self.table.columns[index], role, self.options)
 
 
@@ -160,7 +160,7 @@ def pop_cached_file(path: str | Path, options: ReadOptions) -> OpenedFile | None
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:
-    """Return what one file with one set of options is known by, as long as it is not written to."""
+    """Return the cache key of a file with its options, valid until the file changes."""
     try:
         stat = Path(path).stat()
     except (OSError, ValueError):  # stdin, or no such file
@@ -226,7 +226,7 @@ def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
 def select_columns(
     file: OpenedFile, roles: Sequence[Role], *, other_questions: Sequence[Question] = ()
 ) -> list[RoleAssignment]:
-    """Return the columns that play the roles; `other_questions` is asked with what they leave open.
+    """Return the columns of the roles; raise their open questions with `other_questions`.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def select_columns(
 
 
 def format_role_conflict(columns: Sequence[Column], index: int, name: Role, other: Role) -> str:
-    """Say that a column would play two roles, and what to do."""
+    """Return the message for a column that would have two roles."""
     return (
         f"{format_column(columns, index)} would be both {name} and {other}; name the columns with "
         f"{flag(name)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
@@ -412,7 +412,7 @@ def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -
 
 
 def describe_rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
-    """Say which other columns could have played a role, where one was clearly better."""
+    """Return notes on other columns that could have had a role."""
     taken_columns = {channel.index for channel in channels_chosen}
     columns = file.table.columns
     notes = []
@@ -637,7 +637,7 @@ _SLOWER: tuple[Role, ...] = ("velocity", "displacement")
 
 
 def find_mass_motions(file: OpenedFile, taken_columns: Sequence[int]) -> list[RoleAssignment]:
-    """Return the motions beside the base's: those named, else accelerations, else the others."""
+    """Return the motions of the mass: the named ones, else accelerations, else the others."""
     options = file.options
     roles_named = [role for role in _SLOWER if getattr(options, role)]
     assignments: list[RoleAssignment] = []

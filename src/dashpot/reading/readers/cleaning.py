@@ -192,7 +192,7 @@ def _mean_rate(time: FloatArray) -> str:
 
 
 def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
-    """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is.
+    """Return notes on jumps of the clock and on an unusual sampling rate.
 
     A unit that is `is_stated` by the user, or by every cell, is not doubted.
     """
@@ -216,7 +216,7 @@ def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
 
 
 def round_steps(time: FloatArray, unit: Unit) -> list[str]:
-    """Say if a clock in minutes or hours has steps that are round there, and no recorder's.
+    """Return a note if steps are round in minutes or hours, as those of no recorder.
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
 
 
 def _find_late_start(steps: FloatArray) -> list[str]:
-    """Say if the first row stands far before all others, which a jump may have parted from it."""
+    """Return a note if the first sample is far before all others."""
     rest = steps[1:].max(initial=0.0)
     if len(steps) < 2 * NEIGHBOUR_STEPS or not steps[0] > JUMP_RATIO * rest:
         return []
@@ -252,7 +252,7 @@ def _find_late_start(steps: FloatArray) -> list[str]:
 
 
 def _list_clock_jumps(time: FloatArray) -> list[str]:
-    """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
+    """Return notes on jumps and interruptions of the clock."""
     # of the first and the last row others show
     leaps = [jump for jump in find_clock_jumps(time) if 0 < jump.at < len(time) - 2]
     notes = [
@@ -303,7 +303,7 @@ def _creeps(values: FloatArray) -> float:
 
 
 def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAssignment, ...]:
-    """Return the clock of the displacement and that of the force, if each has its own; else none.
+    """Return the clocks of displacement and force, if each has its own; else None.
 
     A signal's own clock is the column of time right before it, where no one column is the time.
     """

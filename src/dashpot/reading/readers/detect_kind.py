@@ -119,7 +119,7 @@ def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = N
 
 
 def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
-    """Return whether a unit is known, and is none of a dimension."""
+    """Return whether a unit is known and not of this dimension."""
     dimensions = units.dimensions(word or "")
     is_mass_unit = dimension == "force" and bool(find_weight(word))
     return bool(dimensions) and dimension not in dimensions and not is_mass_unit
@@ -171,7 +171,7 @@ def _load_signals_by_row(
 
 
 def _load_motion(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
-    """Return time and signals; nothing of an ambiguous or invalid record: its reader says why."""
+    """Return time and signals; None if the record is ambiguous or invalid."""
     try:
         channels_chosen, clocks = moving_columns(file, *pair)
         values, _ = load_signals(file, channels_chosen, clocks)

@@ -239,7 +239,7 @@ def _get_window_decay(
 
 
 def _lags(table: FileTable, index: Mapping[Role, int]) -> list[str]:
-    """Say how a phase is read whose name says a lag, which others count the other way."""
+    """Return a note on a phase that is named as a lag, of opposite sign."""
     name = table.columns[index["phase"]].name if "phase" in index else ""
     if not has_word(name, ("lag", "nacheilung", "retard")):
         return []
@@ -265,7 +265,7 @@ class FRFColumns(NamedTuple):
 
 
 def determine_frf_columns(file: OpenedFile) -> FRFColumns:
-    """Return what must be known before the numbers of an FRF are read.
+    """Return the columns, units and kind of an FRF, which its values need.
 
     Raises
     ------
@@ -309,7 +309,7 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
 
 
 def _describe_missing_columns(file: OpenedFile, index: Mapping[Role, int]) -> str:
-    """Return what to say of columns that make no FRF."""
+    """Return the message for columns that make no FRF."""
     columns_text = list_columns(file.table.columns)
     parts = {"magnitude", "phase"} & index.keys()
     if "frequency" in index and len(parts) == 1:
@@ -369,7 +369,7 @@ def _determine_kind(file: OpenedFile, role: Role, index: int) -> Ratio:
 
 
 def _get_stated_kind(table: FileTable, *, over_base: bool) -> Kind | None:
-    """The kind that a comment says; of a motion over a base a name may say that it is relative."""
+    """Return the kind in a comment; a column name may add that a motion is relative."""
     words = [match[1] for line in table.header if (match := _STATED.match(line))]
     kind = next((Kind(word) for word in words if word in set(Kind)), None)
     relative = kind is None and over_base and is_relative_transmissibility(table)
@@ -392,7 +392,7 @@ def _compute_derivative_factor(
 
 
 def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
-    """Say if real and imaginary part stand in different units."""
+    """Return a note if real and imaginary part have different units."""
     if "real" not in index:
         return []
     real, imaginary = (file.table.columns[index[role]] for role in ("real", "imaginary"))

@@ -255,7 +255,7 @@ class StatedWindow(NamedTuple):
 
 
 def stated_window(header: Sequence[str], record: float | None = None) -> StatedWindow | None:
-    """Return the exponential window that the lines of a header state; None if they state none.
+    """Return the exponential window that the header states; None if it states none.
 
     Parameters
     ----------

@@ -166,7 +166,7 @@ class Inspection(Plottable):
 
     @property
     def use(self) -> str:
-        """Command that takes such a file, or why none does; empty where that is not known."""
+        """Command that reads such a file, or why there is none; empty if unknown."""
         return get_kind_command(self.kind)
 
 
@@ -286,7 +286,7 @@ def _inspect_columns(
 
 
 def _first(numbers: Sequence[int], values: FloatArray) -> _First:
-    """Return the first few numbers of each column of numbers: None where there is none."""
+    """Return the first few values of each numeric column; None of other columns."""
     rows = values[:_SHOWN_NUMBERS]
     cells = rows.astype(object)
     cells[np.isnan(rows)] = None
@@ -391,7 +391,7 @@ def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[
 def _make_role_questions(
     file: OpenedFile, role: Role, assignment: RoleAssignment | Question
 ) -> list[Question]:
-    """Return what a role leaves open: its column, or the unit of that."""
+    """Return the open questions of a role: its column, or the unit of that."""
     if isinstance(assignment, RoleAssignment):
         return list_unit_questions(lambda: file.unit(assignment.index, role), role)
     needless = role == "loss" and file.column("loss_factor")
@@ -399,7 +399,7 @@ def _make_role_questions(
 
 
 def list_unit_questions(settle: Callable[[], object], role: str) -> list[Question]:
-    """Return the question of the unit of a role if what settles it raises; none otherwise."""
+    """Return the question of the unit of a role, if it is open."""
     try:
         settle()
     except ReadError as error:

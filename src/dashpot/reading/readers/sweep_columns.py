@@ -160,7 +160,7 @@ def _find_both_columns(assignments: Mapping[Role, RoleAssignment | Question]) ->
 
 
 def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
-    """Return the column of the loss factor, or else of the loss angle, whose name may be given.
+    """Return the column of the loss factor, or else of the loss angle.
 
     Where several could be the one, or the other, what to ask.
     """
@@ -275,7 +275,7 @@ def _check_loss_factor(
     reported: FloatArray,
     values: Mapping[Role, FloatArray],
 ) -> list[str]:
-    """Say if a column of loss factors is not loss over storage; ask which is right if by far."""
+    """Return a note if the loss factor is not loss over storage; ask if it is far off."""
     columns = file.table.columns
     reported = reported / (100 if columns[factor].unit == "%" else 1)
     valid = np.isfinite(reported) & (reported > 0) & (values["storage"] > 0) & (values["loss"] > 0)

@@ -194,7 +194,7 @@ class Timestamp(NamedTuple):
 
 
 def parse_clock_time(cell: str) -> Timestamp | None:
-    """Return what ``09:18:09.717``, ``1/5/2024 9:18:09 PM`` or ``18:09.7`` says, or None."""
+    """Parse a clock time such as ``09:18:09.717``, ``1/5/2024 9:18:09 PM`` or ``18:09.7``."""
     match = _CLOCK.match(cell) if cell[:1].isdigit() else None
     if match is None:
         return None
@@ -213,7 +213,7 @@ def parse_clock_time(cell: str) -> Timestamp | None:
 
 
 def parse_clock_or_date(cell: str) -> Timestamp | None:
-    """Return what a cell of a column of clock times says: a date alone is its midnight."""
+    """Parse a cell of a column of clock times; a date alone is its midnight."""
     return parse_clock_time(cell) or (Timestamp(cell, 0.0, "hms") if _DATE.match(cell) else None)
 
 
@@ -260,7 +260,7 @@ class ClockColumn:
         return np.array([timestamp.seconds for timestamp in timestamps])
 
     def seconds(self, cell: str) -> float | None:
-        """Return the seconds of the day that the next cell says, or None."""
+        """Return the next cell as seconds of the day, or None."""
         self.rows += 1
         timestamp = parse_clock_or_date(cell)
         if timestamp is None:

@@ -131,7 +131,7 @@ class Dialect:
         return self.delimiter != " " and len(cells) > 1 and looks_like_number(cells[0])
 
     def is_cut_off(self, lines: Sequence[str]) -> bool:
-        """Return whether the last line is a row whose last number alone has too few decimals.
+        """Return whether the last number of the last line has fewer decimals than the others.
 
         Too few are fewer than all rows before it have, at least four.
         """
@@ -268,7 +268,7 @@ def _has_groups(window: Sequence[str]) -> bool:
 def _find_plain_dialect(
     window: Sequence[str], signs: Sequence[str], decimal_marks: Sequence[Mark]
 ) -> Dialect | None:
-    """Return the dialect by which every cell of a window is a plain number, None if there is none.
+    """Return the dialect if every cell of a window is a plain number, else None.
 
     No other makes more of it: in plain numbers stands no delimiter but their comma.
     """
@@ -291,7 +291,7 @@ def _find_plain_dialect(
 
 
 def _most_numbers(sign: str, window: Sequence[str]) -> int:
-    """The numbers of a window if every cell were one; none where the delimiter does not stand."""
+    """Return the largest possible count of numbers of a window for a delimiter."""
     if sign == " " or sign.startswith("fixed:"):
         widest = max((len(line.split()) + line.count('"') for line in window), default=0)
         return len(window) * max(widest, 1 + sign.count(",") + (sign != " "))
@@ -356,7 +356,7 @@ def _score_run(
 
 
 def decimals(text: str, decimal_mark: Mark) -> int | None:
-    """Characters behind the decimal mark of a number, None if the cell is none."""
+    """Return the number of digits after the decimal mark; None if the cell is no number."""
     if not cell.is_number(text, decimal_mark):
         return None
     mark_index = max(map(text.rfind, decimal_mark))

@@ -130,7 +130,7 @@ def _merge_digits(word: IndexArray, point_index: int, point: int) -> bool:
 
 
 def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
-    """Return whole lines whose cells a sign parts, None unless all have as many.
+    """Return lines split at a delimiter; None unless all have the same number of cells.
 
     Of blanks any number parts two cells, or stands before the first.
     """

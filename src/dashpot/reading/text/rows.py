@@ -65,7 +65,7 @@ class _Marks:
     seen: set[str] = field(default_factory=set)
 
     def is_redundant(self, text: str) -> bool:
-        """Return whether a cell adds nothing to what is known.
+        """Return whether a cell adds no information.
 
         What was said before shows nothing new: of a counter a few rows are enough. Nor, where the
         decimal mark is sure, does a cell without another mark.
@@ -481,7 +481,7 @@ class _Reader:
         return notes
 
     def _add(self, values: FloatArray, line: int) -> None:
-        """Add rows, once what stands before them is judged."""
+        """Add rows, after the lines before them are classified."""
         gathered = self.got
         if gathered.rows and gathered.between:
             single = len(gathered.between) == 1
@@ -500,7 +500,7 @@ class _Reader:
         gathered.add(values, line)
 
     def _find_header_change(self) -> str | None:
-        """Return what a second header says otherwise than the first; None if there is no header."""
+        """Return how a second header differs from the first; None if there is none."""
         if not self.heading.columns:
             return ""
         texts = tuple(text for _, text in self.got.between)
@@ -543,7 +543,7 @@ class _Reader:
         return values
 
     def _add_other_line(self, line: str, number: int) -> None:
-        """Keep a line that is no row: a heading of the next segment, or what ends the file."""
+        """Keep a line that is no row: the heading of the next segment, or the end of the file."""
         lines_between = self.got.between
         if re.search(r"\w", line):
             if len(lines_between) >= _HEADING:
@@ -560,7 +560,7 @@ class _Reader:
         )
 
     def _is_malformed_row(self, pair: tuple[int, str]) -> bool:
-        """Return whether a line beside rows holds numbers as they do, and is none."""
+        """Return whether a line looks like a row but cannot be parsed as one."""
         text = pair[1]
         if text not in self.odd:
             comment = re.match(r"\A\s*+[#%$!]", text) is not None
@@ -588,7 +588,7 @@ class _Reader:
         )
 
     def _find_malformed_cell(self, names: Sequence[str]) -> str:
-        """Return what is odd of a line that has the cells of a row and is none."""
+        """Return the malformed cell of a line with as many cells as a row."""
         contents = self.dialect.contents
         for i in self.dialect.numbers:
             text = names[i] if i < len(names) else ""

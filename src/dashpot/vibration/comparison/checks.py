@@ -303,7 +303,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
 
 
 def format_conclusion(c: Comparison) -> str:
-    """Return the conclusion of a verdict: what agrees, what does not, why, and what to do."""
+    """Return the conclusion of a comparison: agreement, differences, causes and remedy."""
     checks = {check.name: check for check in c.checks}
     unit_check, damping_check = checks["no_unit_error"], checks.get("damping_tested")
     if unit_check.failed:

@@ -228,7 +228,7 @@ def _assemble_mass_on_seals(
     seals: float,
     compression: float | None,
 ) -> tuple[Solid | None, float | None, OperatingPoint | None]:
-    """Return model of all seals, mass and operating point, each None where it is not known."""
+    """Return model of all seals, mass and operating point; None where unknown."""
     if model is not None:
         solid = seals * model
         mass = _infer_predicted_mass(predicted, solid) if mass is None else mass

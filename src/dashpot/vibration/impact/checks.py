@@ -221,7 +221,7 @@ def mass_over_base(frf: FRF) -> Finding:
 
 
 def _explain_absolute(magnitude: complex) -> tuple[str, Remedy]:
-    """Why a transmissibility may be of this size below its resonance, and what to do."""
+    """Return the likely cause of such a transmissibility below resonance, and a remedy."""
     if 0.5 < abs(magnitude) < 2:
         if magnitude.real > 0:
             return "it looks like the base over the mass", Remedy("Take mass over base.")
@@ -236,7 +236,7 @@ def _explain_absolute(magnitude: complex) -> tuple[str, Remedy]:
 
 
 def _explain_relative(part: float, magnitude: complex) -> tuple[str, Remedy]:
-    """Why a relative motion may be so many times that of a mass on a spring, and what to do.
+    """Return the likely cause of such a relative motion, and a remedy.
 
     Below its resonance; over the motion of the base it is `size` there.
     """

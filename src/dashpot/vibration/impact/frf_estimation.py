@@ -257,7 +257,7 @@ def _find_signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> F
 def _combine(
     transforms: ChannelSpectra, choices: AveragingOptions
 ) -> tuple[FloatArray, Combination | None]:
-    """Return weights of the accelerometers, and what is known of rocking."""
+    """Return weights of the accelerometers, and the data on rocking."""
     count = len(transforms.channels)
     mean = np.full(count, 1 / count)
     if choices.combine in transforms.channels:

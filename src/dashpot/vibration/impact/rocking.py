@@ -109,7 +109,7 @@ def compute_rocking_weights(
 
 
 def _find_poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
-    """Poles: first what accelerometers do together, then what they do against each other, others.
+    """Return the poles: that of the common motion, that of rocking, others.
 
     Hits to either side of the centre rock the block in opposite senses, so an average hides it;
     the strongest pattern over hits and accelerometers does not.

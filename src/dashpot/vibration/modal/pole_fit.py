@@ -198,7 +198,7 @@ class BackgroundProjection:
 
 
 class _Residues(NamedTuple):
-    """Best residues of each channel, and what the poles' slopes say besides."""
+    """Best residues of each channel, and their derivatives by the poles."""
 
     residues: ComplexArray  # (channels, modes)
     residuals: FloatArray  # (channels, 2n)
@@ -419,7 +419,7 @@ class PoleFit:
 
 
 def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> PoleFit | None:
-    """Add modes, each where the others leave most, until none is left that matters.
+    """Return the modes: add one at a time where the residual is largest, until none is significant.
 
     Parameters
     ----------
@@ -511,7 +511,7 @@ def _add_best_pole(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial,
 
 
 def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
-    """Return what each of these poles, none of them refined, takes off the squared residuals."""
+    """Return the fall of the squared residuals by each of these poles, unrefined."""
     ground, count = trial.ground, len(scan.poles)
     gains = np.zeros(count)
     for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
@@ -608,7 +608,7 @@ def _count_parameters(channels: FloatArray) -> int:
 
 
 def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
-    """Tell whether the last mode added is one, and explains more than chance would."""
+    """Return whether the last mode is a real one and explains more than chance would."""
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
@@ -620,7 +620,7 @@ def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
 
 
 def _is_mode(trial: PoleTrial, i: int) -> bool:
-    """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
+    """Return whether pole i is in the band, oscillates, decays, is distinct and tall."""
     lines, p = trial.ground.lines, trial.poles[i]
     omega, record = lines.s.imag, lines.record
     if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MAX_DAMPING * p.imag:
