@@ -54,7 +54,7 @@ def judge_for_app(
 
 
 def describe_limit_file(path: Path) -> dict[str, Any] | None:
-    """Return what the list of files says of a limit file; None of another TOML file."""
+    """Return the entry of a limit file in the list of files; None for another TOML file."""
     try:
         _, tables = read_tables(path)
     except ReadError:

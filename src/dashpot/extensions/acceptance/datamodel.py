@@ -229,7 +229,7 @@ class Acceptance(Printable, Serialisable):
 
     @property
     def title(self) -> str:
-        """Both answers in one sentence: whether the model holds, and whether the seal does."""
+        """Both verdicts in one sentence: that of the model and that of the seal."""
         model = {
             "use": "The model holds",
             "use with care": "The model holds with care",

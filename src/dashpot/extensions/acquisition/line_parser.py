@@ -28,7 +28,7 @@ _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 
 def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
-    """Return the columns beside the time, where that stands, and its unit, s."""
+    """Return the columns without the time, its position, and its unit, s."""
     matches = [_NAMED.fullmatch(" ".join(column.split())) for column in columns]
     words = [(match[1].strip(), match[2].strip()) for match in filter(None, matches)]
     if not words or None in matches:
@@ -103,7 +103,7 @@ class Lines:
         return times, values
 
     def notes(self) -> tuple[str, ...]:
-        """Return what was lost so far, in sentences."""
+        """Return the notes on lost samples so far."""
         names = []
         if self._at is None:
             names.append("the device sends no time: it is that of this computer, as lines arrived")

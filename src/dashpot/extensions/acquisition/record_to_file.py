@@ -121,7 +121,7 @@ class _Log:
             return False
 
     def _begin(self) -> None:
-        """Take off what an earlier record left, and write the head."""
+        """Delete the rest of an earlier record, and write the header."""
         if self._begun:
             return
         self._begun = True
@@ -149,7 +149,7 @@ class _Log:
             self._synced = time.monotonic()
 
     def close(self, notes: tuple[str, ...]) -> None:
-        """Say at the end what was lost, and see everything on the disk."""
+        """Report lost samples, and flush the file to the disk."""
         for note in notes if self._begun else ():
             self._say(note)
         os.fsync(self._handle)

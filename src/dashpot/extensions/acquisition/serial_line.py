@@ -43,7 +43,7 @@ class SerialLine:
         self._handle = _open_serial_line(port, baud)
 
     def describe(self) -> Description:
-        """Return what is read, and what was lost so far."""
+        """Return the source and the lost samples so far."""
         stated = (self._said,) if self._said else ()
         return Description(self._device, self._lines.channels, (*self._lines.notes(), *stated))
 
@@ -65,7 +65,7 @@ class SerialLine:
         self._over = True
 
     def _read(self) -> bytes | None:
-        """Return what has come; None at the end of the line."""
+        """Return the bytes that have arrived; None at the end of the stream."""
         try:
             return os.read(self._handle, 1 << 16) or None
         except BlockingIOError:

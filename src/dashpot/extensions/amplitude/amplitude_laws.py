@@ -95,7 +95,7 @@ class FittedLaw:
 
     @property
     def residual(self) -> float:
-        """Rms of what is left, of either part."""
+        """Rms of the residual, of both parts."""
         return float(np.sqrt((np.abs(self.residuals) ** 2).mean() / 2))
 
 
@@ -257,7 +257,7 @@ class _LawOnSweep:
         return -join_complex_parts(best.residual)
 
     def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
-        """Return what a term of X^4 gains in deviance, and k3 beside it."""
+        """Return the fall of the deviance by a term of X^4, and k3 with it."""
         X, n = self.sweep.amplitude, len(best.residual)
         cubic_columns = stack_real_rows((X / X.max()) ** 4 / self.size)
         cubic_fit = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, cubic_columns)))
@@ -296,7 +296,7 @@ class _LawOnSweep:
         return {name: float(entry) for name, entry in entries.items()}
 
     def rises(self, residual: ComplexArray) -> bool:
-        """Return whether the storage rises at the end, where a spring stands beside Kraus's law.
+        """Return whether the storage rises at the end, as by a spring in parallel to Kraus's law.
 
         A spring that only bends how the storage falls is but another way to soften.
         """

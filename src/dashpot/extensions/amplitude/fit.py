@@ -192,7 +192,7 @@ def _compute_errors_with_delay(
 
 
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
-    """Size of a cubic spring that might stand beside a law that has none, 95 %."""
+    """Return the 95 % limit of a cubic spring in parallel to a law without one."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
     fixed_exponent = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
     fitted = fit_sweep_law(sweep, law, fixed_exponent)
@@ -236,7 +236,7 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
 
 
 def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
-    """Change of the modulus at the same amplitude on the way down; None if there is no such way."""
+    """Return the change of the modulus on the way down; None if there is no such way."""
     values = []
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)

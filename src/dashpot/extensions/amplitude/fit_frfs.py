@@ -206,7 +206,7 @@ class _TermsOptimum:
 
     @property
     def residual(self) -> float:
-        """Rms of what is left of F/X."""
+        """Rms of the residual of F/X."""
         return float(np.sqrt((np.abs(self.residuals) ** 2).mean()))
 
     @property
@@ -217,7 +217,7 @@ class _TermsOptimum:
 
     @property
     def parts(self) -> Parts:
-        """The solid and what stands beside it; what is nothing is left out."""
+        """The solid and the parts parallel to it that are not zero."""
         problem, k = self.problem, self.k
         min_stiffness = _ROUNDING * float(k.sum())
         arms, yield_stiffness = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
@@ -349,7 +349,7 @@ def compute_level_rows(
 
 
 def _compute_reliability(lines: FRF) -> FloatArray:
-    """Return how well lines are known beside most, by the error that the FRF states: at most 1."""
+    """Return the weights of lines by the stated error of the FRF, at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
     relative = np.maximum(lines.line_scatter / np.abs(lines.value), MIN_LINE_ERROR)

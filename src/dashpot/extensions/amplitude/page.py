@@ -135,7 +135,7 @@ def list_level_values(levels: AmplitudeResult) -> list[ReportedValue]:
 
 
 def format_residual_note(levels: AmplitudeResult) -> str:
-    """Return what the fit leaves, and where nothing is known of it."""
+    """Return a note on the residual of the fit, and on the range of the data."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         word, scale = _get_amplitude_unit(fit)

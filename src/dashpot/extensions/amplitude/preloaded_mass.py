@@ -461,7 +461,7 @@ class _PressedBalance:
         return x, self._apply_arms(self.of.law.force(np.maximum(x, 0.0)))
 
     def balance(self, z: FloatArray, share: float) -> FloatArray:
-        """Return what is left of the forces, N, at a share of the level."""
+        """Return the residual of the force balance, N, at a share of the level."""
         force = np.maximum(self.pressing(z)[1], 0.0)
         residual = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
         residual[0] -= self.of.static_force

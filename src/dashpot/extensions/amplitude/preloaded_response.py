@@ -364,7 +364,7 @@ class _AtLevels:
     def interval(
         self, run: Sequence[Orbit], best: int, jump_into: Jump | None, shown_orbits: Sequence[Orbit]
     ) -> LevelInterval | None:
-        r"""Return the 95 % interval by the delta method; None where no error is known.
+        r"""Return the 95 % interval by the delta method; None if the error is unknown.
 
         The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
         :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.

@@ -59,7 +59,7 @@ class InSeries(AmplitudeDependent):
         return compute_series_stiffness(self.behind, self.solid, w, X)
 
     def start(self) -> tuple[Any, Any, float]:
-        """Both at rest, and the displacement of the part behind."""
+        """Return both elements at rest, and the displacement between them."""
         return InParallel((self.solid,)).start(), self.behind.start(), 0.0
 
     def advance(

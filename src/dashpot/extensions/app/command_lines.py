@@ -45,7 +45,7 @@ def note_file(part: T, name: str) -> T:
 
 
 def format_options(result: Any, *names: str) -> list[str]:
-    """Return the options that say what a noun says, or these fields of it, as they are typed.
+    """Return the options of a dataclass value, or of some of its fields, as they are typed.
 
     Nothing of its defaults; its parts say theirs.
 
@@ -155,7 +155,7 @@ def format_predict_command(job: Job, frf: FRF, fit: str = FIT_FILE) -> str:
 
 
 def _merge_read_options(job: Job) -> ReadOptions:
-    """What the files are read by: the units of all of them, and of each what is its own.
+    """Return the reading options: the units of all files, and the other options of each.
 
     A column or a mark of one file would make the other another kind of test.
     """

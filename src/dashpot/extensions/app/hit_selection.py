@@ -47,7 +47,7 @@ class HitSelection(NamedTuple):
 
     @property
     def message(self) -> str:
-        """What is proposed, and why."""
+        """The proposed selection, and the reason."""
         if not self.deviations:
             return "" if len(self.keep) >= MIN_HITS else "Record at least three hits that pass."
         largest = max(self.deviations[name] for name in self.keep)
@@ -69,7 +69,7 @@ def _format_deviation(value: float) -> str:
 
 
 def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
-    """Return the FRF of every hit alone, by its name; none of one that gives none.
+    """Return the FRF of every single hit, by its name; failed ones are left out.
 
     Parameters
     ----------

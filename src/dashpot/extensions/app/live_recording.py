@@ -155,7 +155,7 @@ class Live:
         }  # fmt: skip
 
     def _whereabouts(self, rows: int) -> list[str]:
-        """Say where the record lies."""
+        """Return the path of the record as text."""
         if not rows:
             return []
         if self._path.parent == self._store.folder:

@@ -140,7 +140,7 @@ def compute_mean_residual(
 
 
 def _make_axes(prepared: RampHold, full_test: RampHold) -> tuple[tuple[float, float], Scale]:
-    """What is in sight of the ramp, s on the clock of the record, and the axis of the hold."""
+    """Return the visible range of the ramp, s on the clock of the record, and the hold's axis."""
     ramp_time, first, end = prepared.ramp_time, float(prepared.time[0]), float(full_test.time[-1])
     hold_length = end - prepared.ramp_end
     start = min(_get_axis_start(prepared), hold_length / 10)

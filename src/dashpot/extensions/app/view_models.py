@@ -219,7 +219,7 @@ def render_test_panels(
 
 
 def _format_noise_comparison(residual_text: str, prepared: RampHold, unit: str) -> str:
-    """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
+    """Return the residual of a force against its noise, in `unit` if that is the axis'."""
     force_unit, factor = select_plot_unit(np.array([prepared.force_noise]), "N")
     noise_text = round_to_error(factor * prepared.force_noise, digits=2)
     text = f"{residual_text.removesuffix(force_unit).rstrip()}, noise {noise_text}"
@@ -262,7 +262,7 @@ def _recolour_panel(panel: Panel, colour: str) -> Panel:
 
 
 def _label_arms(panel: Panel, fit: Fit) -> Panel:
-    """Return the spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
+    """Return the spectrum of the arms, with a label on each; k∞ is in the table."""
     if fit.family != "maxwell" or not fit.model.arms:
         return panel
     k = convert_to_unit(np.array(fit.model.k), get_display_unit(fit.unit)).tolist()
@@ -371,7 +371,7 @@ def _make_coherence_panels(study: Study, frequency: Scale) -> tuple[Panel, ...]:
 
 
 def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
-    """Return the curves of the tab's solid, the hammer's, and what the prediction leaves open."""
+    """Return the curves of the tab's model, of the hammer, and the prediction's bounds."""
     joint, comparison = study.joint_comparison, study.comparison
     if joint is None or comparison is None or study.prediction is None:
         return _make_predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
@@ -419,7 +419,7 @@ def render_pulse_panels(
 
 
 def format_hammer_line(study: Study) -> str:
-    """Return what the list of files says of a hammer test once it was averaged."""
+    """Return the entry of an averaged hammer test in the list of files."""
     if study.measured is None or not study.measured.hits:
         return ""
     accepted = sum(hit.accepted for hit in study.measured.hits)
@@ -451,7 +451,7 @@ def compute_live_test(
     unit: str = "N",
     time_origin: float | None = None,
 ) -> LiveCurves:
-    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers.
+    """Return the curves, residual and numbers of a fit while a handle is dragged.
 
     The axes of the hold stand as they were drawn: they count from `time_origin` on the record's
     clock, s.
@@ -480,7 +480,7 @@ def compute_live_test(
 
 
 def format_end_stiffness(fit: Fit, prepared: RampHold) -> tuple[str, str]:
-    """What the stiffness of one seal at the end of the hold is called, and how large it is."""
+    """Return name and value of the stiffness of one seal at the end of the hold."""
     unit, hold_time_text = (
         get_display_unit(fit.unit),
         duration(prepared.hold_time).replace(".0 ", " "),
@@ -562,7 +562,7 @@ def find_explaining_mass(study: Study) -> str:
 
 
 def make_fit_indicators(fit: Fit) -> tuple[Light, ...]:
-    """Return what is known before the hammer is compared, or the limits are sought."""
+    """Return the indicators of a fit, before the hammer and the limits are computed."""
     return (
         first_screen.make_test_light(fit.checks),
         *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
@@ -661,7 +661,7 @@ def render_solid(fit: Fit) -> str:
 
 
 def render_terms(title: str, terms: Sequence[Term], note: str = "", *, subject: str = "") -> str:
-    """Terms by unit, each with its interval and a mark, and what else is to be said of them.
+    """Render terms by unit, each with its interval and a mark, and notes on them.
 
     `subject` is the identity of the fit, by which a deck is requested.
     """
@@ -687,7 +687,7 @@ def _make_pads(texts: Sequence[str]) -> list[str]:
 
 
 def render_checks(checks: Sequence[Check]) -> str:
-    """Return what failed, the gravest first, and how many were judged, each grade apart."""
+    """Render the failed checks, the gravest first, and the number of checks by grade."""
     distinct = list(dict.fromkeys(checks))
     failed = [
         (GRADE_MARKS[check.grade], *_split_finding(check), check.message_with_remedy)
@@ -708,7 +708,7 @@ def render_checks(checks: Sequence[Check]) -> str:
 
 
 def _split_finding(check: Check) -> tuple[str, str]:
-    """Return what was found, in one sentence, and what to do about it."""
+    """Return the finding of a check in one sentence, and its remedy."""
     return sentences(check.message)[0], check.remedy.words if check.remedy else ""
 
 
@@ -729,7 +729,7 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
 
 
 def format_next_test(study: Study, checks: Sequence[Check]) -> str:
-    """What would show more of the end of the hold; nothing where a failed check has said so."""
+    """Return the test that would determine the end of the hold; "" if a check has said so."""
     end = study.fit.evidence.end_of_hold
     stated = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated:
@@ -818,7 +818,7 @@ def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
 
 
 def file_row(inspection: InspectedFile) -> dict[str, Any]:
-    """Return what the list of files says of one: its kind, one line, a mark."""
+    """Return the entry of a file in the list: its kind, one line, a mark."""
     is_unusable = _get_refusal(inspection) or _format_unplaced_kind(inspection)
     mark = "care" if inspection.questions else "bad" if is_unusable else "good"
     return {
@@ -845,7 +845,7 @@ def _format_file_line(inspection: InspectedFile) -> str:
 
 
 def _get_refusal(inspection: InspectedFile) -> str:
-    """Why a file is not fitted; that loops are no ramp and hold is no reason."""
+    """Return why a file is not fitted; not for loops, which have no ramp and hold."""
     return "" if get_section(inspection) == "level" else inspection.refusal
 
 

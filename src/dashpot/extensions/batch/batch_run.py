@@ -250,7 +250,7 @@ def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:
-    """Say what :func:`batch` would do and how long it would take; nothing is written.
+    """Return the work of :func:`batch` and its expected time; write nothing.
 
     Raises
     ------

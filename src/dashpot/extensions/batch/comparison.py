@@ -50,7 +50,7 @@ class Compared(Serialisable):
 
     @property
     def different(self) -> bool | None:
-        """Whether chance alone gives such a difference in fewer than 5 % of trials.
+        """Whether chance gives such a difference in fewer than 5 % of trials.
 
         None of lots that share records.
         """

@@ -181,7 +181,7 @@ def _are_all_read(tasks: Sequence[Task]) -> bool:
 
 
 def _scan_states(folder: str, results: Path) -> Iterator[tuple[object, ...]]:
-    """Yield name and state of what a folder holds at any depth, of links with what they lead to."""
+    """Yield name and state of all files of a folder at any depth, following links."""
     paths: list[str] = []
     with os.scandir(folder) as items:
         for item in items:

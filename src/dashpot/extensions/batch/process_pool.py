@@ -64,7 +64,7 @@ def open_process_pool(jobs: int | None) -> Iterator[Executor]:
 def _compute_chunks(
     jobs: int, chunks: Sequence[Chunk], choices: BatchOptions
 ) -> Iterator[tuple[Chunk, Rows]]:
-    """A file whose workers die gets a row that says so."""
+    """Yield rows of chunks; a file whose worker processes die gets a row that says so."""
     waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for chunk in chunks:
         waiting.put(chunk)

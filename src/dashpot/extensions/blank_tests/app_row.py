@@ -11,7 +11,7 @@ from dashpot.reading.toml import read_tables
 
 
 def describe_machine_file(path: Path) -> dict[str, Any] | None:
-    """Return what the list of files says of a machine file; None of another TOML file.
+    """Return the entry of a machine file in the list; None for another TOML file.
 
     Raises
     ------

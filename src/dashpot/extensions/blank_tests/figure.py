@@ -11,7 +11,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 
 
 def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
-    """Return the force of each record with the machine's model, and what that leaves.
+    """Return the force of each record with the machine's model, and the residual.
 
     Parameters
     ----------

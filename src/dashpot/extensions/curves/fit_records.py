@@ -106,7 +106,7 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, other_count: int) -> Non
 
 
 def _refuse_beside_creep(options: BenchFitOptions, *, other_count: int) -> None:
-    """Refuse what is of ramps and holds, and tests that are none of creep."""
+    """Refuse options of ramps and holds, and tests of another kind than creep."""
     options.time_limits.refuse_several(0)
     if other_count or options.filter or options.depth_law:
         raise FitError(

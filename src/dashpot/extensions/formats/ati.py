@@ -54,7 +54,7 @@ class Calibration(EqualByValue):
         return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - unloaded[:, None]))
 
     def overload(self, load: FloatArray) -> list[str]:
-        """Say which axes pass 90 % of their range."""
+        """Return a note on axes that pass 90 % of their range."""
         share = np.abs(load).max(axis=1) / self.limit
         return [
             f"{axis} reaches {100 * part:.0f} % of its range {limit:g} "
@@ -64,7 +64,7 @@ class Calibration(EqualByValue):
         ]
 
     def small(self, load: FloatArray, axis: str) -> list[str]:
-        """Say if an axis uses little of its range."""
+        """Return a note on axes that use little of their range."""
         axis_index = AXES.index(axis)
         limit, max_load = float(self.limit[axis_index]), float(np.abs(load[axis_index]).max())
         if not 0 < max_load < _LOW_RANGE_SHARE * limit:

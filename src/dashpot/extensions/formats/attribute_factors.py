@@ -120,7 +120,7 @@ def stated_unit(value: object) -> str | None:
 
 
 def select_channel_words(name: str) -> list[str]:
-    """Return the words of a factor's name that say of what it is one.
+    """Return the words of a factor's name that name its channel.
 
     >>> select_channel_words("force_gain"), select_channel_words("gain")
     (['force'], [])
@@ -137,7 +137,7 @@ def _as_text(value: object) -> str:
 
 
 def changes_numbers(name: str, value: object) -> bool:
-    """Whether an attribute of this name and value states what would change the numbers beside it.
+    """Whether an attribute states a factor that would change the numbers.
 
     >>> changes_numbers("gain", 10.0), changes_numbers("gain", 1), changes_numbers("full_scale", 5)
     (True, False, False)
@@ -175,7 +175,7 @@ def stated_numbers(value: object) -> tuple[float, ...]:
 
 
 def factors_among(attributes: Mapping[str, object]) -> str:
-    """Return what attributes state that would change the numbers beside them, "" if nothing.
+    """Return the attributes that would change the numbers; "" if there are none.
 
     >>> factors_among({"gain": 10.0, "offset": 0.0, "serial": 17})
     'gain = 10'
@@ -198,7 +198,7 @@ def _format_factor_value(value: object) -> str:
 
 
 def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
-    """Return the numbers that are stated to stand where there is none.
+    """Return the stated fill values of missing numbers.
 
     >>> find_fill_values({"fill_value": "-9999", "gain": 10.0})
     (-9999.0,)
@@ -251,7 +251,7 @@ def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
 
 
 def split_full_scale(name: str) -> str | None:
-    """Return the channel of which a name is that of the full scale, None of any other name.
+    """Return the channel of a name of a full scale; None for any other name.
 
     >>> split_full_scale("force_full_scale"), split_full_scale("FullScale"), split_full_scale("fs")
     ('force', '', '')

@@ -151,7 +151,7 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
 
 
 def _format_python_line(text: str) -> str:
-    """Return the call of `read` that says what the options in a message say.
+    """Return the call of `read` with the options in a message.
 
     >>> _format_python_line('add --units "strain=%,stress=MPa"')
     'dp.read(frame, units={"strain": "%", "stress": "MPa"})'
@@ -269,7 +269,7 @@ def _convert_objects(values: np.ndarray) -> np.ndarray:
 
 
 def _is_missing(value: Any) -> bool:
-    """Return whether a cell is None, NaN or NaT, of which the last two differ from themselves."""
+    """Return whether a cell is None, NaN or NaT; the last two differ from themselves."""
     return value is None or bool(value != value)  # noqa: PLR0124
 
 

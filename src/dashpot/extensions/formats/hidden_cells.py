@@ -25,7 +25,7 @@ _HIDING_ATTRIBUTES = {b"1", b"true", b"collapse", b"filter"}
 
 
 def list_hidden_cells(stream: BinaryIO) -> dict[str, str]:
-    """Return what is hidden by the name of the sheet, such as "rows 3, 4 and column D"."""
+    """Return the hidden rows and columns of each sheet, such as "rows 3, 4 and column D"."""
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
         return {}
@@ -136,7 +136,7 @@ def _parse_whole_number(text: str) -> int:
 
 
 def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
-    """Return what is hidden, in words; "" if nothing is."""
+    """Return the hidden cells as text; "" if there are none."""
     parts = [
         _format_places("row", [str(row) for row in rows]),
         _format_places("column", [_get_column_letters(column) for column in columns]),

@@ -81,7 +81,7 @@ class _Mdf3Blocks:
 
 
 def read_blocks(stream: BinaryIO) -> Content:
-    """Return what the blocks of an open file say.
+    """Return the contents of the blocks of an open file.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def read_blocks(stream: BinaryIO) -> Content:
 
 
 def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -> None:
-    """Add the groups whose records stand in the same data."""
+    """Read the channel groups of one data group."""
     numbers = blocks.unpack("H", data_group, 22)[0]
     if numbers > 2:
         raise ReadError(f"damaged: records carry {numbers} numbers")
@@ -148,7 +148,7 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
 
 
 def _rate_hints(steps: dict[str, float]) -> dict[str, str]:
-    """Return what channels without a clock say of their steps, by the rate."""
+    """Return notes on the sampling rate of channels without a clock."""
     return {
         f"{1 / step:.10g}": f"the file says that '{label}' has a sample each {step:g} s; if that "
         f"is right, add --rate {1 / step:.10g}Hz"
@@ -213,7 +213,7 @@ def _read_conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Con
 
 
 def _iterate_bytes(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
-    """Return what yields so many bytes from an address."""
+    """Return a reader of bytes from an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         address_read, end = address, address + length * bool(address)

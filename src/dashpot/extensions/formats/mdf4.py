@@ -145,7 +145,7 @@ class _Mdf4Blocks:
 
 
 def read_blocks(stream: BinaryIO) -> Content:
-    """Return what the blocks of an open file say.
+    """Return the contents of the blocks of an open file.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def _read_header(blocks: _Mdf4Blocks, header: _Mdf4Block) -> list[str]:
 
 
 def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Content) -> None:
-    """Add the groups whose records stand in the same data."""
+    """Read the channel groups of one data group."""
     id_size = data_group.data[0]
     if id_size not in {0, 1, 2, 4, 8}:
         raise ReadError(f"damaged: records carry a number of {id_size} bytes")

@@ -23,7 +23,7 @@ _MAX_LENGTH = 8
 
 @dataclass(frozen=True)
 class MdfChannel:
-    """Channel of a group: where its bits stand in a record, and what they mean.
+    """Channel of a group: the position of its bits in a record, and their type.
 
     Attributes
     ----------

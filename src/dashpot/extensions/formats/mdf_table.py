@@ -146,7 +146,7 @@ class MdfTable:
         return tuple(named_columns), column_places
 
     def _note_clock(self, i: int) -> bool:
-        """Return whether a group can stand beside the base, and note how."""
+        """Return whether a group can be joined to the base group, and note how."""
         group, base = self._groups[i], self._base
         if group.clock is None or base.clock is None:
             if group.clock is None and base.clock is None and group.rows == base.rows:
@@ -331,7 +331,7 @@ def read_columns(raw: RawFile, options: ReadOptions, columns: Sequence[int]) -> 
 def _interpolate(
     time: FloatArray, ticks: FloatArray, lower_index: np.ndarray, column: FloatArray
 ) -> FloatArray:
-    """Return a column on straight lines between its samples, NaN beside one that is none."""
+    """Return a column interpolated linearly, NaN next to an invalid sample."""
     if len(ticks) == 1:
         return np.where(time == ticks[0], column[0], np.nan)
     low, high = column[lower_index], column[lower_index + 1]

@@ -15,7 +15,7 @@ _MIN_ROWS = 8
 
 
 def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
-    """Say which channels are passed over, by what they hold.
+    """Note the channels that are left out, by their content.
 
     A caution where one is named for a role of a test as well as any channel that is kept: another
     may then have taken its place.

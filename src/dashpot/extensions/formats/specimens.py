@@ -76,7 +76,7 @@ def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTab
 
 
 def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
-    """Refuse a sweep of storage without loss, of which nothing else can be said.
+    """Refuse a sweep of storage without loss.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def format_labels(labels: Sequence[str]) -> tuple[list[int], str]:
 
 
 def names_specimen(name: str) -> bool:
-    """Return whether a column of this name says of which specimen its row is.
+    """Return whether a column of this name holds the specimen of each row.
 
     >>> names_specimen("Specimen No."), names_specimen("Prüfkörper"), names_specimen("Sample rate")
     (True, True, False)
@@ -196,7 +196,7 @@ class _SpecimenLoader:
         return self._part_by_clock(loaded_columns, signals)
 
     def _find_roles(self) -> tuple[int, ...]:
-        """Return the columns of the clock and of both signals of a test; none if it has none."""
+        """Return the columns of clock and signals of a test; none if they are missing."""
         if "roles" not in self.cache:
             self.cache["roles"] = ()
             for pair in _PAIRS:
@@ -326,7 +326,7 @@ def _list_names(names: Sequence[str]) -> str:
 
 
 def _name_blocks(loaded_columns: LoadedColumns, header: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of blocks: their own, or what the lines over each say of a specimen."""
+    """Return the names of blocks: their own, or the specimen in the lines above each."""
     headers = (
         [header, *loaded_columns.above[1:]]
         if len(loaded_columns.above) == len(loaded_columns.starts)

@@ -89,7 +89,7 @@ def _table_like(node: dict[str, Any]) -> bool:
 
 
 def _row(row: list[Any], width: int) -> list[float]:
-    """Return a row of so many numbers; what is missing or no number is NaN."""
+    """Return a row of this length; NaN for missing or invalid numbers."""
     numbers = [_number(value) for value in row[:width]]
     return numbers + [float("nan")] * (width - len(numbers))
 

@@ -34,7 +34,7 @@ _SIMPLE = re.compile(
 
 
 def scan_formulas(stream: BinaryIO) -> dict[str, list[str]]:
-    """Return by sheet what its formulas and errors leave open, each in a sentence."""
+    """Return notes on formulas without value and errors, by sheet."""
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
         return {}

@@ -273,7 +273,7 @@ class Instrument:
         )
 
     def list_limitations(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
-        """Return what limits the use of such a record: overload, and lines that alias."""
+        """Return the limitations of such a record: overload, and aliased lines."""
         names = []
         is_overloaded = self.transducer.find_saturated(self.load(force))
         axes = ", ".join(axis for axis, item in zip(AXES, is_overloaded, strict=True) if item.any())

@@ -29,7 +29,7 @@ _MIN_SIMILARITY = 0.85
 
 
 def suggest_machine_key(key: str, text: str) -> str:
-    """Return what to give in place of an unknown key; empty where nothing is known.
+    """Return the known key that is nearest to an unknown one; "" if there is none.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ _SIMILARITY_BESIDE_OTHERS = 0.85
 
 
 def suggest_command(name: str, other_words: Sequence[str]) -> str:
-    """Return what to type in place of a word that is no command."""
+    """Return the command that is nearest to an unknown word."""
     if name in _COMMANDS_AS_OPTIONS:
         names = [word for word in other_words[:1] if word in COMMANDS]
         return f"Type: {shlex.join(['dashpot', *names, _COMMANDS_AS_OPTIONS[name]])}"
@@ -77,7 +77,7 @@ def suggest_command(name: str, other_words: Sequence[str]) -> str:
 
 
 def suggest_option(command: click.Command, parent: click.Context | None, option: str) -> str:
-    """Return what to type in place of an option that a command lacks; empty where nothing is near.
+    """Return the option that is nearest to an unknown one; "" if there is none.
 
     A word of other programs comes first, then the nearest option of this command, then the
     commands that have the very option.

@@ -40,7 +40,7 @@ def cross_validate_hits(
     choices: HammerChoices,
     band: tuple[float, float] | None = None,
 ) -> LeaveOneOut | None:
-    """Leave each accepted hit out in turn; None of fewer than three.
+    """Predict each accepted hit from the others; None if there are fewer than three.
 
     Parameters
     ----------

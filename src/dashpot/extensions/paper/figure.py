@@ -69,7 +69,7 @@ def figure_4(
     *,
     stamp: str = "",
 ) -> Picture:
-    """Return the hold and the solids fitted to it, and what each leaves (paper Fig. 4).
+    """Return the hold, the models fitted to it, and their residuals (paper Fig. 4).
 
     Parameters
     ----------

@@ -177,7 +177,7 @@ def _load_length(
     *,
     excluded_words: Sequence[str] = (),
 ) -> _LengthColumn | None:
-    """Return the rows of the one column of a length that words name; None if there is none."""
+    """Return the rows of the one column of a length of such a name; None if there is none."""
     index = find_length_column(file.table, words, file.options, excluded_words=excluded_words)
     if index is None:
         return None

@@ -96,7 +96,7 @@ def verify(
 
 
 def check_half_written_files(folder: Path) -> Check:
-    """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
+    """Return whether a folder of results has files that killed runs left half written."""
     paths = find_partial_files(folder)
     return verification_checks.nothing_half_written(
         [path.relative_to(folder).as_posix() for path in paths]
@@ -356,7 +356,7 @@ def _is_number(value: Any) -> bool:
 
 
 def is_same_page(content: bytes, other_content: bytes) -> bool:
-    """Tell whether two pages say and show the same, but for how a last digit is rounded.
+    """Return whether two pages are equal but for the rounding of a last digit.
 
     The files inside a page are compared as what they are.
     """
@@ -384,7 +384,7 @@ _NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
 
 
 def _is_same_text(text: str, other_text: str) -> bool:
-    """Tell whether two texts differ in nothing but the last printed digit of their numbers."""
+    """Return whether two texts are equal but for the last printed digit of their numbers."""
     if text == other_text:
         return True
     before, after = _NUMBER.split(text), _NUMBER.split(other_text)
@@ -396,7 +396,7 @@ def _is_same_text(text: str, other_text: str) -> bool:
 
 
 def _is_rounded(a: str, b: str) -> bool:
-    """Tell whether two printed numbers may be one that was rounded twice: a count is never.
+    """Return whether two printed numbers may be one number rounded twice; not for counts.
 
     >>> _is_rounded("12.70", "12.71"), _is_rounded("13", "12.71"), _is_rounded("13", "14")
     (True, False, False)

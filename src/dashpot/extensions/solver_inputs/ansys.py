@@ -19,7 +19,7 @@ from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
 
 def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
-    """Return the table ``TB,SHIFT`` beside ``TB,PRONY``, and what to say of it."""
+    """Return the table ``TB,SHIFT`` for a ``TB,PRONY``, and notes."""
     law = None if shifts is None else shifts.law
     if shifts is None or not isinstance(law, WLF | Arrhenius):
         return [], []

@@ -71,7 +71,7 @@ class FreeModes(EqualByValue):
         return len(self.frequency)
 
     def only(self, chosen: npt.ArrayLike) -> FreeModes:
-        """Some of the modes, by a mask or by their numbers."""
+        """Return some of the modes, by a mask or by their numbers."""
         indices = np.asarray(chosen)
         return replace(
             self,

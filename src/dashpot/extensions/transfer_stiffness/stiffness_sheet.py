@@ -206,7 +206,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """Sentence on what the intervals leave out beyond the valid band of a fit; else empty."""
+        """Note on errors outside the valid band that the intervals do not include; else ""."""
         if not any(
             check.failed and check.name == "third_octaves_in_valid_band" for check in self.checks
         ):

@@ -158,7 +158,7 @@ def _solve_chunk(
     index: IndexArray,
     solutions: ManySolutions,
 ) -> BoolArray:
-    """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
+    """Solve all records of a chunk; store the certain optima, and return which they are."""
     gain = search.gains(reduced)
     point, converged = descend_together(family, *search.best(gain), reduced)
     is_certain = converged & _is_interior_positive(family, point, reduced)

@@ -35,7 +35,7 @@ _STACK = 4
 
 @dataclass(frozen=True, eq=False)
 class BatchErrors(FrozenArrays):
-    """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
+    """Standard errors of many solids; NaN without an arm, infinite if undetermined.
 
     Of the noise alone: what a machine may have done without a trace to a stack of arrays nobody
     says.

@@ -42,7 +42,7 @@ class ReducedRecords(NamedTuple):
     energy: FloatArray  # (R,) sum of squares of what the rows hold
 
     def take(self, index: IndexArray | BoolArray) -> ReducedRecords:
-        """Some of the records."""
+        """Return some of the records."""
         return ReducedRecords(
             tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
         )

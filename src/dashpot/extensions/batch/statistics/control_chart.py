@@ -77,7 +77,7 @@ class Chart(Serialisable):
 
 
 def compute_chance_limit(points: int) -> float:
-    """Return how many of so many points break a rule at most where nothing but chance does it.
+    """Return the largest number of points that break a rule by chance.
 
     Points of one run come together, so their number scatters by the root of twice its mean; three
     of those above it are met by one chart in sixty or fewer.

@@ -283,7 +283,7 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 
 
 def _add_variance_totals(variances: _Variances, part: FloatArray) -> _Variances:
-    """Return the variances none of which is below 0, with those of the gauge and of all."""
+    """Return the variances, at least 0, with those of the gauge and in total."""
     entries = {name: np.maximum(values, 0.0) for name, values in variances.items()}
     of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
     return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}

@@ -154,7 +154,7 @@ def _find_true_index(index: float, n: int, tail_probability: float) -> float:
 
 
 def share_interval(count: int, total: int, level: float = 0.95) -> Ends:
-    """Return the exact interval of a share of which `count` of so many were seen."""
+    """Return the exact interval of a share by `count` occurrences."""
     from scipy.stats import beta
 
     tail_probability = (1 - level) / 2

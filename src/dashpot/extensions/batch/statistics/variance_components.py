@@ -78,7 +78,7 @@ class _Stratum:
     away: FloatArray  # of each value from its own mean
 
     def normal(self) -> float | None:
-        """Probability of such values if they were normal; None where they are too few to test."""
+        """P-value of a test for normality; None if there are too few values."""
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
@@ -243,7 +243,7 @@ def _compute_difference_limits(
 
 
 def _split(component: Component, fit: float) -> tuple[Component, Component]:
-    """Return what repeats scatter beyond what their fits know, and that."""
+    """Return the variance between repeats beyond that of their fits, and the latter."""
     assert component.interval is not None  # noqa: S101
     low, high = (max(end - fit, 0.0) for end in component.interval)
     remainder = max(component.variance - fit, 0.0)

@@ -204,7 +204,7 @@ def _weight_values(t: FloatArray, block: DataBlock) -> CurveData | None:
 def _limit_end(
     t: FloatArray, curve: CurveData | None, model: GeneralizedMaxwell
 ) -> EndOfHold | None:
-    """Return what the curve leaves open of its end; None for one of few values."""
+    """Return the limits at the end of a curve; None if it has few values."""
     if curve is None:
         return None
     longest = _get_window(t)[1]

@@ -114,7 +114,7 @@ def _make_sweep_panels(
 def _make_curve_panels(
     data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
 ) -> tuple[Panel, ...]:
-    """Return a relaxation modulus, or a creep compliance, and what the solid leaves of it."""
+    """Return panels of a relaxation modulus, or a creep compliance, and its residual."""
     solid, text = _make_line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, response, value = "creep compliance", solid.maxwell.creep, curve.compliance

@@ -65,7 +65,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
 
 
 def _join_name_words(column: Column) -> str:
-    """Return a column's name in one word; what looks like a unit in log(a_T) is none."""
+    """Return a column's name as one word; log(a_T) has no unit."""
     joined_name = normalise_name(f"{column.name} {column.unit or ''}").replace(" ", "")
     name_match = _HORIZONTAL.fullmatch(joined_name) or _VERTICAL.fullmatch(joined_name)
     return joined_name if name_match else normalise_name(column.name).replace(" ", "")

@@ -290,7 +290,7 @@ def _compute_overlap(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> Fl
 def _solid(
     isotherms: Sequence[Isotherm], best: ShiftedSpectrum
 ) -> tuple[GeneralizedMaxwell, float]:
-    """Return the spectrum for use, and what it leaves, relative.
+    """Return the spectrum as a model, and its relative residual.
 
     Its times end where the data do, but for half a decade where the loss still shows an arm: an
     arm of which only the tail was measured can have any stiffness.

@@ -129,7 +129,7 @@ class TestResidual(NamedTuple):
 def compute_test_residual(
     joint: JointTests, test: SingleTemperatureTest, i: int, point: ShiftedSolid
 ) -> TestResidual:
-    """Return what a point leaves of every sample of test i."""
+    """Return the residual of every sample of test i at a point."""
     weight, exact = 1 / test.spread, test.block.exact
     part = joint.part(exact, int(joint.at[i]), point)
     columns = exact.evaluate(np.zeros(0), False).fixed[:, test.nuisance_columns]
@@ -150,7 +150,7 @@ def list_column_names(tests: Sequence[SingleTemperatureTest]) -> tuple[str, ...]
 def compute_joint_covariance(
     joint: JointTests, tests: Sequence[SingleTemperatureTest], point: ShiftedSolid
 ) -> JointCovariance:
-    """Return what all samples say of a point, the columns of every test fitted beside it."""
+    """Return the covariance of a point by all samples, nuisances of every test included."""
     shared = joint.names(point.order)
     names = (*shared, *list_column_names(tests))
     residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(tests)]

@@ -222,7 +222,7 @@ class JointTests:
         return values
 
     def _stack_all_tests(self, point: ShiftedSolid) -> _Rows:
-        """Return every test, and what is known beside them."""
+        """Return the rows of all tests and of the priors."""
         tests = zip(self.blocks, self.at.tolist(), strict=True)
         y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
         values = self._build_prior_rows(point)

@@ -29,7 +29,7 @@ _CURVE = frozenset({
 
 
 def make_page_part(fit: Fit) -> TemperaturePart:
-    """Return what the page of a fit at several temperatures says of them."""
+    """Return the section of the page on shifts and their law."""
     shifts = fit.temperatures
     assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")

@@ -50,7 +50,7 @@ def shifts_of(
     covariance: FloatArray,
     cross: FloatArray,
 ) -> TemperatureShifts:
-    """Return the shifts, with what is known of them."""
+    """Return the shifts with their errors."""
     joint, point = best.joint, best.point
     log10_a, b = point.log_a / np.log(10.0), np.exp(point.log_b)
     return TemperatureShifts(
@@ -115,7 +115,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
 def build_point_fit(
     best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested_arms: int
 ) -> Fit:
-    """Return the optimum as a fit of which nothing more is known.
+    """Return the optimum as a fit without errors.
 
     The law is laid through the shifts as white noise would leave them.
     """

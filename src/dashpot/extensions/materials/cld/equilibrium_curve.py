@@ -200,7 +200,7 @@ def _fit_law(
 
 
 def make_law(uncertainty: Estimate, knots: FloatArray, tangent_indices: slice) -> ElasticLaw:
-    """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
+    """Return the law whose tangents at the knots, N/m, are among the values of an estimate."""
     ratio = uncertainty.derive_quantity(
         lambda values: values[tangent_indices] / average_slope(values[tangent_indices], knots)
     )

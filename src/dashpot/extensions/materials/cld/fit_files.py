@@ -50,7 +50,7 @@ from dashpot.solids.elastic import ElasticLaw
 def apply_elastic_law(
     fit: Fit, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
 ) -> Fit:
-    """Return the fit with a law measured otherwise, of which the shape alone is taken.
+    """Return the fit with the shape of another measured elastic law.
 
     Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
     one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,

@@ -161,7 +161,7 @@ def get_sample_clock(test: CLDTest) -> FloatArray:
 def _with_delay(
     test: CLDTest, new_cycles: _RecordCycles, index: int, marks: _Marks, delay: Prior
 ) -> tuple[_RecordCycles, _Marks]:
-    """Return the cycles and marks with what a delay of the force leaves unknown in their errors."""
+    """Return cycles and marks with the error by a delay of the force."""
     points = [mark for mark in marks if mark is not None]
 
     def numbers(delay: float) -> FloatArray:

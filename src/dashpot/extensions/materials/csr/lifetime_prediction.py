@@ -86,7 +86,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """Sentence on what the intervals leave out beyond the ovens; else empty."""
+        """Note on errors that the intervals do not include; else ""."""
         if not any(check.failed and check.name in _EXTRAPOLATION for check in self.checks):
             return ""
         return (
@@ -172,7 +172,7 @@ def predict_aging(
 
 
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
-    """Return the widest standard error of the answers, over each; None where none is estimated."""
+    """Return the largest standard error of the answers, relative; None without errors."""
     errors = [
         reported_value.error / reported_value.value
         for question in questions

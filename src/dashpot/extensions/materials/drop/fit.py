@@ -132,7 +132,7 @@ def _parse_approaches(
 
 
 def _compute_length_ratio(records: Sequence[DropTest], fit: Fit | None) -> float:
-    """Return the length of the tested specimen over that of the one whose law is known."""
+    """Return the length of the specimen over that of the specimen with the known law."""
     length = next((record.specimen.length for record in records if record.specimen.length), None)
     reference_length = None if fit is None else fit.specimen.length
     return length / reference_length if length and reference_length else 1.0

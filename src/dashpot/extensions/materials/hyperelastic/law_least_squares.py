@@ -118,7 +118,7 @@ def fit_invariant_law(rows: WeightedCurves, kind: ElasticKind) -> HyperelasticOp
 def fit_power_law(
     rows: WeightedCurves, terms: int, kind: ElasticKind, poisson: float | None
 ) -> HyperelasticOptimum:
-    """Return the law of so many power terms, or fewer if a further one is worth nothing.
+    """Return the law of at most this number of power terms, without useless ones.
 
     Poisson's ratio of a foam is sought where it is None.
     """

@@ -296,7 +296,7 @@ _OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu
 
 
 def _write_ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
-    """Return the name of a law of the invariants, its constants, and what to say of them."""
+    """Return name and constants of a law of the invariants, and notes."""
     kind, ratio = card.fit.law.kind, card.ratio
     incompressible = 2 / (ratio * card.bulk)
     values = [ratio * c for c in card.constants]

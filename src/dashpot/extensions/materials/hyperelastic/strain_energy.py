@@ -191,7 +191,7 @@ class Hyperelastic:
 
     @property
     def bulk_modulus(self) -> float | None:
-        """Bulk modulus at rest, Pa; None for a rubber of which it is not known."""
+        """Bulk modulus at rest, Pa; None if it is unknown."""
         if self.kind != "hyperfoam":
             return self.bulk
         v = self.poisson
@@ -242,7 +242,7 @@ class Hyperelastic:
         return np.asarray(2 * (by_first * first + by_second * second) / x)
 
     def tangent(self, mode: Mode, stretch: npt.ArrayLike) -> FloatArray:
-        """Derivative of the nominal stress by the stretch, Pa: what small vibration about it feels."""  # noqa: E501
+        """Derivative of the nominal stress by the stretch, Pa, as for small vibration about it."""
         x = np.asarray(stretch, dtype=float)
         if mode == "volumetric" and self.kind != "hyperfoam":
             return np.full_like(x, self._require_bulk())
@@ -277,7 +277,7 @@ class Hyperelastic:
         return np.asarray(np.linalg.eigvalsh(H)[..., 0] / abs(self.shear_modulus or 1.0))
 
     def stable_range(self, mode: Mode) -> tuple[float | None, float | None]:
-        """The first stretches below and above 1 at which Drucker's condition fails; None for none.
+        """The first stretches below and above 1 at which Drucker's condition fails, or None.
 
         Sought from a tenth to ten times the length.
         """

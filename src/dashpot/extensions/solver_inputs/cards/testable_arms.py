@@ -57,7 +57,7 @@ class TestableArm(Serialisable):
 def find_testable_arms(
     model: GeneralizedMaxwell, test: Bench
 ) -> tuple[tuple[TestableArm, ...], tuple[float, float] | None]:
-    """Return each arm with what a test could have determined of it, and the band of such a test.
+    """Return the arms that a test could have determined, and the band of such a test.
 
     In the band, Hz, |K| would be known to 10 % and the loss factor to 30 %; None if nowhere.
     """
@@ -78,7 +78,7 @@ def find_testable_arms(
 
 
 def _compute_covariance(model: GeneralizedMaxwell, test: Bench) -> FloatArray:
-    """Return the bound of k_inf, k, ln tau, offset and drift; huge where nothing is known."""
+    """Return the bound of k_inf, k, ln tau, offset and drift; huge if undetermined."""
     columns = test.sensitivity(model)
     count = max(round(test.baseline * test.rate), 1)
     rest = -np.arange(count, 0, -1) / test.rate

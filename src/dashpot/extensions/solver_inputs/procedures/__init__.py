@@ -56,7 +56,7 @@ WITH_DASHPOT = "with b"
 
 
 def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> list[str]:
-    """Return what the header of a deck says: where it was right, and where it was wrong.
+    """Return the solver procedures in which a deck was verified right or wrong.
 
     Cases of a parallel dashpot stand in the place of the others where there is one.
     """

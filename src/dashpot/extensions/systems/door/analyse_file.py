@@ -99,7 +99,7 @@ def open_door(
 
 
 def get_shear(choice: SealChoice, temperature: float | None) -> Shear:
-    """Return what the seal of a door answers sideways: ratios, or one metre of what was tested so.
+    """Return the sideways stiffness of the seal: ratios, or one metre of a tested seal.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def _intersect_bands(
 
 
 def add_file_to_errors(path: str | Path | Door) -> AbstractContextManager[None]:
-    """Put a file's name before what is wrong; a door that was read has none."""
+    """Context manager that adds the name of the file to an error."""
     return nullcontext() if isinstance(path, Door) else add_name_to_errors(Path(path).name)
 
 

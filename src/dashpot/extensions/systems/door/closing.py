@@ -245,7 +245,7 @@ def simulate_closing(
     dashpot: FloatArray | None = None,
     steps: int = STEPS,
 ) -> ClosingHistory:
-    """Let doors close that differ in speed, compression of the seal and its force.
+    """Simulate closing doors that differ in speed, compression and force of the seal.
 
     Parameters
     ----------

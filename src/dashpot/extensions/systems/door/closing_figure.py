@@ -51,7 +51,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
 
 
 def make_energy_waterfall(closing: ClosingAnalysis) -> Panel:
-    """Return what each term takes of the energy, the largest first, and what is left."""
+    """Return the energy that each term takes, the largest first, and the rest."""
     rows = [("door", 0.0, closing.energy)]
     at = closing.energy
     for energy_term in sorted(closing.terms, key=lambda term: -abs(term.work)):

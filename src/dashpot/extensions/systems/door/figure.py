@@ -136,7 +136,7 @@ class View:
 
 
 def make_line_panel(result: DoorResult, view: View) -> Panel:
-    """Return the seal line by its compression, and what holds the door beside it."""
+    """Return the seal line by its compression, and the mounts of the door."""
     stations, line = result.stations, result.door.line
     marks: list[Mark] = []
     drawn_points = [np.zeros((0, 2))]
@@ -228,7 +228,7 @@ def make_compression_panel(result: DoorResult) -> Panel:
 
 
 def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
-    """Return how the line moves in each of the first modes; nothing is drawn that is not known.
+    """Return the motion of the line in each of the first modes.
 
     Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
     goes in; in its plane as the line itself, moved.

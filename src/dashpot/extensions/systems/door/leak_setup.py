@@ -99,7 +99,7 @@ class LeakState:
 
 @dataclass(frozen=True)
 class LeakSetup:
-    """Pressure on the seal, and what is known of it.
+    """Pressure on the seal, and the properties of its lip.
 
     Attributes
     ----------

@@ -102,7 +102,7 @@ class _TableLocation:
         ]
 
     def path(self, word: str | None) -> str:
-        """Return a file beside the door's own, or below; a door of others opens nothing else."""
+        """Return the path of a file in the folder of the door or below; refuse any other."""
         if not word:
             return ""
         path = self.folder / word
@@ -354,7 +354,7 @@ def _read_shear(location: _TableLocation, entries: Any) -> ShearChoice:
 
 
 def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | None:
-    """Return what rubs sideways beside the arms."""
+    """Return the sideways friction of the seal."""
     if entries is None:
         return None
     row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))

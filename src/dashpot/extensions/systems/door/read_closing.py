@@ -30,7 +30,7 @@ _AIR_KEYS = ("discharge", "process")
 def read_closing(
     location: str, entries: Any, width: float | None = None, height: float | None = None
 ) -> ClosingSetup:
-    """Return what a table says.
+    """Return the closing setup of a table.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def read_closing(
     )  # fmt: skip
 
     def sub(make: Callable[[Section], T], name: str, *known_keys: str) -> T | None:
-        """Return what a table within makes, if it stands there."""
+        """Return the value built from a subtable, if there is one."""
         table = section.entries.get(name)
         return (
             None if table is None else make(Section(f"{location[:-1]}.{name}]", table, known_keys))

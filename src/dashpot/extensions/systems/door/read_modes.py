@@ -116,7 +116,7 @@ def _sort_rows_by_mode(
 def _get_modal_masses(
     resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated_mass: float | None
 ) -> FloatArray:
-    """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
+    """Return the modal mass of each row, kg: as stated, as in the file, or 1 kg."""
     rows = len(columns["mode"])
     if stated_mass is not None or "modal mass" not in columns:
         mass = np.full(rows, 1.0 if stated_mass is None else stated_mass)

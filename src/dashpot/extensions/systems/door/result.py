@@ -105,7 +105,7 @@ class SealOfDoor(Serialisable):
 
     @property
     def compression(self) -> LineStatistics | None:
-        """m; None where it is not known."""
+        """Compression, m; None if it is unknown."""
         x = self.along.compression
         return None if x is None else LineStatistics(x.min(), x.mean(), x.max())
 

@@ -18,7 +18,7 @@ _ROUNDING = 1e-9
 
 
 def door(result: DoorResult, *, every: bool = False) -> Text:
-    """Return the seal line, the modes with what shares them, and what a shaken base does.
+    """Return the seal line, the modes with their energy shares, and the response to a base.
 
     Of many modes those of which the seal has most; `every` shows what each part has of them.
     """
@@ -81,7 +81,7 @@ def _format_share(value: float) -> str:
 
 
 def _format_damping(value: float) -> str:
-    """Return a damping; what is rounding is none."""
+    """Return a damping ratio as text; rounding counts as none."""
     return format_rounded(value, digits=3) if value > _ROUNDING else "0"
 
 
