@@ -307,7 +307,7 @@ class Plan(HasChecks, Serialisable):
         return f"this test would give the loss factor at {self.at:g} Hz to {sd}"
 
     def __str__(self) -> str:
-        head = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
+        header = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
         rows = [
             f"{e.method:<8}{e.ramp_time:>10.3g}{e.hold_time:>10.3g}"
             f"{format_percent(e.storage_sd, 'unknown'):>12}"
@@ -319,7 +319,7 @@ class Plan(HasChecks, Serialisable):
             f"expected standard deviation at {self.at:g} Hz; full: fit of ramp and hold, "
             "joint: with a hammer test"
         )
-        return "\n".join([title, head, *rows, *self._arm_table, self.end.message, *self.advice])
+        return "\n".join([title, header, *rows, *self._arm_table, self.end.message, *self.advice])
 
     @property
     def _arm_table(self) -> list[str]:
@@ -332,7 +332,7 @@ class Plan(HasChecks, Serialisable):
         )
         names = ("k", "tau", "b")
         titles = (*names, *(f"{name} *" for name in names))
-        head = f"{'arm, s':<10}{''.join(f'{title:>12}' for title in titles)}"
+        header = f"{'arm, s':<10}{''.join(f'{title:>12}' for title in titles)}"
         rows = []
         for arm in self.arms:
             group = [
@@ -340,7 +340,7 @@ class Plan(HasChecks, Serialisable):
             ]
             cells = (f"{format_percent(half_width, 'unknown'):>12}" for half_width in group)
             rows.append(f"{arm.tau:<10.3g}{''.join(cells)}")
-        return [title, head, *rows, starred]
+        return [title, header, *rows, starred]
 
 
 def plan(

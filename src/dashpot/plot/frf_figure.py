@@ -88,13 +88,13 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
     dense_already = len(frf.frequency) > 2000 or len(frf.frequency) < 2
     if frf.averages > 0 or dense_already or bool((frf.value == 0).any()):
         return frf.frequency, frf.value
-    size = np.abs(frf.value)
-    parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
+    magnitude = np.abs(frf.value)
+    parts = np.where(np.maximum(magnitude[:-1], magnitude[1:]) > 0.2 * magnitude.max(), 24, 2)
     parts = np.where(np.diff(frf.frequency) < _CLOSE_LINES * frf.frequency[1:], 1, parts)
     start = np.repeat(np.arange(len(parts)), parts)
     part_index = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
     positions = np.append(start + part_index / np.repeat(parts, parts), len(parts))
-    lines = np.arange(len(size))
+    lines = np.arange(len(magnitude))
     inverse = 1 / frf.value
     real, imag = (np.interp(positions, lines, part) for part in (inverse.real, inverse.imag))
     return np.interp(positions, lines, frf.frequency), np.asarray(1 / (real + 1j * imag))
@@ -102,17 +102,17 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
 
 def half_power(value: ComplexArray) -> list[int]:
     """Return the lines nearest to the half-power points on either side of the largest magnitude."""
-    size = np.abs(value)
-    peak = int(np.argmax(size))
-    target = size[peak] / np.sqrt(2)
+    magnitude = np.abs(value)
+    peak = int(np.argmax(magnitude))
+    target = magnitude[peak] / np.sqrt(2)
     indices = []
-    for side_indices in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
-        indices_below = np.flatnonzero(size[side_indices] < target)
+    for side_indices in (np.arange(peak, -1, -1), np.arange(peak, len(magnitude))):
+        indices_below = np.flatnonzero(magnitude[side_indices] < target)
         if indices_below.size:
             pair = side_indices[
                 max(indices_below[0] - 1, 1) : indices_below[0] + 1
             ]  # never the peak itself
-            indices.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
+            indices.append(int(pair[np.argmin(np.abs(magnitude[pair] - target))]))
     return sorted(indices)
 
 
@@ -245,8 +245,8 @@ def _peak_inside(frf: FRF) -> tuple[float, float] | None:
     """Return frequency and height of the peak of an accelerance; None where an end is as high."""
     if frf.quantity is not Kind.ACCELERANCE:
         return None
-    top = int(np.argmax(np.abs(frf.value)))
-    if not 0 < top < len(frf.frequency) - 1:
+    peak_index = int(np.argmax(np.abs(frf.value)))
+    if not 0 < peak_index < len(frf.frequency) - 1:
         return None
     return _peak_of(frf)
 

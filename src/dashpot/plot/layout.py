@@ -231,8 +231,8 @@ def _equalise_scales(panel: Panel, width: float) -> Panel:
     unit = max((x1 - x0) / width, (y1 - y0) / panel.height)
 
     def widen_limits(low: float, high: float, length: float) -> tuple[float, float]:
-        middle, half_range = (low + high) / 2, unit * length / 2
-        return middle - half_range, middle + half_range
+        midpoint, half_range = (low + high) / 2, unit * length / 2
+        return midpoint - half_range, midpoint + half_range
 
     return replace(
         panel,

@@ -63,9 +63,9 @@ def hero(study: Story) -> Picture:
     """
     test, c = study.prepared, study.comparison
     plotted_fits = relaxation.make_plotted_fits(study.fit, study.alternatives, test)
-    word, factor = select_plot_unit(test.displacement, "m")
+    unit_name, factor = select_plot_unit(test.displacement, "m")
     title = (
-        f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
+        f"Relaxation test: {factor * test.depth:.3g} {unit_name} in {test.ramp_time:.3g} s, "
         f"held {test.hold_time:.3g} s"
     )
     chosen_fit = next(plotted_fit for plotted_fit in plotted_fits if plotted_fit.fit is study.fit)

@@ -208,9 +208,9 @@ def residual_panel(
     # of a fit to several tests the residual has no unit
     of_force = curve.fit.method in get_choice_values(Method)
     size = curve.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
-    word, factor = select_plot_unit(np.array([size]), "N")
+    unit_name, factor = select_plot_unit(np.array([size]), "N")
     label = f"residual of {get_model_label(curve.fit)}, {unit}"
-    rms = f"rms {round_to_error(factor * size)} {word}"
+    rms = f"rms {round_to_error(factor * size)} {unit_name}"
     horizontal = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
     vertical = Scale(label, compute_padded_limits(low, high, margin=0.08))
     return Panel(horizontal, vertical, tuple(marks), height=90, note=rms)

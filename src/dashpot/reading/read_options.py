@@ -398,8 +398,8 @@ def dump_profile(options: ReadOptions) -> str:
             if getattr(options, name) != getattr(default, name)
             for line in _lines(name, getattr(options, name))
         ]
-        head = ["", f"[{section}]"] if section else []
-        lines += [*head, *toml_lines] if toml_lines else []
+        header = ["", f"[{section}]"] if section else []
+        lines += [*header, *toml_lines] if toml_lines else []
     return "\n".join(lines) + "\n"
 
 

@@ -99,8 +99,8 @@ def render_figure(
 
 def _scale_to_height(panels: tuple[Panel, ...], max_height: float) -> tuple[Panel, ...]:
     """Panels no higher than that together, px."""
-    share = min(1.0, max_height / sum(panel.height for panel in panels))
-    return tuple(replace(panel, height=share * panel.height) for panel in panels)
+    ratio = min(1.0, max_height / sum(panel.height for panel in panels))
+    return tuple(replace(panel, height=ratio * panel.height) for panel in panels)
 
 
 def draw_study_figures(study: Study) -> dict[str, RenderedFigure]:

@@ -78,8 +78,8 @@ def modes_page(modes: Modes) -> KindPage:
         for hit in frf.hits
     )  # fmt: skip
     row_classes = tuple("" if hit.accepted else "bad" for hit in frf.hits)
-    head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
-    hits_section = CollapsibleSection("Every hit", used_text, TextTable(head, hits, row_classes))
+    header = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
+    hits_section = CollapsibleSection("Every hit", used_text, TextTable(header, hits, row_classes))
     return KindPage(
         subject="hammer test" if frf.hits else "measured FRF",
         summary_line=(("Hits", used_text), ("Averages", str(frf.averages)),
@@ -397,9 +397,9 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
             (str(j), round_to_error(convert_to_unit(k, get_display_unit(fit.unit))), f"{tau:.4g}")
             for j, (k, tau) in enumerate(zip(fit.model.k, fit.model.tau, strict=True), start=1)
         )
-        head = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
+        header = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
         yield CollapsibleSection(
-            "Every arm", "none has a meaning of its own: use the table", TextTable(head, arms)
+            "Every arm", "none has a meaning of its own: use the table", TextTable(header, arms)
         )
 
 

@@ -225,8 +225,8 @@ class _LawOnSweep:
     @cached_property
     def size(self) -> FloatArray:
         """Scale of the residuals: the size of the sample, more where its scatter is larger."""
-        size, sd = np.abs(self.sweep.value), self.sweep.sd
-        return size if sd is None else np.hypot(size, sd / _MIN_SCATTER)
+        magnitude, sd = np.abs(self.sweep.value), self.sweep.sd
+        return magnitude if sd is None else np.hypot(magnitude, sd / _MIN_SCATTER)
 
     @cached_property
     def tones(self) -> FloatArray:

@@ -248,9 +248,9 @@ class SweptPart(Serialisable):
             f[max(top - 2, 0)], f[min(top + 2, _COARSE_LINES - 1)], _FINE_LINES
         )
         frf, stretch = compute_frf(frequency=fine_frequency)
-        size = np.abs(frf.value)
-        top = min(max(int(size.argmax()), 1), _FINE_LINES - 2)
-        left, middle, right = size[top - 1 : top + 2]
+        magnitude = np.abs(frf.value)
+        top = min(max(int(magnitude.argmax()), 1), _FINE_LINES - 2)
+        left, middle, right = magnitude[top - 1 : top + 2]
         shift = (left - right) / (2 * (left - 2 * middle + right))
         return (
             float(fine_frequency[top] + shift * (fine_frequency[1] - fine_frequency[0])),

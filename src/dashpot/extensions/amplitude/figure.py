@@ -234,9 +234,11 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     low, high = levels.amplitudes
     dense = np.geomspace(low / 2, high * 2, 80)
     is_tested = (dense >= low * 0.999) & (dense <= high * 1.001)
-    word, mm = select_plot_unit(X, "m")
+    unit_name, mm = select_plot_unit(X, "m")
     across = Scale(
-        f"amplitude of motion, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
+        f"amplitude of motion, {unit_name}",
+        compute_padded_log_limits(mm * dense, margin=1.0),
+        log=True,
     )
     strips = []
     f, zeta = [hit.frequency for hit in hits], [hit.damping_ratio for hit in hits]
@@ -348,13 +350,13 @@ def _make_magnitude_panel(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         size = scale * np.abs(lines.value)
         curve = receptance_at_level(fit, force, dense).to(kind, mass=fit.mass)
         y = scale * np.abs(curve.value)
-        top = int(np.argmax(y))
+        peak_index = int(np.argmax(y))
         peak = (
-            f"{text}: {round_to_error(float(dense[top]), digits=4)} Hz, "
-            f"{round_to_error(float(y[top]))} {unit}"
+            f"{text}: {round_to_error(float(dense[peak_index]), digits=4)} Hz, "
+            f"{round_to_error(float(y[peak_index]))} {unit}"
         )
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
-        tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
+        tags.append(Tag(float(dense[peak_index]), float(y[peak_index]), peak, colour))
         fits.append(Line(dense, y, _THIN_PEN, "" if fits else "fit"))
         drawn_values += [size, y]
     limits = compute_padded_log_limits(*drawn_values)
@@ -405,9 +407,9 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     )
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
-    word, mm = select_plot_unit(X, "m")
+    unit_name, mm = select_plot_unit(X, "m")
     across = Scale(
-        f"amplitude of displacement, {word}",
+        f"amplitude of displacement, {unit_name}",
         compute_padded_log_limits(mm * dense, margin=1.1),
         log=True,
     )

@@ -240,15 +240,15 @@ def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
     values = []
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)
-        X, size = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
-        top = int(np.argmax(X))
-        up, down = slice(0, top + 1), slice(top + 1, None)
-        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[top:]) > 0):
+        X, magnitude = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
+        peak_index = int(np.argmax(X))
+        up, down = slice(0, peak_index + 1), slice(peak_index + 1, None)
+        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[peak_index:]) > 0):
             continue
-        in_common_range = (X[down] >= X[0]) & (X[down] < X[top])
-        if top >= 2 and np.count_nonzero(in_common_range) >= 3:
-            size_on_way_up = np.interp(X[down][in_common_range], X[up], size[up])
-            values.append(float(median(size[down][in_common_range] / size_on_way_up)) - 1)
+        in_common_range = (X[down] >= X[0]) & (X[down] < X[peak_index])
+        if peak_index >= 2 and np.count_nonzero(in_common_range) >= 3:
+            size_on_way_up = np.interp(X[down][in_common_range], X[up], magnitude[up])
+            values.append(float(median(magnitude[down][in_common_range] / size_on_way_up)) - 1)
     return max(values, key=abs) if values else None
 
 
@@ -260,13 +260,13 @@ def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
 
 def _find_strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
     """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
-    size = np.abs(residual)
-    limit = _OUTLIER_SD * 1.4826 * median(size)
-    is_stray = np.zeros(len(size), dtype=bool)
+    magnitude = np.abs(residual)
+    limit = _OUTLIER_SD * 1.4826 * median(magnitude)
+    is_stray = np.zeros(len(magnitude), dtype=bool)
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)
         for i in rows[np.argsort(sweep.amplitude[rows])]:
-            if size[i] <= limit:
+            if magnitude[i] <= limit:
                 break
             is_stray[i] = True
     return is_stray

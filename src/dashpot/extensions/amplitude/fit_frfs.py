@@ -292,10 +292,10 @@ class _LineData:
             stiffness_at(parts, self.omega, X * scale, self.inertia) for scale in (1 + h, 1 - h)
         )
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
-        size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
+        magnitude = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
         harmonic_factor = with_third_harmonic(parts, self.omega, X, self.inertia)
         return replace(
-            self, weight=self.reliability / np.sqrt(size), harmonic_factor=harmonic_factor
+            self, weight=self.reliability / np.sqrt(magnitude), harmonic_factor=harmonic_factor
         )
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:

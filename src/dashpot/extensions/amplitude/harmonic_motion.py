@@ -93,5 +93,5 @@ def _find_rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
     is_clear = np.abs(deviation) > unsure
     t, deviation = t[is_clear], deviation[is_clear]
     turns = np.flatnonzero((deviation[:-1] < 0) & (deviation[1:] > 0))
-    share = deviation[turns] / (deviation[turns] - deviation[turns + 1])
-    return np.asarray(t[turns] + share * (t[turns + 1] - t[turns]))
+    ratio = deviation[turns] / (deviation[turns] - deviation[turns + 1])
+    return np.asarray(t[turns] + ratio * (t[turns + 1] - t[turns]))

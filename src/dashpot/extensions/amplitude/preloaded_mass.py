@@ -326,14 +326,14 @@ class PreloadedMass:
                 continue
             previous, excess = last, next_orbit.frequency
             for _ in range(_MAX_HALVINGS):
-                middle = 0.5 * (previous.frequency + excess)
-                middle_orbit = self._solve_near_orbit(previous, middle, previous.level)
+                midpoint = 0.5 * (previous.frequency + excess)
+                middle_orbit = self._solve_near_orbit(previous, midpoint, previous.level)
                 if (
                     middle_orbit is None
                     or not middle_orbit.stable
                     or _compare_orbits(middle_orbit, previous) > _JUMP_RATIO
                 ):
-                    excess = middle
+                    excess = midpoint
                 else:
                     previous = middle_orbit
             orbit_at_jump = (

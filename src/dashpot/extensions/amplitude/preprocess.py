@@ -184,12 +184,12 @@ def _find_tones(frequency: FloatArray) -> FloatArray:
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
     values = np.empty_like(frequency)
     for part in np.split(order, indices + 1):
-        middle = median(frequency[part])
-        is_near_tone = np.abs(np.log(frequency[part] / middle)) < np.log(_ONE_TONE) / 2
+        median_value = median(frequency[part])
+        is_near_tone = np.abs(np.log(frequency[part] / median_value)) < np.log(_ONE_TONE) / 2
         is_wide = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
         # between two amplitudes a cycle may be shorter or longer
         is_sweep = is_wide and np.mean(is_near_tone) <= 0.5
-        values[part] = frequency[part] if is_sweep else middle
+        values[part] = frequency[part] if is_sweep else median_value
     return values
 
 

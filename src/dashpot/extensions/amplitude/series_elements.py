@@ -102,10 +102,10 @@ def compute_series_stiffness(
     # both dissipate, so the part behind never moves further than the whole
     low, high = np.full(amplitude.shape, np.log(1e-12)), np.zeros(amplitude.shape)
     for _ in range(60):
-        middle = (low + high) / 2
-        end = amplitude * np.exp(middle)
+        midpoint = (low + high) / 2
+        end = amplitude * np.exp(midpoint)
         short = end * np.abs(1 + series_part.equivalent(omega, end) / first) < amplitude
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
+        low, high = np.where(short, midpoint, low), np.where(short, high, midpoint)
     second = series_part.equivalent(omega, amplitude * np.exp(high))
     series = first * second / (first + second)
     return np.asarray(np.where(high < np.log(1e-11), first, series))

@@ -106,13 +106,15 @@ def gauge_discriminates(study: Gauge) -> Finding:
         f"{100 * high:.0f})"
     )
     # from a good gauge to none: so few seals show nothing of it
-    outside = gauge.share > LIMIT and low > GOOD_SHARE
-    grade: Grade = "stop" if low > LIMIT else "limit" if outside else "note"
+    is_outside = gauge.share > LIMIT and low > GOOD_SHARE
+    grade: Grade = "stop" if low > LIMIT else "limit" if is_outside else "note"
     return Finding(
         message,
         high,
-        "One test does not judge a seal" if outside else "So few tests do not show it",
-        "Test every seal several times, and judge by the mean." if outside else "Test more seals.",
+        "One test does not judge a seal" if is_outside else "So few tests do not show it",
+        "Test every seal several times, and judge by the mean."
+        if is_outside
+        else "Test more seals.",
         grade=grade,
     )
 

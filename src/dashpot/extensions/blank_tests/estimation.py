@@ -403,10 +403,10 @@ def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -
 
 def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
     """Return the speed over `half_span` samples either way, m/s; 0 where it is within noise."""
-    padded = np.pad(x, half_span, mode="edge")
+    padded_values = np.pad(x, half_span, mode="edge")
     clock = np.pad(time, half_span, mode="reflect", reflect_type="odd")
     span = clock[2 * half_span :] - clock[: -2 * half_span]
-    speed = (padded[2 * half_span :] - padded[: -2 * half_span]) / span
+    speed = (padded_values[2 * half_span :] - padded_values[: -2 * half_span]) / span
     noise = 5 * np.sqrt(2) * scatter(time, x) / span
     return np.where(np.abs(speed) > noise, speed, 0.0)
 
@@ -607,5 +607,5 @@ def _compute_relative_error(noise: Noise) -> float:
 
 def _measure_wander(speed: FloatArray) -> float:
     """Return the part of a record in which the plate neither rests nor travels."""
-    share = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
-    return float(np.mean((share > _REST_SPEED) & (share < _TRAVEL_SPEED)))
+    ratio = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
+    return float(np.mean((ratio > _REST_SPEED) & (ratio < _TRAVEL_SPEED)))

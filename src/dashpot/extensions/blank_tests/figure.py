@@ -27,14 +27,14 @@ def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
 
 def _draw_force(record: BlankCurve) -> Panel:
     """Return the force over time, and the model beneath or, of an empty run, upon it."""
-    word, scale = select_plot_unit(record.force, "N")
+    unit_name, scale = select_plot_unit(record.force, "N")
     force, fitted = scale * record.force, scale * record.fitted
     measured = Line(record.time, force, DATA_ON_FIT, "measured")
     empty = record.role == "empty"
     model = Line(record.time, fitted, FIT if empty else FIT_BAND, "drift" if empty else "model")
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
-        Scale(f"force, {word}", compute_padded_limits(force)),
+        Scale(f"force, {unit_name}", compute_padded_limits(force)),
         (measured, model) if empty else (model, measured),
         title=f"{ROLE_LABELS[record.role]}: {record.file}",
         height=210,
@@ -44,10 +44,10 @@ def _draw_force(record: BlankCurve) -> Panel:
 def _draw_residual(record: BlankCurve) -> Panel:
     residual = record.force - record.fitted
     finite_values = residual[np.isfinite(residual)]
-    word, scale = select_plot_unit(finite_values, "N")
+    unit_name, scale = select_plot_unit(finite_values, "N")
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
-        Scale(f"residual, {word}", compute_padded_limits(scale * finite_values, np.zeros(1))),
+        Scale(f"residual, {unit_name}", compute_padded_limits(scale * finite_values, np.zeros(1))),
         (Rule(0.0, REF, across=True), Line(record.time, scale * residual, FIT)),
         title="measured less model",
         height=210,

@@ -190,13 +190,13 @@ def storage_rises(data: DynamicTest) -> Finding:
     storage, frequency = data.storage[order], data.frequency[order]
     top = np.maximum.accumulate(storage)
     relative_fall = 1 - storage / np.where(top > 0, top, np.inf)
-    worst = int(np.argmax(relative_fall))
+    worst_index = int(np.argmax(relative_fall))
     return Finding(
         "The storage does not fall with frequency beyond scatter",
-        float(relative_fall[worst]),
-        failure=f"The storage falls by {100 * relative_fall[worst]:.2g} % at "
-        f"{frequency[worst]:.3g} Hz. No relaxing part does that: mass moved along, or the part "
-        "warmed up",
+        float(relative_fall[worst_index]),
+        failure=f"The storage falls by {100 * relative_fall[worst_index]:.2g} % at "
+        f"{frequency[worst_index]:.3g} Hz. No relaxing part does that: mass moved along, or the "
+        "part warmed up",
         remedy=Remedy("Leave those frequencies out.", "band"),
     )
 
@@ -348,16 +348,16 @@ def data_agree(
         :math:`1/\sqrt{2\nu}`.
     """
     limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
-    worst = int(np.argmax(np.asarray(residual_ratios) / limits))
+    worst_index = int(np.argmax(np.asarray(residual_ratios) / limits))
     return Finding(
-        f"The joint model has {residual_ratios[worst]:.3g} times the residual of the own fit of "
-        f"{names[worst]}",
-        float(residual_ratios[worst]),
+        f"The joint model has {residual_ratios[worst_index]:.3g} times the residual of the own fit "
+        f"of {names[worst_index]}",
+        float(residual_ratios[worst_index]),
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
-        limit=float(limits[worst]),
-        grade="stop" if residual_ratios[worst] > CONTRADICTION_RATIO else None,
+        limit=float(limits[worst_index]),
+        grade="stop" if residual_ratios[worst_index] > CONTRADICTION_RATIO else None,
     )
 
 

@@ -225,13 +225,13 @@ def _make_solid(values: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
 
 
 def _compute_misfit(curve: str, error: FloatArray, abscissa: FloatArray) -> Misfit:
-    worst = int(np.argmax(np.abs(error)))
+    worst_index = int(np.argmax(np.abs(error)))
     return Misfit(
         curve,
         len(error),
         float(np.sqrt(np.mean(error * error))),
-        float(abs(error[worst])),
-        float(abscissa[worst]),
+        float(abs(error[worst_index])),
+        float(abscissa[worst_index]),
     )
 
 

@@ -194,15 +194,15 @@ def fit_shift_law(
         uncertainty = estimate(fit, noises=[white_noise(fit, error_factor)])
         entries[kind] = temperature_law, uncertainty.derive_quantity(constants).covariance
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
-        worst = int(np.argmax(deviation))
+        worst_index = int(np.argmax(deviation))
         scores.append(
             LawScore(
                 kind,
                 deviance,
                 n - size,
                 bic,
-                float(deviation[worst]),
-                float(shifts.temperature[worst]),
+                float(deviation[worst_index]),
+                float(shifts.temperature[worst_index]),
             )
         )
     scores.sort(key=lambda score: score.bic)

@@ -55,11 +55,11 @@ class Calibration(EqualByValue):
 
     def overload(self, load: FloatArray) -> list[str]:
         """Return a note on axes that pass 90 % of their range."""
-        share = np.abs(load).max(axis=1) / self.limit
+        ratio = np.abs(load).max(axis=1) / self.limit
         return [
             f"{axis} reaches {100 * part:.0f} % of its range {limit:g} "
             f"{'N' if axis[0] == 'F' else 'N m'}: a transducer may saturate before its limit"
-            for axis, part, limit in zip(AXES, share, self.limit, strict=True)
+            for axis, part, limit in zip(AXES, ratio, self.limit, strict=True)
             if part > _NEAR_RANGE_SHARE
         ]
 

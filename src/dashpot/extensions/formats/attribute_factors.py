@@ -221,16 +221,16 @@ def remove_fill_values(
     fill_masks = find_fill_values(attributes)
     missing = np.isin(values, fill_masks) if fill_masks else np.zeros(np.shape(values), bool)
     low, high = _find_valid_range(attributes)
-    outside = ((values < low) | (values > high)) & ~missing
+    is_outside = ((values < low) | (values > high)) & ~missing
     notes = [
         f"{np.count_nonzero(is_fill)} numbers of '{name}' are stated to be none, {reason}"
         for is_fill, reason in (
             (missing, "as fill values"),
-            (outside, f"outside the valid range {low:g} to {high:g}"),
+            (is_outside, f"outside the valid range {low:g} to {high:g}"),
         )
         if is_fill.any()
     ]
-    return (np.where(missing | outside, np.nan, values), notes) if notes else (values, [])
+    return (np.where(missing | is_outside, np.nan, values), notes) if notes else (values, [])
 
 
 def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:

@@ -276,13 +276,13 @@ class MdfTable:
         lower_index = np.clip(
             np.searchsorted(ticks, base_ticks, side="right") - 1, 0, max(len(ticks) - 2, 0)
         )
-        outside = (base_ticks < ticks[0]) | (base_ticks > ticks[-1])
-        outside |= (is_gap[lower_index] if len(is_gap) else False) & (
+        is_outside = (base_ticks < ticks[0]) | (base_ticks > ticks[-1])
+        is_outside |= (is_gap[lower_index] if len(is_gap) else False) & (
             base_ticks != ticks[lower_index]
         )
         columns = [_interpolate(base_ticks, ticks, lower_index, column) for column in part.T]
         result = np.column_stack(columns)
-        result[outside] = np.nan
+        result[is_outside] = np.nan
         return result
 
     def table(self) -> FileTable:
@@ -336,9 +336,9 @@ def _interpolate(
         return np.where(time == ticks[0], column[0], np.nan)
     low, high = column[lower_index], column[lower_index + 1]
     with np.errstate(over="ignore", invalid="ignore"):
-        share = (time - ticks[lower_index]) / (ticks[lower_index + 1] - ticks[lower_index])
-        interpolated: FloatArray = low + share * (high - low)
-    interpolated[share == 0], interpolated[share == 1] = low[share == 0], high[share == 1]
+        ratio = (time - ticks[lower_index]) / (ticks[lower_index + 1] - ticks[lower_index])
+        interpolated: FloatArray = low + ratio * (high - low)
+    interpolated[ratio == 0], interpolated[ratio == 1] = low[ratio == 0], high[ratio == 1]
     return interpolated
 
 

@@ -502,9 +502,9 @@ def _mode(
             f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
             "2411 with the shapes"
         )
-    head = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
+    header = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
     for node, *shape in _iterate_nodes(entry, "r1", "r2", "r3"):
-        yield [*head, *node_positions[int(node)], *shape]
+        yield [*header, *node_positions[int(node)], *shape]
 
 
 def _title(entry: _Set) -> str:

@@ -43,8 +43,8 @@ def suggest_machine_key(key: str, text: str) -> str:
     >>> suggest_machine_key("stiffness", "30N/mm")
     'Give its inverse, the compliance: --machine compliance=33.33um/N'
     """
-    known = (*_STIFFNESS_KEYS, *MACHINE_SYNONYMS)
-    key = next(iter(get_close_matches(key, known, 1, _MIN_SIMILARITY)), key)
+    known_names = (*_STIFFNESS_KEYS, *MACHINE_SYNONYMS)
+    key = next(iter(get_close_matches(key, known_names, 1, _MIN_SIMILARITY)), key)
     if key in _STIFFNESS_KEYS:
         return f"Give its inverse, the compliance: --machine compliance={_format_inverse(text)}"
     return f"Did you mean '{MACHINE_SYNONYMS[key]}'?" if key in MACHINE_SYNONYMS else ""

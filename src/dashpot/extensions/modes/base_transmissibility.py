@@ -112,9 +112,11 @@ def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
     Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
     """
     min_coherence = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _KEPT_COHERENCE)
-    padded = np.pad(coherence, _MEDIAN_LINES // 2, mode="edge")
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(padded, _MEDIAN_LINES), axis=1)
-    return np.asarray(middle > min_coherence)
+    padded_values = np.pad(coherence, _MEDIAN_LINES // 2, mode="edge")
+    median_value = np.median(
+        np.lib.stride_tricks.sliding_window_view(padded_values, _MEDIAN_LINES), axis=1
+    )
+    return np.asarray(median_value > min_coherence)
 
 
 def _transform_segments(test: ShakenTest, signal: FloatArray, length: int) -> ComplexArray:

@@ -138,9 +138,9 @@ def _fit_circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
     squares over the lines above 0.4 of the peak, weighted anew by :math:`1/|s - p|` until p stays.
     """
     top = _find_highest_line(accelerance)
-    size = np.abs(accelerance)
+    magnitude = np.abs(accelerance)
     is_near_peak = np.zeros(len(s), dtype=bool)
-    is_near_peak[find_run(size > 0.4 * size[top], top)] = True
+    is_near_peak[find_run(magnitude > 0.4 * magnitude[top], top)] = True
     is_near_peak[max(top - 2, 0) : top + 3] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
@@ -203,11 +203,11 @@ def _fit_decrement(s: ComplexArray, accelerance: ComplexArray, record: float | N
 
 
 def _find_highest_line(accelerance: ComplexArray) -> int:
-    size = np.abs(accelerance)
-    top = int(np.argmax(size))
-    if not 0 < top < len(size) - 1:
+    magnitude = np.abs(accelerance)
+    peak_index = int(np.argmax(magnitude))
+    if not 0 < peak_index < len(magnitude) - 1:
         raise FitError("the highest line stands at the edge of the band; widen the band")
-    return top
+    return peak_index
 
 
 def _find_peak_width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float, float]:

@@ -100,10 +100,10 @@ def stabilisation(
     rows: list[tuple[int, float, float, int]] = []
     previous_order: tuple[ComplexArray, ComplexArray] | None = None
     for order, poles, residues in _fit_orders(lines, np.abs(rms_accelerance.value), highest):
-        size = np.abs(poles)
-        ratio = -poles.real / size
+        magnitude = np.abs(poles)
+        ratio = -poles.real / magnitude
         state = _classify_poles(poles, residues, previous_order)
-        rows += zip([order] * len(poles), size / (2 * np.pi), ratio, state, strict=True)
+        rows += zip([order] * len(poles), magnitude / (2 * np.pi), ratio, state, strict=True)
         previous_order = poles, residues
     table = np.array(rows, dtype=float).reshape(-1, 4)
     return Stabilisation(

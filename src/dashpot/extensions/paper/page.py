@@ -74,7 +74,7 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
 
 def make_table_1(table: Sequence[Coefficient]) -> TextTable:
     """Table 1 as printed, and as each record gives it back."""
-    head = (
+    header = (
         "", "unit", "printed", "exact record", "in steps of 1/1280 N",
         "simulation, whole history", "simulation, hold alone",
     )  # fmt: skip
@@ -90,7 +90,7 @@ def make_table_1(table: Sequence[Coefficient]) -> TextTable:
             round_to_error(coarse, digits=7), _format_fact(item.full), _format_fact(item.hold),
         ))  # fmt: skip
         row_classes.append("" if all(item.is_covered) else "doubt")
-    return TextTable(head, tuple(rows), tuple(row_classes))
+    return TextTable(header, tuple(rows), tuple(row_classes))
 
 
 def _format_fact(reported_value: ReportedValue) -> str:
@@ -102,7 +102,7 @@ def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
     """Return the statements of one part of the paper with computed values and differences."""
     part_rows = [row for row in rows if row.part == part]
     has_intervals = any(row.within_interval is not None for row in part_rows)
-    head = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
+    header = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
     cells = []
     for row in part_rows:
         difference_text, tolerance_text = (
@@ -117,7 +117,7 @@ def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
             )
         )
     return TextTable(
-        head,
+        header,
         tuple(cells),
         tuple("bad" if row.within_interval is False else "" for row in part_rows),
     )

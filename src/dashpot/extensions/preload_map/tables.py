@@ -50,9 +50,9 @@ def tabulate_frequencies(preload_map: PreloadMap, tolerance: float = TOLERANCE) 
 def render_csv(preload_map: PreloadMap) -> str:
     """Return the map at its levels with its 95 % limits, a row a frequency, in SI units."""
     columns = preload_map._table_columns
-    head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
+    header = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
     rows = zip(*(values for values, _ in columns.values()), strict=True)
-    return "\n".join((head, *(",".join(f"{value:.10g}" for value in row) for row in rows))) + "\n"
+    return "\n".join((header, *(",".join(f"{value:.10g}" for value in row) for row in rows))) + "\n"
 
 
 def render_nastran(preload_map: PreloadMap, units: UnitSystem) -> str:

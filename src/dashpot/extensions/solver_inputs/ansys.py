@@ -25,14 +25,14 @@ def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]
         return [], []
     row: tuple[float, ...]
     if isinstance(law, WLF):
-        head, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
+        header, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
     else:
-        head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS_CONSTANT)
+        header, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS_CONSTANT)
     sentences = [
         "TB,SHIFT: temperatures of the model are in K (TOFFST,0)",
         *format_temperature_lines("deck remarks", shifts),
     ]
-    return [head, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
+    return [header, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
 
 
 FORMS = ("arms", "table", "prony")

@@ -259,8 +259,8 @@ def _compute_white_response(
     tolerance = _RIGID_RATIO * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
-        size = float(np.hypot(re, im))
-        return re < -_UNDAMPED * size and size > tolerance  # a slow arm dies away slowly
+        magnitude = float(np.hypot(re, im))
+        return re < -_UNDAMPED * magnitude and magnitude > tolerance  # a slow arm dies away slowly
 
     triangle, basis, count = schur(scaled_matrix, sort=dies_away)
     if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _ROUNDING_STRETCH * np.linalg.norm(

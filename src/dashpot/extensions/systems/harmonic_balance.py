@@ -256,8 +256,8 @@ def solve_several_harmonics(
             "finer steps, or one harmonic"
         )
     e = stretches(solution.x)
-    share = float(np.abs(e[1:]).max() / np.abs(e[0]).max())
-    return e[0], pulls(e)[0], share
+    ratio = float(np.abs(e[1:]).max() / np.abs(e[0]).max())
+    return e[0], pulls(e)[0], ratio
 
 
 def _compute_steady_cycle(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:

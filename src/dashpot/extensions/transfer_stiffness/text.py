@@ -26,9 +26,9 @@ def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     has_output = sheet.transmissibility is not None
     # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
     has_limits = has_output and sheet.method != "predicted"
-    head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if has_limits else [])]
+    header = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if has_limits else [])]
     rows = (_format_row(band, has_output=has_output, is_checked=has_limits) for band in sheet.bands)
-    lines += table([head, *rows])
+    lines += table([header, *rows])
     lines += [f"  {sheet.interval_note}"] if sheet.interval_note else []
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
     details += [

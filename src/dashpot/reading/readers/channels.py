@@ -513,13 +513,13 @@ def _is_mark(top: float) -> bool:
 
 def _remove_marks(column: FloatArray, top: float) -> list[str]:
     """Take the marks of no reading, of the largest size, out of a column, with a note."""
-    size = np.abs(column)
+    magnitude = np.abs(column)
     if top >= _OVERLOAD:
-        is_overload = size >= _OVERLOAD
+        is_overload = magnitude >= _OVERLOAD
         message = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
     else:
-        is_overload = size == top
-        rest = float(np.fmax.reduce(size[~is_overload], initial=0.0))
+        is_overload = magnitude == top
+        rest = float(np.fmax.reduce(magnitude[~is_overload], initial=0.0))
         if not is_overload.any() or rest * _MARK_RATIO > top:
             return []
         message = (
@@ -582,11 +582,11 @@ def filled_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedC
 def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the rows that lack no number, and notes: of loading, and how many are left out."""
     is_complete = np.isfinite(loaded_columns.values).all(axis=1)
-    missing = np.flatnonzero(~is_complete)
-    if not missing.size:
+    missing_indices = np.flatnonzero(~is_complete)
+    if not missing_indices.size:
         return loaded_columns.values, loaded_columns.notes
-    first = loaded_columns.format_row_position(int(missing[0]))
-    note = f"{missing.size} rows lack a number and were left out, first {first}"
+    first = loaded_columns.format_row_position(int(missing_indices[0]))
+    note = f"{missing_indices.size} rows lack a number and were left out, first {first}"
     return loaded_columns.values[is_complete], (*loaded_columns.notes, note)
 
 

@@ -90,8 +90,10 @@ def _merge_stated_temperature(
     entries = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
         source_text = "the file"
-        middle = round(median(recorded), 2)
-        entries = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
+        median_value = round(median(recorded), 2)
+        entries = {
+            median_value: f"{format_quantity(median_value, 'degC')} in its column of temperature"
+        }
         specimen = replace(specimen, warmed=_rise(recorded))
     if not entries:
         return specimen, []

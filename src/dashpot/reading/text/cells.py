@@ -342,9 +342,13 @@ def _day(word: str, order: str) -> int | None:
     if "." in word and order != "dmy" and not is_year[0]:
         return None  # with points the day comes first
     year, month, day = (parts[order.index(letter)] for letter in "ymd")
-    short = month[:3].casefold()
+    abbreviation = month[:3].casefold()
     try:
-        number = _MONTHS.index(_GERMAN.get(short, short)) + 1 if month.isalpha() else int(month)
+        number = (
+            _MONTHS.index(_GERMAN.get(abbreviation, abbreviation)) + 1
+            if month.isalpha()
+            else int(month)
+        )
         century = 2000 * (len(year) == 2)
         return (date(century + int(year), number, int(day)) - date(1970, 1, 1)).days
     except ValueError:

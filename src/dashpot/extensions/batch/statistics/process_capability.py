@@ -107,7 +107,7 @@ def capability(
     from scipy.stats import shapiro  # few need it, and it costs time to import
 
     mean, deviation = float(x.mean()), float(x.std(ddof=1))
-    outside = int(np.count_nonzero((x < low) | (x > high)))
+    is_outside = int(np.count_nonzero((x < low) | (x > high)))
     scatters = deviation > 1e-12 * abs(mean)
     unknown: _Index = (None, None)
     cp, cpk = unknown, unknown
@@ -115,7 +115,7 @@ def capability(
         cp, cpk = _compute_indices(mean, deviation, low, high, n=len(x), level=level)
     return Capability(
         len(x), mean, deviation, lower, upper, *cp, *cpk,
-        outside, share_interval(outside, len(x), level),
+        is_outside, share_interval(is_outside, len(x), level),
         float(shapiro(x).pvalue) if scatters and len(x) > 2 else None,
     )  # fmt: skip
 

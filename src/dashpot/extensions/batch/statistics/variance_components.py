@@ -109,8 +109,8 @@ class _Stratum:
         d, count = self.away, len(self.away)
         z = NormalDist().inv_cdf((1 + level) / 2)
         trimmed_count = int(count / (2 * np.sqrt(count - 4)))
-        middle = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
-        kurtosis = count * float(np.sum((d - middle) ** 4)) / float(np.sum(d**2)) ** 2
+        mean_value = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
+        kurtosis = count * float(np.sum((d - mean_value) ** 4)) / float(np.sum(d**2)) ** 2
         c = count / (count - z)
         half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
         return float(c * np.exp(-half_width)), float(c * np.exp(half_width))

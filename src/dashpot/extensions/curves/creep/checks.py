@@ -92,12 +92,12 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
     if not len(runs):
         return Finding("The displacement stands at no value while it should scatter or change", 0.0)
     first, last = runs[np.argmax(np.diff(runs)[:, 0])]
-    share = float(np.sum(np.diff(runs) + 1)) / len(x)
+    ratio = float(np.sum(np.diff(runs) + 1)) / len(x)
     return Finding(
         f"The displacement has one and the same value for {last - first + 1} samples, from "
         f"{time[first]:.4g} to {time[last]:.4g} s",
-        share,
-        f"Its other samples rule that out: it was not read for {100 * share:.2g} % of the hold",
+        ratio,
+        f"Its other samples rule that out: it was not read for {100 * ratio:.2g} % of the hold",
         "Repeat the test.",
     )
 
@@ -185,10 +185,10 @@ def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
 
     `hold` is in s.
     """
-    share = creep.flow * hold / float(creep.compliance(hold))
+    ratio = creep.flow * hold / float(creep.compliance(hold))
     return Finding(
-        f"{100 * share:.2g} % of the displacement at the end is flow",
-        share,
+        f"{100 * ratio:.2g} % of the displacement at the end is flow",
+        ratio,
         "A part that comes to rest after the record ends looks the same, so k_inf may be above 0",
         "Hold longer, or record a recovery.",
     )

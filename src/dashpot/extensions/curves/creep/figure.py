@@ -47,8 +47,8 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         fitted_displacement(fit, data)[is_shown],
     )
     if data.unit == "N/m":
-        word, scale = select_plot_unit(measured, "m")
-        label = f"displacement, {word}"
+        unit, scale = select_plot_unit(measured, "m")
+        label = f"displacement, {unit}"
     else:
         scale, label = 100.0, "strain, %"
     horizontal = Scale(TIME_LABEL, (first, float(t[-1])), log=True)
@@ -63,13 +63,13 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         height=240,
     )  # fmt: skip
     residual = measured - fitted_values
-    word, small = select_plot_unit(residual, "m") if data.unit == "N/m" else ("%", 100.0)
+    unit, small = select_plot_unit(residual, "m") if data.unit == "N/m" else ("%", 100.0)
     x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
     rms = round_to_error(small * fit.estimate.residual.rms)
     lower = Panel(
-        horizontal, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
+        horizontal, Scale(f"residual, {unit}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),
-        height=90, note=f"rms {rms} {word}",
+        height=90, note=f"rms {rms} {unit}",
     )  # fmt: skip
     return upper, lower
 

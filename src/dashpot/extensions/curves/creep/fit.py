@@ -338,10 +338,10 @@ def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
             rounding_sse=rounding_sse,
         )
         scores.append(checked if _is_flow_significant(model) else np.inf)
-    best = int(np.argmin(scores))
-    other_scores = [score for i, score in enumerate(scores) if i != best]
-    alternative = other_scores[0] - scores[best] if other_scores else None
-    model = selections[best]
+    best_index = int(np.argmin(scores))
+    other_scores = [score for i, score in enumerate(scores) if i != best_index]
+    alternative = other_scores[0] - scores[best_index] if other_scores else None
+    model = selections[best_index]
     choice = model.choice
     if choice is not None and FLOW in model.solution.fixed_names:  # a flow makes one more arm
         arm_numbers = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)

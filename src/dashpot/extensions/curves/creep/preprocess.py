@@ -276,9 +276,9 @@ def _insert_corners(
                 pieces = min(_QUARTERS, len(t) // _MIN_READINGS)
                 arrays.append(np.linspace(low, high, pieces + 1))
             continue
-        middle = (low + high) / 2
-        stack += [(middle, high), (low, middle)]
-        arrays.append(np.array([middle]))
+        midpoint = (low + high) / 2
+        stack += [(midpoint, high), (low, midpoint)]
+        arrays.append(np.array([midpoint]))
     return distinct(np.concatenate(arrays))
 
 

@@ -494,10 +494,12 @@ def _compute_misfit_in_band(
     in_band = (data.frequency >= band[0]) & (data.frequency <= band[1])
     K, measured = solid.complex_stiffness(omega=data.omega), data.value
     is_compared = in_band & (data.loss > 0)
-    size = np.abs(np.abs(K) / np.abs(measured) - 1)
+    magnitude = np.abs(np.abs(K) / np.abs(measured) - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         loss = np.abs((K.imag / K.real) / (measured.imag / measured.real) - 1)
-    return float(np.max(size[in_band], initial=0.0)), float(np.max(loss[is_compared], initial=0.0))
+    return float(np.max(magnitude[in_band], initial=0.0)), float(
+        np.max(loss[is_compared], initial=0.0)
+    )
 
 
 def _run_checks(

@@ -210,19 +210,19 @@ def vertical_shift_determined(vertical: str, margin: float, difference: float) -
     `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what
     they leave if that is less, and `difference` by how many decades its shifts differ.
     """
-    free = vertical == "free"
+    is_free = vertical == "free"
     return Finding(
         "The vertical shifts are free"
-        if free
+        if is_free
         else f"b_T = {vertical} is ahead by {margin:.3g} in BIC. The other rule moves no shift by "
         f"more than {difference:.2g} decades",
-        None if free else margin,
+        None if is_free else margin,
         "They trade with the horizontal shifts, so neither can be used; this is a diagnostic"
-        if free
+        if is_free
         else "The data hardly separate the two rules",
         Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
-        always_passes=not free and difference < _NEGLIGIBLE_DECADES,
-        always_fails=free,
+        always_passes=not is_free and difference < _NEGLIGIBLE_DECADES,
+        always_fails=is_free,
     )
 
 

@@ -106,8 +106,8 @@ class Isotherm:
             sign = 1.0 if self.domain == "time" else -1.0
             return np.asarray(sign * (np.exp(-v) * v) @ h / self.size)
         z = self.at[:, None] * np.exp(ln_tau + ln_a)
-        share = 1 / (1 + z * z)
-        storage, loss = 2 * share * (1 - share), z * share * (2 * share - 1)
+        ratio = 1 / (1 + z * z)
+        storage, loss = 2 * ratio * (1 - ratio), z * ratio * (2 * ratio - 1)
         return np.concatenate((storage @ h, loss @ h)) / self.size
 
 
@@ -182,9 +182,9 @@ def split_isotherms(data: Measured) -> tuple[Isotherm, ...]:
             part = data.only(
                 sample_indices[np.argsort(data.frequency[sample_indices], kind="stable")]
             )
-            size = np.abs(part.value)
+            magnitude = np.abs(part.value)
             _require_positive(part.storage, kelvin)
-            both_parts = np.concatenate((size, size))
+            both_parts = np.concatenate((magnitude, magnitude))
             value = np.concatenate((part.storage, part.loss)) / both_parts
             isotherms.append(Isotherm(kelvin, "frequency", part.omega, value, both_parts))
         else:

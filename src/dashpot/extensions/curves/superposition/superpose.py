@@ -200,11 +200,11 @@ def _search_shifts(
             isotherms, start, log_b_by_rule[name], reference=reference_index, noise=noise
         )
     vertical_rule = min(spectra, key=lambda name: spectra[name].bic)
-    free = vertical == "free"
+    is_free = vertical == "free"
     best = refine_shifts(
-        isotherms, spectra[vertical_rule], reference=reference_index, noise=noise, free_b=free
+        isotherms, spectra[vertical_rule], reference=reference_index, noise=noise, free_b=is_free
     )
-    if free:
+    if is_free:
         return best, "free", (vertical_shift_determined("free", 0.0, 0.0),)
     step, score = compute_vertical_step(isotherms, best, reference=reference_index, noise=noise)
     rule_check = vertical_rule_holds(step, score, t)

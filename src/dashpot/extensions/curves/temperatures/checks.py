@@ -120,13 +120,13 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     log_deviations = [
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
-    worst = int(np.argmax(np.abs(log_deviations)))
-    temperature_text = celsius(shifts.shifts[worst].temperature)
+    worst_index = int(np.argmax(np.abs(log_deviations)))
+    temperature_text = celsius(shifts.shifts[worst_index].temperature)
     return Finding(
         f"At {temperature_text} every stiffness differs by "
-        f"{100 * np.expm1(log_deviations[worst]):+.2g} % from "
+        f"{100 * np.expm1(log_deviations[worst_index]):+.2g} % from "
         "rubber elasticity",
-        abs(log_deviations[worst]),
+        abs(log_deviations[worst_index]),
         remedy="Check specimen, depth, length and temperature.",
     )
 

@@ -116,7 +116,7 @@ def _make_cycle_table(result: CLDResult) -> TextTable:
                     else round_to_error(convert_to_unit(contact, "mm"), digits=3),
                 )
             )
-    head = (
+    header = (
         "specimen", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "contact, mm",
     )  # fmt: skip
-    return TextTable(head, tuple(rows))
+    return TextTable(header, tuple(rows))

@@ -100,9 +100,9 @@ class AgingLaw(EqualByValue):
         if self.compute_retention(temperature, MAX_LIFETIME) > retained:
             return float("inf")
         while high - low > 1e-9:
-            middle = (low + high) / 2
-            is_above = self.compute_retention(temperature, float(np.exp(middle))) > retained
-            low, high = (middle, high) if is_above else (low, middle)
+            midpoint = (low + high) / 2
+            is_above = self.compute_retention(temperature, float(np.exp(midpoint))) > retained
+            low, high = (midpoint, high) if is_above else (low, midpoint)
         return float(np.exp((low + high) / 2))
 
     def compute_log_life(self, temperature: float, retained: float) -> float:

@@ -93,7 +93,7 @@ def _compute_additional_forces(
 ) -> dict[str, FloatArray]:
     """Return additional forces of a specimen along its motions, shape (steps + 1, impacts), N."""
     depth, largest = x.max(), relaxed_force.max()
-    share = x / depth
+    ratio = x / depth
     friction, arm = np.zeros_like(x), np.zeros_like(x)
     contact = median(np.array([hit.contact for hit in problem.impacts]))
     steps = EvenStep.from_ratio(np.array(problem.step / (_ADDITIONAL_TAU * contact)))
@@ -110,8 +110,8 @@ def _compute_additional_forces(
         arm[i] = steps.end(arm[i - 1], force_step)
     return {
         "friction": friction,
-        "an elastic law steeper than a cubic": largest * share**_POWER,
-        "a contact at an angle": largest * share * np.exp(-share / _TILT_DEPTH),
+        "an elastic law steeper than a cubic": largest * ratio**_POWER,
+        "a contact at an angle": largest * ratio * np.exp(-ratio / _TILT_DEPTH),
         "one more arm": arm,
     }
 

@@ -55,7 +55,7 @@ def run_checks(
 ) -> tuple[Check, ...]:
     """Return every check of a hyperelastic law."""
     shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
-    worst = int(np.argmax(fit.residuals))
+    worst_index = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
     through = list(fit.curves) if foam else shaped
     flexible = compute_best_stable_misfit(through, fit.law.poisson)
@@ -70,8 +70,8 @@ def run_checks(
     softer = [curve.softer for curve in fit.curves if curve.softer is not None]
     return (
         law_residual_small(
-            fit.residuals[worst],
-            _get_curve_name(fit.curves[worst]),
+            fit.residuals[worst_index],
+            _get_curve_name(fit.curves[worst_index]),
             best_stable_misfit,
         ),
         no_better_law(selected.rms, flexible),

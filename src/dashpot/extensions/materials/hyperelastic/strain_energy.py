@@ -294,11 +294,11 @@ class Hyperelastic:
             return 1.0
         stable_strain, outside = float(e[high - 1]), float(e[high])
         for _ in range(40):
-            middle = 0.5 * (stable_strain + outside)
-            if self.drucker(mode, math.exp(middle)) > 0:
-                stable_strain = middle
+            midpoint = 0.5 * (stable_strain + outside)
+            if self.drucker(mode, math.exp(midpoint)) > 0:
+                stable_strain = midpoint
             else:
-                outside = middle
+                outside = midpoint
         return math.exp(outside)
 
     # -- the energy and its derivatives ---------------------------------------------------------

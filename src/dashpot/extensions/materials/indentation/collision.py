@@ -154,14 +154,15 @@ def scale_collision(
 
 def _find_peak(t: FloatArray, y: FloatArray) -> float:
     """Return the maximum of the parabola through the largest sample and its neighbours."""
-    top = int(y.argmax())
-    if top in {0, len(y) - 1}:
-        return float(y[top])
-    time_from_peak = t[top - 1 : top + 2] - t[top]
+    peak_index = int(y.argmax())
+    if peak_index in {0, len(y) - 1}:
+        return float(y[peak_index])
+    time_from_peak = t[peak_index - 1 : peak_index + 2] - t[peak_index]
     (a, b, c) = np.linalg.solve(
-        np.stack((time_from_peak**2, time_from_peak, np.ones(3)), axis=1), y[top - 1 : top + 2]
+        np.stack((time_from_peak**2, time_from_peak, np.ones(3)), axis=1),
+        y[peak_index - 1 : peak_index + 2],
     )
-    return float(c - b**2 / (4 * a)) if a < 0 else float(y[top])
+    return float(c - b**2 / (4 * a)) if a < 0 else float(y[peak_index])
 
 
 @lru_cache(maxsize=_CACHE_SIZE)

@@ -283,10 +283,10 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
     """Return which samples are at the limit of the sensor: equal and largest in a row."""
     if signal_name in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
-    at = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
+    index = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
     clipped = np.zeros(len(signal), dtype=bool)
-    if len(at) >= _MIN_CLIPPED_SAMPLES and at[-1] - at[0] < 2 * len(at):
-        clipped[at[0] : at[-1] + 1] = True
+    if len(index) >= _MIN_CLIPPED_SAMPLES and index[-1] - index[0] < 2 * len(index):
+        clipped[index[0] : index[-1] + 1] = True
     return clipped
 
 
@@ -354,12 +354,12 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
 def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
-    padded = np.pad(cost, 1, constant_values=np.inf)
+    padded_values = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
     beaten = np.zeros(cost.shape, dtype=bool)
     for axis in range(cost.ndim):
         for direction in (-1, 1):
-            beaten |= np.roll(padded, direction, axis)[inner] < cost
+            beaten |= np.roll(padded_values, direction, axis)[inner] < cost
     order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 

@@ -192,7 +192,7 @@ class _Sensitivities:
         scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
         coefficients = np.linalg.lstsq(J / scale, a, rcond=1e-12)[0] / scale
         remainder = a - J @ coefficients
-        size = float(np.linalg.norm(remainder))
+        magnitude = float(np.linalg.norm(remainder))
         linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
         residual = target - columns[:, linear] @ mean[linear]
         follow = np.zeros(len(mean))
@@ -201,10 +201,10 @@ class _Sensitivities:
         max_stiffness = min(
             [(1 - _MIN_SHARE) * mean[i] / -follow[i] for i in falling_indices], default=model.k_0
         )
-        if size <= _MIN_COLUMN_SHARE * float(np.linalg.norm(a)):
+        if magnitude <= _MIN_COLUMN_SHARE * float(np.linalg.norm(a)):
             k = share * max_stiffness
         else:
-            k = truncated_normal(share, float(remainder @ residual) / size**2, 1 / size)
+            k = truncated_normal(share, float(remainder @ residual) / magnitude**2, 1 / magnitude)
         k = min(k, max_stiffness, 10 * model.k_0)
         step, part = values - mean + follow * k, 1.0
         for _ in range(_MAX_ITERATIONS):

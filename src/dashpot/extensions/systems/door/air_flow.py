@@ -113,11 +113,11 @@ def _solve_implicit_step(
     z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), bound)
     slope = np.sqrt(2 * AMBIENT_PRESSURE * AIR_DENSITY)
     for _ in range(_MAX_ITERATIONS):
-        size = np.abs(z)
-        log_pressure = np.log1p(z * size)
+        magnitude = np.abs(z)
+        log_pressure = np.log1p(z * magnitude)
         air_mass = volume * AIR_DENSITY * np.exp(log_pressure / n)
         miss = air_mass + step * _compute_log_flux(log_pressure, log_pressure / n) - mass
-        slope_of_balance = air_mass * (2 / n) * size / (1 + z * size) + step * slope
+        slope_of_balance = air_mass * (2 / n) * magnitude / (1 + z * magnitude) + step * slope
         z = np.minimum(
             np.maximum(z - miss / np.where(slope_of_balance > 0, slope_of_balance, np.inf), low),
             high,

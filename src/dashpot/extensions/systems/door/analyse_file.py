@@ -326,12 +326,12 @@ def _check_seal_line(
 
 def check_contact(compressions: FloatArray, positions: FloatArray, length: float) -> Check:
     """Return whether the seal touches at all stations, by their compressions and places, m."""
-    worst = int(compressions.argmin())
+    worst_index = int(compressions.argmin())
     return checks.seal_touches(
         float((compressions < 0).mean()),
         length=length,
-        min_compression=float(compressions[worst]),
-        position=float(positions[worst]),
+        min_compression=float(compressions[worst_index]),
+        position=float(positions[worst_index]),
         max_compression=float(compressions.max()),
     )
 

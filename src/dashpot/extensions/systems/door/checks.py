@@ -36,17 +36,17 @@ def door_modes_in_valid_band(
             "No test behind the fit of the seal has a valid band", math.inf, remedy="Test the seal."
         )
     extrapolation = {f: max(f / high, low / f) for f in seal_frequencies}
-    outside = [f for f in seal_frequencies if extrapolation[f] > 1]
+    is_outside = [f for f in seal_frequencies if extrapolation[f] > 1]
     worst = max(extrapolation.values())
-    first = [f"{f:.3g}" for f in outside[:3]]
-    frequencies_text = " and ".join(first) if len(outside) < 3 else ", ".join(first)
-    frequencies_text += " and more" if len(outside) > 3 else ""
+    first = [f"{f:.3g}" for f in is_outside[:3]]
+    frequencies_text = " and ".join(first) if len(is_outside) < 3 else ", ".join(first)
+    frequencies_text += " and more" if len(is_outside) > 3 else ""
     return Finding(
         f"All {len(seal_frequencies)} modes that the seal affects lie in the valid band of its "
         "test",
         worst,
         failure=f"The seal's damping is not known at {frequencies_text} Hz. Its test covers "
-        f"{low:.2g} to {high:.2g} Hz. {len(outside)} of {len(seal_frequencies)} modes that it "
+        f"{low:.2g} to {high:.2g} Hz. {len(is_outside)} of {len(seal_frequencies)} modes that it "
         f"affects lie outside, up to {worst:.3g} times",
         remedy="Test the seal with a hammer, or in the cold.",
     )

@@ -452,9 +452,9 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     load = 1 + variation.load * np.clip(random.standard_normal(count) / 3, -1, 1)
     compressions = door.compression + displacement
     reduced_door, group = _reduce_stations(door)
-    share = door.length / reduced_door.length[group]
+    ratio = door.length / reduced_door.length[group]
     groups = np.zeros((n, len(reduced_door.lever)))
-    groups[np.arange(n), group] = share
+    groups[np.arange(n), group] = ratio
     rough = find_least_speed(
         reduced_door,
         compression=compressions @ groups,
@@ -539,7 +539,7 @@ def _get_hinge_axis(door: Door, setup: ClosingSetup) -> FloatArray:
         axis_vector = np.array(door.hinges[-1].at) - np.array(door.hinges[0].at)
     else:
         raise DataError("one hinge has no axis: give axis in [closing], such as [0, 1, 0]")
-    size = float(np.linalg.norm(axis_vector))
-    if not size > 0:
+    magnitude = float(np.linalg.norm(axis_vector))
+    if not magnitude > 0:
         raise DataError("the hinges lie at one place: give axis in [closing], such as [0, 1, 0]")
-    return np.asarray(axis_vector / size)
+    return np.asarray(axis_vector / magnitude)

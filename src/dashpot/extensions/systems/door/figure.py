@@ -122,11 +122,11 @@ class View:
         """Return the view of a seal line."""
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
         inward = line.normal_at(line.arc_length).mean(axis=0)
-        size = float(np.linalg.norm(inward))
+        magnitude = float(np.linalg.norm(inward))
         axis_vector = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
-        outward = -inward / size if size > 0 else axis_vector
-        right = np.cross(np.eye(3)[second], outward)
-        return cls((first, second), bool(right[first] < 0), outward)
+        outward = -inward / magnitude if magnitude > 0 else axis_vector
+        right_part = np.cross(np.eye(3)[second], outward)
+        return cls((first, second), bool(right_part[first] < 0), outward)
 
     def project_points(self, vectors: FloatArray) -> FloatArray:
         """Places or motions, shape (n, 3), as they are drawn, shape (n, 2)."""
@@ -339,12 +339,14 @@ def _compute_outward_normals(rest_points: FloatArray) -> FloatArray:
     outward_sum = float(np.sum(normal * (rest_points - rest_points.mean(axis=0))))
     # round a corner it turns slowly, or a band inside it would fold
     kernel = np.ones(_AVERAGED_STATIONS) / _AVERAGED_STATIONS
-    padded = np.concatenate(
+    padded_values = np.concatenate(
         [normal[-_AVERAGED_STATIONS - 1 : -1], normal, normal[1 : _AVERAGED_STATIONS + 1]]
     )
     if not np.allclose(rest_points[0], rest_points[-1]):
-        padded = np.pad(normal, ((_AVERAGED_STATIONS, _AVERAGED_STATIONS), (0, 0)), mode="edge")
-    smoothed = np.column_stack([np.convolve(item, kernel, mode="same") for item in padded.T])
+        padded_values = np.pad(
+            normal, ((_AVERAGED_STATIONS, _AVERAGED_STATIONS), (0, 0)), mode="edge"
+        )
+    smoothed = np.column_stack([np.convolve(item, kernel, mode="same") for item in padded_values.T])
     smoothed = smoothed[_AVERAGED_STATIONS:-_AVERAGED_STATIONS]
     return np.asarray(smoothed if outward_sum > 0 else -smoothed)
 

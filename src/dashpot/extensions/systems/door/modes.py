@@ -85,10 +85,10 @@ def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
         similarities = [
             compute_similarity(mode.shape, other.shape, M) for other in modes_without_seal
         ]
-        best = int(np.argmax(similarities)) if similarities else -1
+        best_index = int(np.argmax(similarities)) if similarities else -1
         nearest_frequency = (
-            modes_without_seal[best].frequency
-            if similarities and similarities[best] >= _MIN_SIMILARITY
+            modes_without_seal[best_index].frequency
+            if similarities and similarities[best_index] >= _MIN_SIMILARITY
             else None
         )
         modes.append(DoorMode(mode, energy_shares(system, mode), nearest_frequency))

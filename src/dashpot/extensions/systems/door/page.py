@@ -392,8 +392,8 @@ def _make_share_table(result: DoorResult) -> TextTable:
             for name in parts
         ]
         rows.append((f"{number}: {round_to_error(mode.mode.frequency, digits=4)} Hz", *cells))
-    head = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
-    return TextTable(head, tuple(rows))
+    header = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
+    return TextTable(header, tuple(rows))
 
 
 def _make_term_table(closed: ClosingResult) -> TextTable:

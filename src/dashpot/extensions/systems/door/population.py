@@ -507,9 +507,12 @@ def _follow_modes(
                     -1.0 if k in assigned else compute_similarity(shape, other.shape, M)
                     for k, other in enumerate(modes_there)
                 ]
-                best = int(np.argmax(similarities))
-                assigned.add(best)
-                frequency[j, i], shapes[j] = modes_there[best].frequency, modes_there[best].shape
+                best_index = int(np.argmax(similarities))
+                assigned.add(best_index)
+                frequency[j, i], shapes[j] = (
+                    modes_there[best_index].frequency,
+                    modes_there[best_index].shape,
+                )
     return [
         (f"mode {j + 1}", frequency[j], door_mode.share(SEAL)) for j, door_mode in enumerate(modes)
     ]
@@ -551,12 +554,12 @@ def describe_quantity(
     seal_share : float, optional
         Share of the seal in the energy of the mode.
     """
-    middle, half_range = float(u.mean()), float(np.ptp(u)) / 2
+    mean_value, half_range = float(u.mean()), float(np.ptp(u)) / 2
     polynomial = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)
     slope = float(polynomial.deriv()(specimen_spread.mean))
 
     def evaluate(point: float | FloatArray) -> FloatArray:
-        return np.exp(polynomial(np.clip(point, middle - half_range, middle + half_range)))
+        return np.exp(polynomial(np.clip(point, mean_value - half_range, mean_value + half_range)))
 
     value = float(evaluate(specimen_spread.mean))
     interval = evaluate(
@@ -571,7 +574,7 @@ def describe_quantity(
     )  # fmt: skip
     if limit is None:
         return quantity
-    dense = np.linspace(middle - half_range, middle + half_range, _FACTORS)
+    dense = np.linspace(mean_value - half_range, mean_value + half_range, _FACTORS)
     is_beyond = evaluate(dense) > limit.value if limit.is_upper else evaluate(dense) < limit.value
     edges = np.flatnonzero(np.diff(is_beyond))
     share = _make_share_function(dense, is_beyond, edges)

@@ -281,11 +281,11 @@ def _read_line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, 
             required=[(axis,) for axis in _POSITION_KEYS],
             hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
         )
-        missing = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
-        if missing.size:
+        missing_indices = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
+        if missing_indices.size:
             raise ReadError(
                 "a seal line has no gaps, and a number is missing at "
-                f"{loaded_columns.format_row_position(missing[0])}; "
+                f"{loaded_columns.format_row_position(missing_indices[0])}; "
                 "expected one in every row. Write it, or take the row out"
             )
         columns = dict(zip(resolved_columns, loaded_columns.values.T, strict=True))

@@ -199,9 +199,9 @@ class SealLine(EqualByValue):
             return []
         first, last = self.compression[:-1], self.compression[1:]
         crossed = np.flatnonzero(first * last < 0)
-        share = first[crossed] / (first - last)[crossed]
+        ratio = first[crossed] / (first - last)[crossed]
         values: list[float] = (
-            self.arc_length[crossed] + share * _compute_lengths(self.points)[crossed]
+            self.arc_length[crossed] + ratio * _compute_lengths(self.points)[crossed]
         ).tolist()
         return values
 
@@ -340,5 +340,5 @@ def _compute_distance(first: FloatArray, second: FloatArray) -> float:
 
 def _from_piece(point: FloatArray, piece: FloatArray) -> float:
     vector = piece[1] - piece[0]
-    share = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
-    return float(np.linalg.norm(point - piece[0] - share * vector))
+    ratio = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
+    return float(np.linalg.norm(point - piece[0] - ratio * vector))
