@@ -225,7 +225,7 @@ class ChoiceWithSuggestion(click.Choice[str]):
         if value not in self.choices and not self._is_plugin(str(value)):
             advice = find_handler("choice", key) or format_suggestion(key, self.choices)
             message = f"'{value}' is unknown. {advice}"
-            self.fail(message + self._more(), param, ctx)
+            self.fail(message + self._example_units(), param, ctx)
         return str(value)
 
     def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
@@ -240,7 +240,7 @@ class ChoiceWithSuggestion(click.Choice[str]):
 
         return find_plugin(self.plugins, value) is not None
 
-    def _more(self) -> str:
+    def _example_units(self) -> str:
         if self.plugins is None:
             return ""
         from dashpot.registry.plugins import format_plugin_names

@@ -378,9 +378,9 @@ class Fit(EqualByValue, Plottable, Serialisable):
             If `level` is not between 0 and 1.
         """
         intervals = self._arm_estimate.intervals(self.model, level)
-        return {**intervals, "k_inf": self._k_inf_between(intervals["k_inf"], level)}
+        return {**intervals, "k_inf": self._k_inf_limits(intervals["k_inf"], level)}
 
-    def _k_inf_between(self, formal: Interval, level: float) -> Interval:
+    def _k_inf_limits(self, formal: Interval, level: float) -> Interval:
         """The interval of k_inf: from 0 to the upper limit by the test, or to its own upper end."""
         if self._has_given_k_inf:
             return formal
@@ -402,7 +402,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             If `level` is not between 0 and 1.
         """
         entries = self.estimate.confidence_limits(self.solid, level)
-        return _exclude_dashpots({**entries, "k_inf": self._k_inf_between(entries["k_inf"], level)})
+        return _exclude_dashpots({**entries, "k_inf": self._k_inf_limits(entries["k_inf"], level)})
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:

@@ -168,8 +168,8 @@ class AdmissibleSpectra:
         # a column is asked for as a row: laid out so, none is copied for it
         self.columns = np.asfortranarray(columns[text][:, self.shown])
         self.best = np.zeros(len(norm))
-        self._ball = NonnegativeConfidenceRegion(self.columns, self.target)
-        self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
+        self._confidence_region = NonnegativeConfidenceRegion(self.columns, self.target)
+        self.best[self.shown] = self._confidence_region.least((start * self.scale)[self.shown])
         self.least = self.compute_misfit(self.best)
         self.total = self.least + residual_sse
         return self.total
@@ -191,7 +191,9 @@ class AdmissibleSpectra:
         spectra.tau, spectra.scale = self.tau[keep[2:]], self.scale[keep]
         spectra.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
         spectra.shown, spectra.best = self.shown[keep], self.best[keep]
-        spectra._ball = NonnegativeConfidenceRegion(spectra.columns, self.target, ROUGH_TOLERANCE)
+        spectra._confidence_region = NonnegativeConfidenceRegion(
+            spectra.columns, self.target, ROUGH_TOLERANCE
+        )
         spectra.met = deque((values[keep] for values in self.met), maxlen=MAX_CACHED_SPECTRA)
         return spectra
 
@@ -259,7 +261,7 @@ class AdmissibleSpectra:
         target_row, is_shown = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ target_row).argmax())]
         values = np.zeros(len(target_row))
-        values[is_shown] = self._ball.find_farthest_point(
+        values[is_shown] = self._confidence_region.find_farthest_point(
             target_row[is_shown], self.least + self.limit, start[is_shown]
         )
         self.met.append(values)

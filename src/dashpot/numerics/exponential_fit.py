@@ -93,7 +93,7 @@ class ArmInsertion:
         if local is None or (local.point.beta[nonnegative_mask] <= 0).any():
             return False
         self.best.append(local)
-        if not self._leaves_less_than(negligible):
+        if not self._gains_little(negligible):
             self.best.pop()
         return bool(self.best)
 
@@ -105,7 +105,7 @@ class ArmInsertion:
         not the best of all sets, also an SSE well above that of the best positive spectrum.
         A well-determined optimum that started from the best of the whole grid has no rival.
         """
-        local = self._attempt(arms)
+        local = self._find_grid_optimum(arms)
         if local is None:
             return None
         point = local.point
@@ -129,10 +129,10 @@ class ArmInsertion:
             return None
         return local
 
-    def _attempt(self, arms: int) -> LocalOptimum[StackTrial] | None:
+    def _find_grid_optimum(self, arms: int) -> LocalOptimum[StackTrial] | None:
         """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
         if arms not in self._attempts:
-            start = self._first_start(arms)
+            start = self._find_first_start(arms)
             self._attempts[arms] = (
                 None
                 if start is None
@@ -147,13 +147,13 @@ class ArmInsertion:
 
     def _has_separated_start(self, arms: int) -> bool:
         """Return whether the best set of grid points has no two that are neighbours."""
-        start, (low, high) = self._first_start(arms), self.stack.bounds
+        start, (low, high) = self._find_first_start(arms), self.stack.bounds
         if start is None or arms not in GRID_SEARCH:
             return start is not None
         step = (high - low) / (GRID_SEARCH[arms][1] - 1)
         return bool((np.diff(start) > 1.5 * step).all())
 
-    def _first_start(self, arms: int) -> FloatArray | None:
+    def _find_first_start(self, arms: int) -> FloatArray | None:
         if self.thorough or self.signed or len(self.stack.groups) > 1:
             return None
         if arms not in self._starts_found:
@@ -182,11 +182,11 @@ class ArmInsertion:
             last_point, count = self.best[-1].point, self.largest_order + 1
             if last_point.sse <= self.stack.nothing:
                 return
-            gains_little = self._leaves_less_than(negligible)
+            gains_little = self._gains_little(negligible)
             if gains_little:
-                optimum = self._best_with(count, starts=self._insert_arm(count=1))
+                optimum = self._find_best_optimum(count, starts=self._insert_arm(count=1))
             else:
-                optimum = self._find_certain_optimum(count) or self._best_with(count)
+                optimum = self._find_certain_optimum(count) or self._find_best_optimum(count)
             attainable_gain = (
                 last_point.sse - 1e-10 * (self.stack.floor + last_point.sse) - self.stack.nothing
             )
@@ -196,7 +196,7 @@ class ArmInsertion:
             if gains_little and not every_order:
                 return
 
-    def _leaves_less_than(self, negligible: float) -> bool:
+    def _gains_little(self, negligible: float) -> bool:
         """Return whether no positive spectrum gains so many noise variances on the last order."""
         if self.signed or self.thorough or negligible <= 0:
             return False
@@ -205,10 +205,10 @@ class ArmInsertion:
         variance_limit = negligible * (self.stack.floor + last_point.sse) / dof
         return bool(
             last_point.sse - self.grid.residual_sse < variance_limit
-            and last_point.sse - self._any() < variance_limit
+            and last_point.sse - self._compute_best_sse() < variance_limit
         )
 
-    def _any(self) -> float:
+    def _compute_best_sse(self) -> float:
         """Return the SSE of the best positive spectrum on the grid and beside the last arms."""
         point = self.best[-1].point
         log_tau = np.concatenate((point.log_tau, self.grid.log_tau))
@@ -219,13 +219,15 @@ class ArmInsertion:
             self.stack, log_tau=log_tau, is_free=is_free, likely_positive=is_current_arm
         ).residual_sse
 
-    def _best_with(
+    def _find_best_optimum(
         self, arms: int, *, starts: list[FloatArray] | None = None
     ) -> LocalOptimum[StackTrial] | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""
         restricted = self._get_nonnegative_mask(arms)
         if starts is None:
-            allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
+            allowed = self._find_optima(
+                self._list_starts(arms), self._find_grid_optimum(arms), restricted
+            )
         else:
             allowed = self._descend_restricted(starts, restricted)
         full_optima = [local for local in allowed if _has_active_arms(local.point, self.stack)]
@@ -250,7 +252,7 @@ class ArmInsertion:
         """Return the coefficients that must not be negative."""
         return self.stack.get_nonnegative_mask(arms, signed=self.signed)
 
-    def _starts(self, arms: int) -> list[FloatArray]:
+    def _list_starts(self, arms: int) -> list[FloatArray]:
         starts = self._insert_arm(count=2)
         if not self.signed:
             starts = make_partition_starts(self.grid, *self.peaks, arms) + starts
@@ -263,7 +265,7 @@ class ArmInsertion:
             self.grid, self.best[-1].point, signed=self.signed, count=count
         )
 
-    def _optima(
+    def _find_optima(
         self,
         starts: Sequence[FloatArray],
         first: LocalOptimum[StackTrial] | None,

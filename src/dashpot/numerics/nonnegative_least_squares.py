@@ -299,8 +299,8 @@ class NonnegativeConfidenceRegion:
     def __init__(self, columns: FloatArray, target: FloatArray, least_gain: float = 0.0) -> None:
         # a column is a row: so they are picked and factored
         self._rows, self._target = np.ascontiguousarray(columns.T), target
-        self._nothing = max(ZERO_GAIN * sqrt(target @ target), least_gain)
-        self._met: OrderedDict[bytes, ActiveSet] = OrderedDict()
+        self._least_gain = max(ZERO_GAIN * sqrt(target @ target), least_gain)
+        self._cached_faces: OrderedDict[bytes, ActiveSet] = OrderedDict()
 
     def least(self, start: FloatArray | None = None) -> FloatArray:
         """Return the s >= 0 that minimises |A s - y|, shape (m,).
@@ -357,10 +357,10 @@ class NonnegativeConfidenceRegion:
                 )
                 continue
             s[active] = farthest_point
-            gain = self._gain(residual, objective, multiplier)
+            gain = self._compute_gain(residual, objective, multiplier)
             gain[active] = gain[barred] = -np.inf
             entered = int(gain.argmax())
-            if not gain[entered] > self._nothing:
+            if not gain[entered] > self._least_gain:
                 break
             if len(active) == len(self._target):
                 raise FitError(
@@ -377,7 +377,7 @@ class NonnegativeConfidenceRegion:
             )
         return s
 
-    def _gain(
+    def _compute_gain(
         self, residual: FloatArray, objective: FloatArray | None, multiplier: float
     ) -> FloatArray:
         """Return what each column would add; any of the aim is a gain to a face that has none."""
@@ -389,13 +389,13 @@ class NonnegativeConfidenceRegion:
     def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
         """Return the face of these columns, factored where it was not met before."""
         key = np.sort(active).tobytes()
-        face = self._met.get(key)
+        face = self._cached_faces.get(key)
         if face is not None:
-            self._met.move_to_end(key)
+            self._cached_faces.move_to_end(key)
             return face
-        face = self._met[key] = factored()
-        if len(self._met) > MAX_CACHED_FACES:
-            self._met.popitem(last=False)
+        face = self._cached_faces[key] = factored()
+        if len(self._cached_faces) > MAX_CACHED_FACES:
+            self._cached_faces.popitem(last=False)
         return face
 
     def _get_face(self, active: IndexArray) -> ActiveSet:
@@ -403,9 +403,9 @@ class NonnegativeConfidenceRegion:
 
     def _build_face(self, active: IndexArray) -> ActiveSet:
         basis, factor = np.linalg.qr(self._rows[active].T)
-        return self._face(active, np.ascontiguousarray(basis.T), factor)
+        return self._compute_face(active, np.ascontiguousarray(basis.T), factor)
 
-    def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
+    def _compute_face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
         coefficients: FloatArray = basis @ self._target
         residual: FloatArray = self._target - coefficients @ basis
         inverse = np.asarray(np.linalg.inv(factor))
@@ -425,9 +425,9 @@ class NonnegativeConfidenceRegion:
             reflected = factor - np.multiply.outer(mirror, mirror @ factor)
             if reflected[-1] @ reflected[-1] <= DEPENDENCE_TOLERANCE:
                 basis = face.basis - np.multiply.outer(mirror, mirror @ face.basis)
-                return self._face(active, basis[:-1], reflected[:-1])
+                return self._compute_face(active, basis[:-1], reflected[:-1])
         rotation, factor = np.linalg.qr(factor)
-        return self._face(active, rotation.T @ face.basis, factor)
+        return self._compute_face(active, rotation.T @ face.basis, factor)
 
     def _append_column(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
         """Return a face with one column more, the last."""

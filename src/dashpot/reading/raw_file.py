@@ -50,18 +50,20 @@ class TimeBudget:
     """
 
     def __init__(self, size: int | None) -> None:
-        self._most = _ROWS_SHARE * (_MAX_SECONDS if size is None else compute_time_allowed(size))
-        self._spent = self._began = 0.0
-        self._line = 1
+        self._max_time = _ROWS_SHARE * (
+            _MAX_SECONDS if size is None else compute_time_allowed(size)
+        )
+        self._spent_time = self._start_time = 0.0
+        self._line_number = 1
 
     @contextmanager
     def count_time_spent(self) -> Iterator[None]:
         """Count what is spent within."""
-        self._began = time.thread_time()
+        self._start_time = time.thread_time()
         try:
             yield
         finally:
-            self._spent += time.thread_time() - self._began
+            self._spent_time += time.thread_time() - self._start_time
 
     def check_time_limit(self, line: int) -> None:
         """Raise a ReadError if it is spent at a line.
@@ -71,12 +73,12 @@ class TimeBudget:
         ReadError
             With what to do.
         """
-        self._line = max(line, self._line)
-        if self._spent + time.thread_time() - self._began > self._most:
+        self._line_number = max(line, self._line_number)
+        if self._spent_time + time.thread_time() - self._start_time > self._max_time:
             raise ReadError(
-                f"took more than {self._most:.0f} s to read up to line {self._line}: rows with "
-                "grouped thousands, or with text between them, are read one by one; export the "
-                "file without either, or split it"
+                f"took more than {self._max_time:.0f} s to read up to line {self._line_number}: "
+                "rows with grouped thousands, or with text between them, are read one by one; "
+                "export the file without either, or split it"
             )
 
 

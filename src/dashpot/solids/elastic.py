@@ -94,7 +94,7 @@ class ElasticLaw(Serialisable):
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, ratio, bends, force_at_knots = self._stretches
+        knots, ratio, bends, force_at_knots = self._intervals
         clipped = np.minimum(np.maximum(x, 0.0), knots[-1])
         i = knots[1:-1].searchsorted(clipped, side="right")
         step = clipped - knots[i]
@@ -103,7 +103,7 @@ class ElasticLaw(Serialisable):
         return np.asarray(force_inside + extension)
 
     @cached_property
-    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def _intervals(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Knots and t there, half the slope of t from each to the next, and the path at each."""
         knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
         widths = np.diff(knots)

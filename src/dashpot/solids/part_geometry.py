@@ -175,9 +175,9 @@ class _Pad(Geometry):
         plain_ratio = self.area / self.height
         if mode == "shear":
             return plain_ratio / 3
-        return plain_ratio * (self._stiffer() if bonded else 1)
+        return plain_ratio * (self._compute_bonded_factor() if bonded else 1)
 
-    def _stiffer(self) -> float:
+    def _compute_bonded_factor(self) -> float:
         """Return what bonded plates make of the stiffness, a factor."""
         raise NotImplementedError
 
@@ -213,7 +213,7 @@ class Disc(_Pad):
         """S = D / 4h."""
         return self.diameter / (4 * self.height)
 
-    def _stiffer(self) -> float:
+    def _compute_bonded_factor(self) -> float:
         return bonded_cylinder(self.shape_factor, self.poisson)
 
 
@@ -240,7 +240,7 @@ class Block(_Pad):
         """S = ab / 2h(a + b)."""
         return self.area / (2 * self.height * (self.length + self.width))
 
-    def _stiffer(self) -> float:
+    def _compute_bonded_factor(self) -> float:
         width, length = sorted((self.length, self.width))
         return bonded_block(self.shape_factor, width / length, self.poisson)
 

@@ -494,7 +494,8 @@ class Response:
         if loss is None:
             return np.asarray(untruncated)
         return np.asarray(
-            untruncated - (loss.amplitude / (self.s[:, None] - loss.p)).sum(axis=1) * self._end
+            untruncated
+            - (loss.amplitude / (self.s[:, None] - loss.p)).sum(axis=1) * self._compute_end_motion
         )
 
     def slope(
@@ -522,10 +523,10 @@ class Response:
         residue_change += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * shift
         part = loss.amplitude / (self.s[:, None] - loss.p)
         truncation_slope = part @ residue_change + part / (self.s[:, None] - loss.p) @ shift
-        return np.asarray(untruncated - truncation_slope * self._end[:, None])
+        return np.asarray(untruncated - truncation_slope * self._compute_end_motion[:, None])
 
     @cached_property
-    def _end(self) -> ComplexArray:
+    def _compute_end_motion(self) -> ComplexArray:
         return np.asarray(np.exp(-self.s * (self.record or 0.0) - 0.5 * (self.pulse * self.s) ** 2))
 
     @cached_property

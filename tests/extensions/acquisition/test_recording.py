@@ -197,7 +197,7 @@ def test_a_line_without_an_end_is_no_memory_without_an_end():
     lines = Lines()
     for _ in range(100):
         lines.feed(b"1" * MAX_LENGTH)
-    assert len(lines._rest) <= MAX_LENGTH
+    assert len(lines._incomplete_line) <= MAX_LENGTH
 
 
 @pytest.mark.parametrize(

@@ -98,7 +98,7 @@ class _Log:
             self._handle = os.open(path, flags, 0o666)
         except FileExistsError:
             raise ReadError(f"{path} is there already; a record is written to a new file") from None
-        self._path, self._synced = path, time.monotonic()
+        self._path, self._sync_time = path, time.monotonic()
         self._head = device
         try:
             if self._is_taken():
@@ -128,7 +128,7 @@ class _Log:
         if os.fstat(self._handle).st_size:
             os.ftruncate(self._handle, 0)
         timestamp = datetime.now().astimezone().isoformat(timespec="seconds")
-        self._say(f"{self._head.device}; recorded {timestamp} with dashpot {__version__}")
+        self._report(f"{self._head.device}; recorded {timestamp} with dashpot {__version__}")
         self._write(",".join(("time [s]", *map(escape_formula, self._head.channels))) + "\n")
 
     def __enter__(self) -> Self:
@@ -144,17 +144,17 @@ class _Log:
         self._begin()
         rows = zip(block[0].tolist(), block[1].tolist(), strict=True)
         self._write("".join(f"{t!r},{','.join(map(repr, row))}\n" for t, row in rows))
-        if time.monotonic() - self._synced >= SYNC_INTERVAL:
+        if time.monotonic() - self._sync_time >= SYNC_INTERVAL:
             os.fsync(self._handle)
-            self._synced = time.monotonic()
+            self._sync_time = time.monotonic()
 
     def close(self, notes: tuple[str, ...]) -> None:
         """Report lost samples, and flush the file to the disk."""
         for note in notes if self._begun else ():
-            self._say(note)
+            self._report(note)
         os.fsync(self._handle)
 
-    def _say(self, message: str) -> None:
+    def _report(self, message: str) -> None:
         self._write(f"# {format_csv_comment(message)}\n")
 
     def _write(self, text: str) -> None:

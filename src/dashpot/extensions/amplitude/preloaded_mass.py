@@ -202,8 +202,10 @@ class PreloadedMass:
                 "the model relaxes to zero force: no compression carries a mass at rest; expected "
                 "one with k_inf > 0"
             )
-        if len(self._rests) > 1:
-            rest_positions = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
+        if len(self._rest_positions) > 1:
+            rest_positions = ", ".join(
+                format_quantity(rest, "mm", ".4g") for rest in self._rest_positions
+            )
             raise DataError(
                 f"the elastic law is not monotone: {self.static_force:.4g} N rests at "
                 f"{rest_positions}; expected a law that rises over all the compressions meant, or "
@@ -216,13 +218,13 @@ class PreloadedMass:
         return self.mass * GRAVITY if self.preload is None else self.preload
 
     @cached_property
-    def _rests(self) -> tuple[float, ...]:
+    def _rest_positions(self) -> tuple[float, ...]:
         return self.law.rests(self.static_force)
 
     @property
     def rest(self) -> float:
         """Compression at rest, m."""
-        return self._rests[0]
+        return self._rest_positions[0]
 
     def shaken(self, *, level: Quantity, frequency: Quantity) -> Orbit:
         """Return the steady answer to a harmonic force, in as many harmonics as it takes.

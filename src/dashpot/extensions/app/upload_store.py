@@ -46,9 +46,9 @@ class Store:
 
     def __init__(self, folder: str | Path | None = None) -> None:
         self.folder = Path(folder or tempfile.mkdtemp(prefix=_FOLDER_PREFIX))
-        self._held = ExitStack()
+        self._stored_size = ExitStack()
         if folder is None:
-            self._held.enter_context(
+            self._stored_size.enter_context(
                 open_exclusive_lock(self.folder / _LOCK_NAME, str(self.folder))
             )
 
@@ -169,7 +169,7 @@ class Store:
 
     def remove(self) -> None:
         """Delete the store."""
-        self._held.close()
+        self._stored_size.close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
 

@@ -79,9 +79,9 @@ class MdfTable:
             for group in content.groups
             if group.rows and any(not channel.clock for channel in group.channels)
         ]
-        self._choose(_name_groups_apart(groups), sheet)
+        self._choose_groups(_name_groups_apart(groups), sheet)
 
-    def _choose(self, groups: list[MdfGroup], sheet: str | None) -> None:
+    def _choose_groups(self, groups: list[MdfGroup], sheet: str | None) -> None:
         names = [group.name for group in groups]
         if sheet is not None:
             if sheet not in names:

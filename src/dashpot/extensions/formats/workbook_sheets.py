@@ -133,13 +133,13 @@ class _DayCount:
     """
 
     def __init__(self) -> None:
-        self._last: dt.timedelta | None = None
-        self._step = dt.timedelta(0)
+        self._last_time: dt.timedelta | None = None
+        self._time_step = dt.timedelta(0)
 
     def since(self, value: Any) -> Any:
         """Return a date or a time of the day as the time since the zero of the count."""
         if isinstance(value, dt.time):
-            return self._follow(value, dt.datetime.combine(_ZERO, value) - _ZERO)
+            return self._register_time(value, dt.datetime.combine(_ZERO, value) - _ZERO)
         if not isinstance(value, dt.date):
             return value
         at = (
@@ -152,18 +152,20 @@ class _DayCount:
         count = at - _ZERO
         if at >= dt.datetime(1900, 3, 1) or (count >= _REPEATED_DAY and self._is_second(count)):
             count += _DAY
-        return self._follow(count, count)
+        return self._register_time(count, count)
 
     def _is_second(self, count: dt.timedelta) -> bool:
-        if self._last is None:
+        if self._last_time is None:
             return False
-        step = count - self._last
-        return step < dt.timedelta(0) or abs(step + _DAY - self._step) < abs(step - self._step)
+        step = count - self._last_time
+        return step < dt.timedelta(0) or abs(step + _DAY - self._time_step) < abs(
+            step - self._time_step
+        )
 
-    def _follow(self, cell: Any, count: dt.timedelta) -> Any:
-        if self._last is not None:
-            self._step = count - self._last
-        self._last = count
+    def _register_time(self, cell: Any, count: dt.timedelta) -> Any:
+        if self._last_time is not None:
+            self._time_step = count - self._last_time
+        self._last_time = count
         return cell
 
 

@@ -176,7 +176,7 @@ class BalanceEquation:
         )
 
     def _newton(self, previous_stretch: ComplexArray | None) -> ComplexArray:
-        starts = [self._stuck(), self.stretch]
+        starts = [self._solve_stuck(), self.stretch]
         for start in starts if previous_stretch is None else [previous_stretch, *starts]:
             values = self._descend(np.array(start, dtype=complex))
             if values is not None:
@@ -186,7 +186,7 @@ class BalanceEquation:
             "finer steps of frequency or amplitude"
         )
 
-    def _stuck(self) -> ComplexArray:
+    def _solve_stuck(self) -> ComplexArray:
         """Return the stretches before anything slips."""
         tiny = max(float(np.abs(self.stretch).max()), 1e-300) * 1e-6
         N = np.array([complex(part.equivalent(self.omega, tiny)) for part in self.friction])

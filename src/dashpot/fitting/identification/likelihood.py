@@ -298,7 +298,7 @@ class ModelPrediction:
     def tests(self) -> list[FloatArray]:
         """Residuals of the relaxation tests."""
         return [
-            relaxation.residual + self._b * relaxation.dashpot
+            relaxation.residual + self._get_dashpot * relaxation.dashpot
             for relaxation in self._relaxation_residuals
         ]
 
@@ -340,7 +340,7 @@ class ModelPrediction:
         for columns, residuals in zip(tests, self._relaxation_residuals, strict=True):
             columns[:, :parameter_count] = residuals.jacobian
             if self.problem.dashpot:
-                columns[:, self.problem.index["b"]] = self._b * residuals.dashpot
+                columns[:, self.problem.index["b"]] = self._get_dashpot * residuals.dashpot
         return np.concatenate([*tests, self._differentiate_lines(), self.prior_residuals[1]])
 
     # -- private ------------------------------------------------------------------------------
@@ -350,7 +350,7 @@ class ModelPrediction:
         return self.theta[: self.problem.sought.size]
 
     @property
-    def _b(self) -> float:
+    def _get_dashpot(self) -> float:
         return float(np.exp(self.theta[self.problem.index["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
@@ -415,7 +415,7 @@ class ModelPrediction:
         by[:, : derivatives.shape[1]] = count * derivatives
         by[:, 0] += (p.spring - 1) * spring
         nuisance_slopes = {
-            "b": count * self._b * s ** (1 - order),
+            "b": count * self._get_dashpot * s ** (1 - order),
             "mass": p.mass * s ** (2 - order) * (1 + order),
             "factor": seal_stiffness,
             "spring": p.spring * spring,

@@ -230,7 +230,7 @@ class QuasiLinear:
         self.weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / knots[-1]
         steps = np.diff(self.hats, axis=0, prepend=0.0)
         steps[rows.first] = self.hats[rows.first]
-        self._moved = steps
+        self._hat_steps = steps
 
     @property
     def bends(self) -> slice:
@@ -249,14 +249,14 @@ class QuasiLinear:
     def columns(self, log_tau: FloatArray) -> FloatArray:
         """Return columns of k_inf and every k under each hat: path and elongations, (M, 1+N, P)."""
         _, mean, decay = self._steps(log_tau)
-        arms = _run_recursion(decay[:, :, None], mean[:, :, None] * self._moved[:, None, :])
+        arms = _run_recursion(decay[:, :, None], mean[:, :, None] * self._hat_steps[:, None, :])
         return np.concatenate((self.hats[:, None, :], arms), axis=1)
 
     def slopes(self, log_tau: FloatArray, shape: FloatArray, arms: FloatArray) -> FloatArray:
         """Return derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
         z, mean, decay = self._steps(log_tau)
         elongation_before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
-        change = (self._moved @ shape)[:, None]
+        change = (self._hat_steps @ shape)[:, None]
         return _run_recursion(decay, decay * z * elongation_before + (mean - np.exp(-z)) * change)
 
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -340,19 +340,19 @@ class Weighted:
         self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances, *, separate: bool = False
     ) -> None:
         self.solid, self.nuisances = solid, nuisances
-        self._set = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
-        self.sets = int(self._set[-1]) + 1
-        self._member = (self._set[:, None] == np.arange(self.sets)) * 1.0
+        self._set_index = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
+        self.sets = int(self._set_index[-1]) + 1
+        self._set_mask = (self._set_index[:, None] == np.arange(self.sets)) * 1.0
         self.root = np.sqrt(solid.rows.count) / sd
         mean, prior_sd = np.array(nuisances.priors).T.reshape(2, -1)
         data = self.root * solid.rows.force
         # how far the mean of the shape is from 1 is the last row
         self._size = float(np.linalg.norm(data[solid.rows.ramp]))
         self.target = np.concatenate((data, mean / prior_sd, [0.0]))
-        self._known = self._white(nuisances.columns)
-        self._known[len(sd) : -1] = np.diag(1.0 / prior_sd)
+        self._prior_rows = self._whiten(nuisances.columns)
+        self._prior_rows[len(sd) : -1] = np.diag(1.0 / prior_sd)
 
-    def _white(self, columns: FloatArray) -> FloatArray:
+    def _whiten(self, columns: FloatArray) -> FloatArray:
         """Columns of the rows in units of their noise, with rows of zeros for the priors."""
         values = np.zeros((len(self.target), columns.shape[1]))
         values[: len(columns)] = self.root[:, None] * columns
@@ -360,7 +360,7 @@ class Weighted:
 
     def _expand_by_row(self, k: FloatArray) -> FloatArray:
         """Stiffnesses of each row's own set, shape (M, 1 + N)."""
-        return np.asarray(k.reshape(self.sets, -1)[self._set])
+        return np.asarray(k.reshape(self.sets, -1)[self._set_index])
 
     def stiffnesses(self, best: Optimum) -> FloatArray:
         """k_inf and every k of each set, N/m, shape (S, 1 + N)."""
@@ -382,8 +382,8 @@ class Weighted:
             mean = float(solid.weights @ shape)
             hat_columns, shape = solid.columns(log_tau), shape / mean
             columns = hat_columns @ shape
-            value = (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
-            A = np.concatenate((self._white(value), self._known), axis=1)
+            value = (self._set_mask[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
+            A = np.concatenate((self._whiten(value), self._prior_rows), axis=1)
 
             def slope(beta: FloatArray) -> FloatArray:
                 k = self._expand_by_row(beta[:stiffness_count])
@@ -391,7 +391,7 @@ class Weighted:
                 force = np.sum(columns * k, axis=1)
                 by_shape = (np.einsum("mnp,mn->mp", hat_columns[:, :, solid.bends], k)
                             - np.outer(force, bend_weights)) / mean  # fmt: skip
-                values = self._white(np.concatenate((by_tau, by_shape), axis=1))
+                values = self._whiten(np.concatenate((by_tau, by_shape), axis=1))
                 values[-1, arms:] = self._size * bend_weights
                 return values
 

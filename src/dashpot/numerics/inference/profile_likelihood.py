@@ -77,7 +77,7 @@ class ProfileTrace:
         self.trials = self.leaps = 0
         self.ended, self.without = False, np.inf
         self.goal = start
-        self._aim()
+        self._compute_goal_slopes()
 
     @property
     def points(self) -> list[tuple[float, float]]:
@@ -113,10 +113,10 @@ class ProfileTrace:
             self.leapt = [(self.goal, deviance)]
             self.leaps += 1
         self.ended = (is_close and deviance > self.limit) or self.leaps > _MAX_LEAPS
-        self._aim()
+        self._compute_goal_slopes()
         return is_close
 
-    def _aim(self) -> None:
+    def _compute_goal_slopes(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
         self.step = self.goal - self.at
         self.ended = self.ended or self.trials >= _MAX_POINTS or self.step == 0.0
@@ -214,7 +214,7 @@ class BatchedDescent:
             _STEP_REDUCTION * distance_moved,
         )
         self.tried[indices] += 1
-        self.move[indices], self.promised[indices] = self._step(indices)
+        self.move[indices], self.promised[indices] = self._compute_step(indices)
         return np.asarray(
             (np.abs(gain) < self.tolerance[indices])
             | (self.promised[indices] < _MIN_PREDICTED_FALL * self.tolerance[indices])
@@ -222,7 +222,7 @@ class BatchedDescent:
             | (self.tried[indices] >= _ITERATIONS)
         )
 
-    def _step(self, indices: IndexArray) -> tuple[FloatArray, FloatArray]:
+    def _compute_step(self, indices: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Return the next move (A, N), and by how much the SSE would fall if it were parabolic."""
         curvature, gradient = self.known.curvature[indices], self.known.gradient[indices]
         if not curvature.shape[1]:
@@ -372,7 +372,7 @@ class _SimultaneousProfiles:
         )
         derivative_weights = _DERIVATIVE_POWERS / difference ** np.arange(3.0)[:, None]
         self.apart, self.turn = float(difference), derivative_weights.reshape(4, -1)
-        start = self._phi(optimum.log_tau[None])[0][0]
+        start = self._evaluate_columns(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
     def value(self, target: ProfileTarget) -> float:
@@ -397,10 +397,10 @@ class _SimultaneousProfiles:
     def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
         sides = _Sides([trace.asked for trace in walks], self.fixed, self.arms)
-        self._spare(walks, sides)
+        self._add_spare_deviances(walks, sides)
         residual = np.tile(self.optimum.log_tau, (len(walks), 1))
         goals = np.array([trace.goal for trace in walks])
-        descents = self._descents(residual, walks)
+        descents = self._start_descents(residual, walks)
         trials = descents.known
         while active_walks := [i for i, trace in enumerate(walks) if not trace.ended]:
             for i in self._run_trials(descents, goals, sides, np.array(active_walks)):
@@ -420,7 +420,7 @@ class _SimultaneousProfiles:
                 )
                 goals[i] = trace.goal
 
-    def _spare(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
+    def _add_spare_deviances(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
         """Add the deviance without each arm to the walks of that arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
@@ -434,7 +434,7 @@ class _SimultaneousProfiles:
             self.arms,
         )
         values = self.optimum.log_tau
-        descents = self._descents(np.tile(values, (len(first_walks), 1)), first_walks)
+        descents = self._start_descents(np.tile(values, (len(first_walks), 1)), first_walks)
         # the others keep their places: one that took the arm's would be the arm
         midpoints = (values[arm_sides.arm][:, None] + values) / 2.0
         low = np.where(values > values[arm_sides.arm][:, None], midpoints, self.reach[0])
@@ -456,7 +456,7 @@ class _SimultaneousProfiles:
                     self._deviance(trace, descents.known.beta[i], log_tau, sse)
                 )
 
-    def _descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
+    def _start_descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
         tolerance = np.array([1e-3 * trace.asked.scale for trace in walks])
         return BatchedDescent(start, len(self.optimum.beta), tolerance)
 
@@ -484,7 +484,7 @@ class _SimultaneousProfiles:
         times = 1.0 if gain is None else gain(beta, log_tau)
         return max(float(sse) - self.best, 0.0) / (trace.asked.scale * times)
 
-    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _evaluate_columns(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
         grid_position = (log_tau.ravel() - self.reach[0]) / self.apart
         node = np.minimum(np.maximum(grid_position.astype(int), 0), len(self.cubics) - 1)
@@ -500,7 +500,7 @@ class _SimultaneousProfiles:
     def _solve_trials(
         self, log_tau: FloatArray, goals: FloatArray, sides: _Sides, indices: IndexArray
     ) -> SolvedTrials:
-        phi, values = self._phi(log_tau)
+        phi, values = self._evaluate_columns(log_tau)
         row, arm, column = np.arange(len(indices)), sides.arm[indices], sides.column[indices]
         amount, base = sides.amount(log_tau, goals, indices), phi[row, column]
         target = self.target - amount[:, None] * base

@@ -452,7 +452,7 @@ class _Reader:
         for number, raw in enumerate(lines, start=line):
             if number % _MAX_FOREIGN_LINES == 0:
                 self.patience.check_time_limit(number)
-            row = self._row(raw, follows_row=bool(run)) if raw not in self.no_rows else None
+            row = self._parse_row(raw, follows_row=bool(run)) if raw not in self.no_rows else None
             if row is not None:
                 run.append(self._numbers(row, number))
                 continue
@@ -472,7 +472,7 @@ class _Reader:
             parts = cell.split(text, self.dialect.delimiter)
             cut_off = len(lines_between) == 1 and len(parts) < len(self.dialect.contents)
             if not parts[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
-                self._refuse(number, text)
+                self._refuse_row(number, text)
         notes = []
         for index, clock in self.clocks.items():
             nights, questions = clock.apply_day_changes(values[:, index])
@@ -487,7 +487,7 @@ class _Reader:
             single = len(gathered.between) == 1
             for item in (gathered.between[0], gathered.between[-1]):
                 if self._is_malformed_row(item) or (single and looks_like_number(item[1].strip())):
-                    self._refuse(*item)
+                    self._refuse_row(*item)
             change = self._find_header_change()
             self.changed = self.changed if change is None else change  # it holds until the next
             before = len(gathered.starts)
@@ -519,13 +519,13 @@ class _Reader:
             full_lines = (line for line in lines if len(line.split()) == self.dialect.cells)
             self.like = next(full_lines, self.like)
 
-    def _row(self, line: str, *, follows_row: bool) -> list[str] | None:
+    def _parse_row(self, line: str, *, follows_row: bool) -> list[str] | None:
         """Return the cells of a line; None if it is no row. The line before may have been one."""
         row = self.dialect.row(line, self.like)
         if row is None and len(self.no_rows) < _MAX_MENTIONED and self.dialect.delimiter != " ":
             self.no_rows.add(line)  # a header may stand above every few rows
         has_gap = self.got.rows and self.got.between and not follows_row
-        if row is None or (has_gap and not self._full(row)):  # "Maximum;8.0;1.9" below the table
+        if row is None or (has_gap and not self._is_full(row)):  # "Maximum;8.0;1.9" below the table
             return None
         return row
 
@@ -552,7 +552,7 @@ class _Reader:
                 (number, line[: MAX_LENGTH if len(lines_between) < _WIDE else _NARROW])
             )
 
-    def _full(self, row: Sequence[str]) -> bool:
+    def _is_full(self, row: Sequence[str]) -> bool:
         """Return whether no word stands where a number is expected."""
         return all(
             cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
@@ -570,7 +570,7 @@ class _Reader:
             self.odd[text] = is_malformed
         return self.odd[text]
 
-    def _refuse(self, number: int, line: str) -> None:
+    def _refuse_row(self, number: int, line: str) -> None:
         parts = cell.split(line, self.dialect.delimiter)
         width = self.dialect.cells or len(self.dialect.contents)
         line_text = f"'{line.strip()[:60]}'"

@@ -207,10 +207,10 @@ def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
     evaluation = compact.evaluate(log_tau_grid, False)
     columns = np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
     size = np.linalg.norm(columns, axis=0)
-    residual, strength, _ = np.linalg.svd(
+    left_vectors, strength, _ = np.linalg.svd(
         columns / np.where(size > 0, size, 1.0), full_matrices=False
     )
-    rotation = residual[:, strength > _MIN_DIRECTION * strength[0]].T / noise_sd
+    rotation = left_vectors[:, strength > _MIN_DIRECTION * strength[0]].T / noise_sd
     target, full_target = rotation @ evaluation.target, evaluation.target / noise_sd
     remainder_sse = float(full_target @ full_target - target @ target) + compact.floor / noise_sd**2
     return _Basis(rotation, target, rotation @ evaluation.fixed, max(remainder_sse, 0.0))

@@ -117,7 +117,7 @@ class SealLine(EqualByValue):
     def normal_at(self, along: FloatArray) -> FloatArray:
         """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
         if len(self.normal) < len(self.points):
-            return np.asarray(self.normal[self._piece(along)])
+            return np.asarray(self.normal[self._find_piece(along)])
         field = np.stack(
             [np.interp(along, self.arc_length, item) for item in self.normal.T], axis=-1
         )
@@ -146,10 +146,10 @@ class SealLine(EqualByValue):
                 f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "
                 "fits on it"
             )
-        middle, cell = _divide_cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
+        middle, cell = _divide_cells(self._list_breaks(2 * requested_pitch), 2 * requested_pitch)
         positions = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
         normal = self.normal_at(positions)
-        runs = np.diff(self.points, axis=0)[self._piece(positions)]
+        runs = np.diff(self.points, axis=0)[self._find_piece(positions)]
         tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
         compressions = self.compression
         return Stations(
@@ -176,13 +176,13 @@ class SealLine(EqualByValue):
         """
         return require_handler("mounts", self)(self, body, pitch, ground=ground)
 
-    def _piece(self, arc_length: FloatArray) -> IndexArray:
+    def _find_piece(self, arc_length: FloatArray) -> IndexArray:
         """Return the index of the piece in which a point lies."""
         return np.clip(
             np.searchsorted(self.arc_length, arc_length, "right") - 1, 0, len(self.points) - 2
         )
 
-    def _breaks(self, cell: float) -> FloatArray:
+    def _list_breaks(self, cell: float) -> FloatArray:
         """Return where no cell may reach across, from end to end, m; points of a curve are none."""
         runs, lengths = np.diff(self.points, axis=0), _compute_lengths(self.points)
         tangents = runs / lengths[:, None]
@@ -190,10 +190,12 @@ class SealLine(EqualByValue):
         is_long = np.maximum(lengths[1:], lengths[:-1]) >= cell
         corners = self.arc_length[1:-1][is_bend | is_long]
         joint_ends = [end for first, last, _ in self._joints() for end in (first, last)]
-        inner_breaks = [end for end in (*joint_ends, *self._touching()) if 0 < end < self.length]
+        inner_breaks = [
+            end for end in (*joint_ends, *self._contact_edges()) if 0 < end < self.length
+        ]
         return np.unique(np.concatenate(([0.0, self.length], corners, inner_breaks)))
 
-    def _touching(self) -> list[float]:
+    def _contact_edges(self) -> list[float]:
         """Return where the seal begins or ends to touch, m along the line."""
         if self.compression is None:
             return []
