@@ -2898,9 +2898,9 @@ def test_check_of_a_failed_search_fails_without_a_value() -> None:
 def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None:
     lone = make_comparison(measured_hz=20.0)
     for check in (
-        comparison.inside_valid_band(lone, SEEN, borne_out=True),
-        comparison.damping_tested(lone, SEEN, borne_out=True),
-        comparison.operating_point(OperatingPoint(2e-3, 1e-3), borne_out=True),
+        comparison.inside_valid_band(lone, SEEN, is_confirmed=True),
+        comparison.damping_tested(lone, SEEN, is_confirmed=True),
+        comparison.operating_point(OperatingPoint(2e-3, 1e-3), is_confirmed=True),
     ):
         assert check.passed, check
         assert "bears" in check.message or "agrees" in check.message

@@ -195,7 +195,7 @@ def test_the_jacobian_is_the_slope_of_the_residual(
         select_frf_data(broad_frf, seals=2, band=None),
         NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
         Constraints(static_stiffness=Prior(196.0, 1.0), natural_frequency=Prior(12.7, 0.1)),
-        sought=Arms(2),
+        parametrisation=Arms(2),
         dashpot=True,
     )
     solid = GeneralizedMaxwell(190.0, (30.0, 120.0), (0.01, 0.5), 0.3)
@@ -258,7 +258,7 @@ def test_errors_follow_arms_that_cross(broad_frf: FRF) -> None:
     )
     message = []
     for order in ([0, 1, 2, 3, 4], [0, 2, 1, 4, 3]):
-        here = replace(problem, sought=Arms(2))
+        here = replace(problem, parametrisation=Arms(2))
         theta = np.log([190.0, 30.0, 120.0, 0.01, 0.5])[order]
         theta = np.concatenate((theta, [np.log(0.11), 0.0, 0.0]))
         message.append(

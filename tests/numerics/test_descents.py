@@ -43,7 +43,7 @@ def trials_needed(descents: BatchedDescent) -> np.ndarray:
     """Trials that each descent takes to its end."""
     on, needed = np.arange(len(SHARES)), np.zeros(len(SHARES), int)
     while on.size:
-        trial = descents.here[on] + descents.move[on]
+        trial = descents.positions[on] + descents.steps[on]
         done = descents.take(trial, parabola(trial, SHARES[on]), on)
         needed[on] += 1
         on = on[~done]
@@ -62,22 +62,22 @@ def test_a_curvature_that_the_residual_all_but_cancels_is_not_believed(
     share: float, believed: bool
 ) -> None:
     descents = BatchedDescent(np.array([[0.01, 0.0]]), 1, np.array([1e-9]))
-    here, on = descents.here.copy(), np.array([0])
+    here, on = descents.positions.copy(), np.array([0])
     descents.take(here, parabola(here, np.array([share])), on)
     newton, gauss = np.array([-0.01, 0.0]), (1.0 + share) * np.array([-0.01, 0.0])
-    assert descents.move[0] == pytest.approx(newton if believed else gauss, rel=1e-4, abs=1e-8)
+    assert descents.steps[0] == pytest.approx(newton if believed else gauss, rel=1e-4, abs=1e-8)
 
 
 def test_after_a_move_that_failed_the_next_goes_a_quarter_as_far() -> None:
     descents = BatchedDescent(np.array([[1.2, 0.0]]), 1, np.array([1e-9]))
-    here, on = descents.here.copy(), np.array([0])
+    here, on = descents.positions.copy(), np.array([0])
     descents.take(here, parabola(here, SHARES[2:3]), on)
-    went = float(np.abs(descents.move).max())
+    went = float(np.abs(descents.steps).max())
     assert went == pytest.approx(1.2, rel=1e-4)
     worse = parabola(np.array([[3.0, 0.0]]), SHARES[2:3])
-    descents.take(here + descents.move, worse, on)
-    assert float(np.abs(descents.move).max()) == pytest.approx(0.25 * went)
-    assert np.all(descents.here == here)
+    descents.take(here + descents.steps, worse, on)
+    assert float(np.abs(descents.steps).max()) == pytest.approx(0.25 * went)
+    assert np.all(descents.positions == here)
 
 
 @pytest.mark.parametrize(

@@ -427,7 +427,7 @@ def test_the_score_prefers_what_is_there(sd: float) -> None:
         y = 2 + np.exp(-TIME / 0.3) + (truth == 2) * np.exp(-TIME / 4)
         y = y + sd * np.random.default_rng(14).standard_normal(len(y))
         armss = [arms(n, y) for n in (1, 2, 3)]
-        scores = [score(item, len(y), rounding_sse=100 * item.nothing) for item in armss]
+        scores = [score(item, len(y), rounding_sse=100 * item.rounding_sse) for item in armss]
         assert int(np.argmin(scores)) + 1 == truth
 
 

@@ -124,7 +124,7 @@ def test_plain_numbers_throughout_leave_nothing_to_try(
     inner = dialect._find_best_run
     monkeypatch.setattr(
         dialect,
-        "_best_run",
+        "_find_best_run",
         lambda window, *by, **how: tried.append(by) or inner(window, *by, **how),
     )
     result = dialect.find_dialect(["a name", *rows])

@@ -473,7 +473,7 @@ def compute_distance_range(
             else 1 - stiffness_set.nearest_distance_bound / max(abs(nearest_point), 1e-300)
         )
         # a set that is one point, where the point is, has no farther one
-        gap_far = 1 - stiffness_set.far / abs(corner) if corner else 0.0
+        gap_far = 1 - stiffness_set.max_distance / abs(corner) if corner else 0.0
         if max(gap_near, gap_far) <= REGION_TOLERANCE:
             break
         stiffness_set.add_direction(-nearest_point if gap_near > gap_far else corner)
@@ -556,7 +556,7 @@ class StiffnessSet:
         return max(0.0, -min(self._supports))
 
     @property
-    def far(self) -> float:
+    def max_distance(self) -> float:
         """Largest distance of a point of the set from the origin."""
         return max(map(abs, self.points))
 

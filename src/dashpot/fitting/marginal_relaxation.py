@@ -100,7 +100,7 @@ class UnmeasuredEffects(NamedTuple):
     fixed: FloatArray
     arms: FloatArray
 
-    def but(self, *names: str) -> UnmeasuredEffects:
+    def exclude(self, *names: str) -> UnmeasuredEffects:
         """Return the terms without these."""
         is_retained = [name not in names for name in self.names]
         kept_names = tuple(name for name in self.names if name not in names)
@@ -126,7 +126,7 @@ class RelaxationRows(NamedTuple):
     dashpot: FloatArray
     arms: FloatArray
     slopes: FloatArray
-    borne: FloatArray = np.zeros((0, 0))
+    rig_rows: FloatArray = np.zeros((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +184,7 @@ class RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.priors["drift"]
         terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT_RATIO * sd))
-        effects = self.unmeasured_effects and self.unmeasured_effects.but(
+        effects = self.unmeasured_effects and self.unmeasured_effects.exclude(
             "give", "settling", "memory"
         )
         return replace(self, unmeasured_effects=effects, terms=terms)
@@ -265,7 +265,7 @@ class RelaxationData:
             dashpot=white(self.weight * shift.a_t * b_t * dashpot),
             arms=white(self.weight * b_t * evaluation.arms[:, :count]),
             slopes=white(self.weight * b_t * shift.stretch * evaluation.d_arms[:, :count]),
-            borne=white(self.weight * differences),
+            rig_rows=white(self.weight * differences),
         )
 
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
@@ -298,7 +298,7 @@ class RelaxationData:
         columns = np.column_stack((rows.spring, rows.arms[:, arms], rows.slopes[:, arms] * model.k))
         if isinstance(solid, FractionalZener):
             columns = columns @ solid.arm_gradient()
-        return np.asarray(np.column_stack((columns, rows.dashpot)).T @ rows.borne)
+        return np.asarray(np.column_stack((columns, rows.dashpot)).T @ rows.rig_rows)
 
 
 def _build_delay_columns(

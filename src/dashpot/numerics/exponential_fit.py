@@ -86,7 +86,7 @@ class ArmInsertion:
             self.best.append(optimum)
         return optimum is not None
 
-    def as_good_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
+    def accept_optimum_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
         """Go to the optimum next to `log_tau` if no spectrum gains `negligible` noise variances."""
         local = descend(self.stack, log_tau)
         nonnegative_mask = self._get_nonnegative_mask(len(log_tau))
@@ -112,7 +112,7 @@ class ArmInsertion:
         dof = self.stack.samples - len(point.beta) - arms
         if (
             not local.converged
-            or point.sse <= 100 * self.stack.nothing
+            or point.sse <= 100 * self.stack.rounding_sse
             or dof < 10
             or (point.beta[self.stack.get_nonnegative_mask(arms, signed=False)] <= 0).any()
             or not is_inside_window(point.log_tau, self.stack.bounds)
@@ -180,7 +180,7 @@ class ArmInsertion:
             )
         while self.largest_order < arms:
             last_point, count = self.best[-1].point, self.largest_order + 1
-            if last_point.sse <= self.stack.nothing:
+            if last_point.sse <= self.stack.rounding_sse:
                 return
             gains_little = self._gains_little(negligible)
             if gains_little:
@@ -188,7 +188,9 @@ class ArmInsertion:
             else:
                 optimum = self._find_certain_optimum(count) or self._find_best_optimum(count)
             attainable_gain = (
-                last_point.sse - 1e-10 * (self.stack.floor + last_point.sse) - self.stack.nothing
+                last_point.sse
+                - 1e-10 * (self.stack.floor + last_point.sse)
+                - self.stack.rounding_sse
             )
             if optimum is None or optimum.point.sse >= attainable_gain:
                 return
@@ -490,7 +492,7 @@ def solve(
     if (
         near_log_tau is not None
         and arms
-        and chain.as_good_near(near_log_tau, negligible=negligible)
+        and chain.accept_optimum_near(near_log_tau, negligible=negligible)
     ):
         return _make_solution(chain, -1, requested=arms)
     if chain.leap(arms):
@@ -709,7 +711,9 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     # of a gap that is seen a few digits will do
     cost_tolerance = 1e-3 * max(CERTAIN_GAP, (remainder - best_sse) / sse if sse > 0 else 0.0)
     best_sse = min(best_sse, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
-    optimality_gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best_sse) / sse
+    optimality_gap = (
+        0.0 if remainder <= stack.rounding_sse else max(0.0, remainder - best_sse) / sse
+    )
     optimal = optimality_gap <= CERTAIN_GAP
     return OptimalityCertificate(
         optimal=optimal,

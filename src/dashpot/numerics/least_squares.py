@@ -520,7 +520,7 @@ class _AtTheta:
     def __init__(self, theta: FloatArray, scale: FloatArray, optimum: Optimum | None) -> None:
         self.theta, self.scale, self.found = theta, scale, optimum
         self.sse = np.inf if optimum is None else optimum.cost
-        self.rounding = 0.0 if optimum is None else optimum.nothing
+        self.rounding = 0.0 if optimum is None else optimum.rounding_sse
 
     @property
     def optimum(self) -> Optimum:
@@ -591,7 +591,7 @@ class Optimum:
         return float(self.residual @ self.residual)
 
     @property
-    def nothing(self) -> float:
+    def rounding_sse(self) -> float:
         """Sum of squares that rounding leaves."""
         return _ROUNDING_POWER * float(self.rows.y @ self.rows.y)
 

@@ -89,7 +89,7 @@ class Stack:
         return float(sum(block.energy for block in self.blocks))
 
     @property
-    def nothing(self) -> float:
+    def rounding_sse(self) -> float:
         """Sum of squares that a finished descent leaves of exact data."""
         return max(self.rounding_floor, FINAL_TOLERANCE**2 * self.energy)
 

@@ -363,8 +363,8 @@ def _compute_plate_amplitude(
     magnitude = abs(_compute_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
     rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
-    stands_out = magnitude**2 > _MIN_PLATE_POWER_RATIO * level and magnitude > rounding
-    return float(2 * magnitude / window.sum()) if stands_out else 0.0
+    is_prominent = magnitude**2 > _MIN_PLATE_POWER_RATIO * level and magnitude > rounding
+    return float(2 * magnitude / window.sum()) if is_prominent else 0.0
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:

@@ -172,9 +172,9 @@ def test_times_have_units_and_a_clock_that_begins_again_ends_the_record():
     assert lines.channels == ("force [N]",)
     assert lines.feed(b"\n7 500\n8;510\n")[0].tolist() == [0.5, 0.51]
     lines.feed(b"".join(b"1 %d\n" % t for t in range(9)))
-    assert not lines.begun_again
+    assert not lines.has_restarted
     lines.feed(b"1 9\n")
-    assert lines.begun_again
+    assert lines.has_restarted
     assert "the device's clock began again: the record ends there" in lines.notes()
 
 
@@ -190,7 +190,7 @@ def test_a_time_that_was_garbled_is_no_gap_and_ends_no_record():
         "two garbled lines left out, first 'time 5 s'",
         "two gaps in the clock, 6 samples missing, the longest gap 0.06 s",
     )
-    assert not lines.begun_again
+    assert not lines.has_restarted
 
 
 def test_a_line_without_an_end_is_no_memory_without_an_end():

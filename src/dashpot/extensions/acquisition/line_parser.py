@@ -82,7 +82,7 @@ class Lines:
         self._median, self._step_count = math.inf, 0
         self._garbled_count, self._example, self._fall_count, self._falls_in_a_row = 0, "", 0, 0
         self._gaps, self._missing_count, self._longest_gap = 0, 0, 0.0
-        self.begun_again = False
+        self.has_restarted = False
 
     def feed(self, data: bytes) -> Block:
         """Return the samples of the lines that `data` completes."""
@@ -120,7 +120,7 @@ class Lines:
                 f"{format_count(self._gaps, 'gap')} in the clock, {self._missing_count} samples "
                 f"missing, the longest gap {self._longest_gap:.4g} s"
             )
-        if self.begun_again:
+        if self.has_restarted:
             names.append("the device's clock began again: the record ends there")
         return tuple(names)
 
@@ -173,7 +173,7 @@ class Lines:
                     self._fall_count + 1,
                     self._falls_in_a_row + 1,
                 )
-                self.begun_again |= self._falls_in_a_row >= RESTART_LINES
+                self.has_restarted |= self._falls_in_a_row >= RESTART_LINES
             elif sample[0] - self._last_time > _GAP_RATIO * self._get_usual_step():
                 self._pending_sample = sample
             else:

@@ -50,7 +50,7 @@ class SerialLine:
     def blocks(self) -> Iterator[Block]:
         """Yield the samples that came, until the line is closed or the clock begins again."""
         try:
-            while not self._is_stopped and not self._lines.begun_again:
+            while not self._is_stopped and not self._lines.has_restarted:
                 readable, _, _ = select.select([self._handle], [], [], READ_TIMEOUT)
                 data = self._read() if readable else b""
                 if data is None:

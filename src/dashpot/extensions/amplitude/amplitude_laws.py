@@ -74,7 +74,7 @@ class FittedLaw:
     numbers: dict[str, float]
     se: dict[str, float]
     residuals: ComplexArray
-    loss_left: float
+    residual_loss: float
     bic: float
     deviance: float
     is_adequate: bool

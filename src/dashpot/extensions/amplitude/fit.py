@@ -118,7 +118,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         *([detection] if has_several_amplitudes else []),
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         residual_check,
-        loss_residual_small(best.loss_left),
+        loss_residual_small(best.residual_loss),
         *check_machine(list_sources([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
     if "lost" in best.numbers:

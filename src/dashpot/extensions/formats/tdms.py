@@ -67,7 +67,7 @@ class _TdmsChannel:
     offset: float
     start: int | None = None
     """Stated start, ns since 1970; None without."""
-    said_start: str = ""
+    stated_start: str = ""
     """A start that another property than the format's own states."""
     factor: str = ""
 
@@ -320,7 +320,7 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
 
     One that states none began with the first.
     """
-    if len({channel.said_start for channel in channels}) > 1:
+    if len({channel.stated_start for channel in channels}) > 1:
         starts_text = ", ".join(
             f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6]
         )

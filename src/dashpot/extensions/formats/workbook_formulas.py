@@ -80,7 +80,8 @@ class _SheetFormulas:
         notes = []
         if self._uncomputed_cells:
             notes.append(
-                f"{_describe_cells(self._uncomputed_cells)} without a result: open the workbook and save it"
+                f"{_describe_cells(self._uncomputed_cells)} without a result: open the workbook "
+                "and save it"
             )
         if self._stale_cells:
             notes.append(

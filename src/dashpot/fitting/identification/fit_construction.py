@@ -133,8 +133,8 @@ def reselect_family(
 def is_at_bound(candidate: Candidate) -> bool:
     """Return whether a relaxation time or a slope is at an end of its range."""
     problem = candidate.problem
-    numbers = candidate.theta[: problem.sought.size]
-    return is_at_edge(problem.sought, numbers, problem.log_tau_range)
+    numbers = candidate.theta[: problem.parametrisation.size]
+    return is_at_edge(problem.parametrisation, numbers, problem.log_tau_range)
 
 
 def family_checks(
@@ -142,7 +142,7 @@ def family_checks(
 ) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     all_checks = []
-    if isinstance(best.problem.sought, FractionalElement):
+    if isinstance(best.problem.parametrisation, FractionalElement):
         all_checks.append(
             fractional_slope_determined(
                 float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)
@@ -290,7 +290,7 @@ def build_identified_fit(
     )
     in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
     errors = (np.inf, np.inf)
-    if earlier_fit is None and isinstance(best.problem.sought, Arms):
+    if earlier_fit is None and isinstance(best.problem.parametrisation, Arms):
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
         *_run_checks(best, covariance, earlier_fit, discrepancy, errors),
@@ -383,7 +383,7 @@ def _compute_physical_parameters(
     best: Candidate, model: Solid | None = None
 ) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Names, values and covariance of the solid's parameters; values of another model, if given."""
-    problem, parametrisation = best.problem, best.problem.sought
+    problem, parametrisation = best.problem, best.problem.parametrisation
 
     def physical(theta: FloatArray) -> FloatArray:
         b = [np.exp(theta[problem.index["b"]])] if problem.dashpot else []
@@ -433,7 +433,7 @@ def _compute_rig_sensitivity(
 
 def _differentiate_physical_parameters(best: Candidate) -> FloatArray:
     """Return derivative of the solid's parameters by the flat vector."""
-    problem, parametrisation = best.problem, best.problem.sought
+    problem, parametrisation = best.problem, best.problem.parametrisation
     slope = np.zeros((parametrisation.size + problem.dashpot, len(best.theta)))
     slope[: parametrisation.size, : parametrisation.size] = parametrisation.physical(
         best.theta[: parametrisation.size]
@@ -668,8 +668,8 @@ def _run_checks(
             ]
         all_checks.append(check)
     all_checks += requested_checks
-    if isinstance(best.problem.sought, Arms):
-        arms = best.problem.sought.count
+    if isinstance(best.problem.parametrisation, Arms):
+        arms = best.problem.parametrisation.count
         largest_error = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
         new_arms = 0 if earlier_fit is None else arms - earlier_fit.model.arms
         resolved_check = checks.arms_identified(

@@ -56,7 +56,7 @@ class FRFData:
     weighed_mass: float | None = None
     reach: float = TAU_REACH
 
-    def reaching(self, remainder: float) -> FRFData:
+    def extend_reach(self, remainder: float) -> FRFData:
         """Return the data with the reach at which a part of that size stays unexplained."""
         slowest_factor = min(
             max(1 / np.sqrt(TAU_SIGNAL_RATIO * max(remainder, 1e-300)), TAU_REACH), MAX_TAU_REACH

@@ -170,7 +170,7 @@ def identify(
     earlier_fit = prior_tests.primary_fit
     element = (
         prior_tests.fractional_fit
-        if isinstance(best.problem.sought, FractionalElement)
+        if isinstance(best.problem.parametrisation, FractionalElement)
         else prior_tests.arms
     )
     discrepancy = explain_discrepancy(
@@ -262,7 +262,8 @@ def _fit_fractional(
     """Return the best fractional element, from the linear start of dynamic stiffness."""
     element, attempts = FractionalElement.from_relaxations(prior_tests.relaxations), []
     for problem in (
-        replace(identification_problem, sought=element) for identification_problem in problems
+        replace(identification_problem, parametrisation=element)
+        for identification_problem in problems
     ):
         starts = []
         columns = ArmColumns(_stiffness_blocks(problem))
@@ -340,12 +341,12 @@ def _fit_candidates(
     )
     candidates: list[Candidate] = []
     for number in numbers:
-        problem = replace(whole_problem, sought=Arms(number))
+        problem = replace(whole_problem, parametrisation=Arms(number))
         # found one after another, in the order of `numbers`: no more of them than are tried
         starts = next((points for arms, points in linear if arms == number), [])
         best = _find_lowest_optimum(problem, [*starts, *_spread_arms(problem, earlier_fit)])
         # more arms explain no less: where they do, their optimum was not found
-        if best.problem.sought.is_complete(best.point.model) and not (
+        if best.problem.parametrisation.is_complete(best.point.model) and not (
             candidates and best.cost > FAILED_DESCENT_RATIO * candidates[-1].cost
         ):
             candidates.append(best)
@@ -372,7 +373,7 @@ def _solve_from_start(
     earlier_fit: Fit | None,
 ) -> Candidate:
     """Return the best of a problem with no more arms than a start has, from there."""
-    if isinstance(problem.sought, FractionalElement):
+    if isinstance(problem.parametrisation, FractionalElement):
         return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     start_arms = start.model.maxwell.arms
     smaller_numbers = [number for number in numbers if number < start_arms]
@@ -421,7 +422,7 @@ def _check_arm_count(
     best: Candidate, request: int | Literal["auto"], earlier_fit: Fit | None
 ) -> tuple[Check, ...]:
     """Return whether the data support no further arm, where their number was asked for."""
-    parametrisation = best.problem.sought
+    parametrisation = best.problem.parametrisation
     if request == "auto" or not isinstance(parametrisation, Arms) or best.exact:
         return ()
     arm_count, shortage = parametrisation.count, None
@@ -447,7 +448,7 @@ def _check_arm_count(
 
 def _check_dashpot(best: Candidate, earlier_fit: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
-    parametrisation = best.problem.sought
+    parametrisation = best.problem.parametrisation
     if best.problem.dashpot:
         return dashpot_not_missed(
             None, parametrisation.format_model_order(), best.point.model.maxwell.b
@@ -458,7 +459,7 @@ def _check_dashpot(best: Candidate, earlier_fit: Fit | None) -> Check:
     if isinstance(parametrisation, Arms):
         fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
         for arms in range(max(parametrisation.count - 1, fewest_arms), parametrisation.count + 1):
-            problem = replace(best.problem, dashpot=True, sought=Arms(arms))
+            problem = replace(best.problem, dashpot=True, parametrisation=Arms(arms))
             attempts += [(problem, start) for start in _spread_arms(problem, earlier_fit)]
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
@@ -472,7 +473,7 @@ def _check_dashpot(best: Candidate, earlier_fit: Fit | None) -> Check:
     b = lowest_candidate.point.model.maxwell.b
     return dashpot_not_missed(
         best.bic - lowest_candidate.bic,
-        lowest_candidate.problem.sought.format_model_order(),
+        lowest_candidate.problem.parametrisation.format_model_order(),
         b,
         is_determined=is_significant,
     )
@@ -523,8 +524,8 @@ def _spread_arms(problem: IdentificationProblem, earlier_fit: Fit | None) -> lis
     if earlier_fit is not None:
         level = level if prior is None else earlier_fit.model.k_0
         base, fraction = earlier_fit.model, 0.1
-    assert isinstance(problem.sought, Arms)  # noqa: S101  # an element has a start of its own
-    arms = problem.sought.count
+    assert isinstance(problem.parametrisation, Arms)  # noqa: S101  # an element has a start of its own
+    arms = problem.parametrisation.count
     new_arms = arms - base.arms
     if new_arms < 0:
         return []
@@ -561,7 +562,7 @@ def _extend_reach(
     lowest_sse = min(
         solution.sse for solution in iterate_orders(_stiffness_blocks(far_reaching), max_arms)
     )
-    data = identification_problem.frf_data.reaching(
+    data = identification_problem.frf_data.extend_reach(
         float(np.sqrt(lowest_sse / (2 * len(identification_problem.frf_data.lines.s))))
     )
     return [replace(problem, frf_data=data) for problem in problems]

@@ -162,7 +162,7 @@ class IdentificationProblem:
     frf_data: FRFData
     priors: NuisancePriors
     constraints: Constraints
-    sought: Parametrisation = SPRING
+    parametrisation: Parametrisation = SPRING
     dashpot: bool = False
     scale: float = 1.0
 
@@ -175,7 +175,7 @@ class IdentificationProblem:
             if prior is None or prior.sd > 0
         ]
         names = ["b"] * self.dashpot + free_names
-        return {name: index for index, name in enumerate(names, start=self.sought.size)}
+        return {name: index for index, name in enumerate(names, start=self.parametrisation.size)}
 
     @property
     def log_tau_range(self) -> tuple[float, float]:
@@ -199,7 +199,7 @@ class IdentificationProblem:
             values_by_name[name] / DELAY_UNIT if name == "delay" else np.log(values_by_name[name])
             for name in self.index
         ]
-        return np.append(self.sought.pack(point.model), nuisance_values)
+        return np.append(self.parametrisation.pack(point.model), nuisance_values)
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """Return the point of a vector."""
@@ -207,7 +207,9 @@ class IdentificationProblem:
             name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
             for name, i in self.index.items()
         }
-        model = self.sought.unpack(theta[: self.sought.size], entries.pop("b", 0.0))
+        model = self.parametrisation.unpack(
+            theta[: self.parametrisation.size], entries.pop("b", 0.0)
+        )
         available = {
             name: prior.mean
             for name, prior in self.priors.priors_by_name.items()
@@ -236,7 +238,7 @@ class IdentificationProblem:
         prior = self.constraints.before
         if prior is None:
             return None
-        earlier_values, indices = self.sought.extract_earlier_values(prior)
+        earlier_values, indices = self.parametrisation.extract_earlier_values(prior)
         place_of = dict(zip(earlier_values, indices, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
         covariance, rows = prior.estimate.noise_only.covariance, self.earlier_rows
@@ -254,7 +256,7 @@ class IdentificationProblem:
         prior = self.constraints.before
         if prior is None:
             return []
-        earlier_values = self.sought.extract_earlier_values(prior)[0]
+        earlier_values = self.parametrisation.extract_earlier_values(prior)[0]
         variance = np.diag(prior.estimate.noise_only.covariance)
         return [
             i for i, name in enumerate(prior.estimate.parameters)
@@ -264,8 +266,10 @@ class IdentificationProblem:
     def build_problem(self, start: FloatArray) -> least_squares.Problem:
         """Return the least-squares problem about a start; logarithms stay within doubles."""
         low, high = start - 25.0, start + 12.0
-        log_tau_limits = self.sought.ends(self.log_tau_range)
-        tau_slice = slice(self.sought.size - len(log_tau_limits), self.sought.size)
+        log_tau_limits = self.parametrisation.ends(self.log_tau_range)
+        tau_slice = slice(
+            self.parametrisation.size - len(log_tau_limits), self.parametrisation.size
+        )
         low[tau_slice], high[tau_slice] = log_tau_limits.T
         if "delay" in self.index:
             low[self.index["delay"]], high[self.index["delay"]] = -1e3, 1e3
@@ -324,7 +328,7 @@ class ModelPrediction:
         if self.problem.earlier is None:
             return np.empty(0), slope
         indices, prior_values, root = self.problem.earlier
-        _, values, gradient = self.problem.sought.physical(self._numbers)
+        _, values, gradient = self.problem.parametrisation.physical(self._numbers)
         slope = np.zeros((len(indices), len(self.theta)))
         slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[indices])
         return np.asarray(np.linalg.solve(root, values[indices] - prior_values)), slope
@@ -347,7 +351,7 @@ class ModelPrediction:
 
     @property
     def _numbers(self) -> FloatArray:
-        return self.theta[: self.problem.sought.size]
+        return self.theta[: self.problem.parametrisation.size]
 
     @property
     def _get_dashpot(self) -> float:
@@ -357,7 +361,7 @@ class ModelPrediction:
     def _relaxation_residuals(self) -> list[RelaxationResiduals]:
         problem = self.problem
         return [
-            problem.sought.residuals(relaxation, self._numbers)
+            problem.parametrisation.residuals(relaxation, self._numbers)
             for relaxation in problem.relaxations
         ]
 
@@ -368,13 +372,16 @@ class ModelPrediction:
     def _differentiate_lines(self) -> FloatArray:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
-        values = problem.sought.differentiate_stiffness(self._numbers, s)
+        values = problem.parametrisation.differentiate_stiffness(self._numbers, s)
         stiffness = 1 / response.receptance - p.mass * s**2
 
         def differentiate_lost_poles(
             truncation: TruncationLoss,
         ) -> tuple[ComplexArray, ComplexArray]:
-            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, truncation.p)
+            mass, columns = (
+                p.mass,
+                differentiate_poles(problem.parametrisation, self._numbers, truncation.p),
+            )
             return (
                 self._differentiate_impedance(truncation.p, columns[0], -mass * truncation.p**2),
                 self._differentiate_impedance(
@@ -436,7 +443,7 @@ class ModelPrediction:
         solid = self.problem.frf_data.seals * p.seal_under_hammer
         pole = ringing_pole(solid, p.mass)
         pole_array, pole_magnitude = np.array([pole]), abs(pole)
-        values = differentiate_poles(self.problem.sought, self._numbers, pole_array)[0]
+        values = differentiate_poles(self.problem.parametrisation, self._numbers, pole_array)[0]
         by = self._differentiate_impedance(pole_array, values, -p.mass * pole_array**2)[0]
         change = -by * complex(residues(solid.maxwell, p.mass, pole_array)[0])
         growth = (pole.conjugate() * change).real / pole_magnitude
@@ -505,19 +512,21 @@ class Candidate:
     @property
     def significant(self) -> bool:
         """Every arm has k > 3 SE and SE(ln tau) < 0.5; the slope of an element is known."""
-        return self.problem.sought.is_identified(self._error)
+        return self.problem.parametrisation.is_identified(self._error)
 
     @property
     def unknown(self) -> tuple[float, ...]:
         """Relaxation times of the arms that are not known, s, ascending."""
-        assert isinstance(self.problem.sought, Arms)  # noqa: S101  # an element has none
-        tau = np.exp(self.problem.sought.log_tau(self.theta))
-        return tuple(np.sort(tau[~self.problem.sought.find_identified_arms(self._error)]).tolist())
+        assert isinstance(self.problem.parametrisation, Arms)  # noqa: S101  # an element has none
+        tau = np.exp(self.problem.parametrisation.log_tau(self.theta))
+        return tuple(
+            np.sort(tau[~self.problem.parametrisation.find_identified_arms(self._error)]).tolist()
+        )
 
     @property
     def _error(self) -> FloatArray:
         """Standard errors of the solid's numbers."""
-        return np.sqrt(np.diag(self.covariance))[: self.problem.sought.size]
+        return np.sqrt(np.diag(self.covariance))[: self.problem.parametrisation.size]
 
     @cached_property
     def bic(self) -> float:

@@ -93,7 +93,7 @@ class DataCompression:
             z, remainder_sse = self._explicit(differences)
         return z + last_value * self.root_weight, remainder_sse
 
-    def nodes_of(self, values: FloatArray) -> FloatArray:
+    def compress_to_nodes(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
         return _apply_stages(values, self.stages)
 

@@ -99,13 +99,13 @@ class ConvolvedMotion(EqualByValue):
         column_count = len(crossed)
         gram = np.empty((column_count, column_count))
         gram[:-1, :-1], gram[-1], gram[:, -1] = self.fixed_gram, crossed, crossed
-        values = self.correlate(column) if values is None else self.lags.nodes_of(values)
+        values = self.correlate(column) if values is None else self.lags.compress_to_nodes(values)
         sequences = np.concatenate((self.sequences[:-3], values[None], self.sequences[-3:]))
         return replace(self, fixed=fixed, fixed_gram=gram, sequences=sequences)
 
     def correlate(self, values: FloatArray) -> FloatArray:
         """Compressed correlation of window values, shape (..., n), with the displacement."""
-        return self.lags.nodes_of(self.lag(values))
+        return self.lags.compress_to_nodes(self.lag(values))
 
     def lag(self, values: FloatArray) -> FloatArray:
         r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
@@ -363,7 +363,7 @@ def correlate_displacement(
     lags = make_sample_plan(stop)
     initial_state = np.zeros(len(lags.nodes))
     if start:
-        initial_state = lags.nodes_of(reverse_before_start(d, start))
+        initial_state = lags.compress_to_nodes(reverse_before_start(d, start))
     lagged = np.fft.rfft(d, fft_length)
     without_columns = ConvolvedMotion(
         fixed=fixed,

@@ -68,12 +68,12 @@ class ProfileTrace:
         limit: float,
         limits: tuple[float, float],
     ) -> None:
-        self.asked, self.start, self.limit, self.ends = target, start, limit, limits
+        self.profile_target, self.start, self.limit, self.ends = target, start, limit, limits
         self.sign = sign
         self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
         self.step, self.root, self.at = sign * target.step, 0.0, start
         self.walked: list[tuple[float, float]] = []
-        self.leapt: list[tuple[float, float]] = []
+        self.skipped_points: list[tuple[float, float]] = []
         self.trials = self.leaps = 0
         self.ended, self.without = False, np.inf
         self.goal = start
@@ -83,10 +83,10 @@ class ProfileTrace:
     def points(self) -> list[tuple[float, float]]:
         """Values and deviances on the way out."""
         visited = self.walked
-        if self.leapt and self.root <= np.sqrt(self.limit):
+        if self.skipped_points and self.root <= np.sqrt(self.limit):
             # a leap that the walk has passed says nothing of the way
-            passed_start = visited and (self.leapt[0][0] - visited[-1][0]) * self.step <= 0
-            visited = visited if passed_start else visited + self.leapt
+            passed_start = visited and (self.skipped_points[0][0] - visited[-1][0]) * self.step <= 0
+            visited = visited if passed_start else visited + self.skipped_points
         if not np.isfinite(self.without):
             return visited
         end_value = self.ends[int(self.sign > 0)]
@@ -110,7 +110,7 @@ class ProfileTrace:
             self.at, self.root = self.goal, self.root + root_rise
         else:
             # too far to interpolate to: walk towards it in smaller steps
-            self.leapt = [(self.goal, deviance)]
+            self.skipped_points = [(self.goal, deviance)]
             self.leaps += 1
         self.ended = (is_close and deviance > self.limit) or self.leaps > _MAX_LEAPS
         self._compute_goal_slopes()
@@ -171,7 +171,7 @@ class BatchedDescent:
 
     def __init__(self, start: FloatArray, linear: int, tolerance: FloatArray) -> None:
         count, arms = start.shape
-        self.here, self.tolerance = start.copy(), tolerance
+        self.positions, self.tolerance = start.copy(), tolerance
         self.known = SolvedTrials(
             np.full(count, np.inf),
             np.zeros((count, linear)),
@@ -179,21 +179,21 @@ class BatchedDescent:
             np.zeros((count, arms, arms)),
             np.zeros((count, arms, arms)),
         )
-        self.move = np.zeros_like(start)
+        self.steps = np.zeros_like(start)
         self.promised, self.damping = np.zeros(count), np.full(count, 1e-6)
         self.tried, self.reach = np.zeros(count, int), np.full(count, _MAX_STEP)
 
     def start(self, i: int, log_tau: FloatArray) -> None:
         """Begin another problem like the last, or the same elsewhere."""
-        self.here[i], self.move[i], self.known.sse[i] = log_tau, 0.0, np.inf
+        self.positions[i], self.steps[i], self.known.sse[i] = log_tau, 0.0, np.inf
         self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _MAX_STEP
 
     def best(self, i: int) -> tuple[float, FloatArray]:
         """The least SSE of one descent and its ln tau, a last move foretold if that is little."""
         sse, promised = float(self.known.sse[i]), float(self.promised[i])
         if promised < _MIN_PREDICTED_FALL * self.tolerance[i]:
-            return sse - promised, self.here[i] + self.move[i]
-        return sse, self.here[i]
+            return sse - promised, self.positions[i] + self.steps[i]
+        return sse, self.positions[i]
 
     def take(self, trial: FloatArray, trials: SolvedTrials, indices: IndexArray) -> BoolArray:
         """Learn from one trial each of the descents `indices`; True where that is enough."""
@@ -201,20 +201,20 @@ class BatchedDescent:
         gain = solved_trials.sse[indices] - trials.sse
         is_better = gain > 0
         kept_rows = indices[is_better]
-        self.here[kept_rows] = trial[is_better]
+        self.positions[kept_rows] = trial[is_better]
         for own_trial, new_trial in zip(solved_trials, trials, strict=True):
             own_trial[kept_rows] = new_trial[is_better]
         damping = self.damping[indices]
         self.damping[indices] = np.where(is_better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
         # where the parabola has failed it is believed nearby only
-        distance_moved = np.abs(self.move[indices]).max(axis=1, initial=0.0)
+        distance_moved = np.abs(self.steps[indices]).max(axis=1, initial=0.0)
         self.reach[indices] = np.where(
             is_better,
             np.minimum(2.0 * np.maximum(distance_moved, self.reach[indices]), _MAX_STEP),
             _STEP_REDUCTION * distance_moved,
         )
         self.tried[indices] += 1
-        self.move[indices], self.promised[indices] = self._compute_step(indices)
+        self.steps[indices], self.promised[indices] = self._compute_step(indices)
         return np.asarray(
             (np.abs(gain) < self.tolerance[indices])
             | (self.promised[indices] < _MIN_PREDICTED_FALL * self.tolerance[indices])
@@ -371,7 +371,7 @@ class _SimultaneousProfiles:
             axis=2,
         )
         derivative_weights = _DERIVATIVE_POWERS / difference ** np.arange(3.0)[:, None]
-        self.apart, self.turn = float(difference), derivative_weights.reshape(4, -1)
+        self.node_distance, self.turn = float(difference), derivative_weights.reshape(4, -1)
         start = self._evaluate_columns(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
@@ -396,7 +396,7 @@ class _SimultaneousProfiles:
 
     def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
-        sides = _Sides([trace.asked for trace in walks], self.fixed, self.arms)
+        sides = _Sides([trace.profile_target for trace in walks], self.fixed, self.arms)
         self._add_spare_deviances(walks, sides)
         residual = np.tile(self.optimum.log_tau, (len(walks), 1))
         goals = np.array([trace.goal for trace in walks])
@@ -457,7 +457,7 @@ class _SimultaneousProfiles:
                 )
 
     def _start_descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
-        tolerance = np.array([1e-3 * trace.asked.scale for trace in walks])
+        tolerance = np.array([1e-3 * trace.profile_target.scale for trace in walks])
         return BatchedDescent(start, len(self.optimum.beta), tolerance)
 
     def _run_trials(
@@ -471,7 +471,9 @@ class _SimultaneousProfiles:
         """Try each of the descents `indices` once, in reach; those that are at their end."""
         low, high = bounds or self.reach
         # `numpy.clip` takes as long as all of this
-        trial = np.minimum(np.maximum(descents.here[indices] + descents.move[indices], low), high)
+        trial = np.minimum(
+            np.maximum(descents.positions[indices] + descents.steps[indices], low), high
+        )
         trial = sides.set_fixed_times(trial, goals, indices)
         return indices[
             descents.take(trial, self._solve_trials(trial, goals[indices], sides, indices), indices)
@@ -480,13 +482,13 @@ class _SimultaneousProfiles:
     def _deviance(
         self, trace: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
     ) -> float:
-        gain = trace.asked.relative_gain
+        gain = trace.profile_target.relative_gain
         times = 1.0 if gain is None else gain(beta, log_tau)
-        return max(float(sse) - self.best, 0.0) / (trace.asked.scale * times)
+        return max(float(sse) - self.best, 0.0) / (trace.profile_target.scale * times)
 
     def _evaluate_columns(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
-        grid_position = (log_tau.ravel() - self.reach[0]) / self.apart
+        grid_position = (log_tau.ravel() - self.reach[0]) / self.node_distance
         node = np.minimum(np.maximum(grid_position.astype(int), 0), len(self.cubics) - 1)
         weights = (grid_position - node)[:, None] ** _POWERS @ self.turn
         values = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]

@@ -191,7 +191,7 @@ class PlainRows:
             s = re.escape(sign)
             # a blank cell becomes nan, whether alone, quoted or padded
             self.blank = compile_on_use(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
-            self.beside_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
+            self.next_to_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
             # a comma that parts no cells must not come to part them
             commas = "." if self.swaps_comma else "!"
             self.as_json = bytes.maketrans(f",{sign}\n".encode(), f"{commas},,".encode())
@@ -277,7 +277,7 @@ class PlainRows:
 
     def _has_blanks(self, text: str) -> bool:
         """Whether a cell is blank; first by its neighbours, for the pattern tries every place."""
-        has_blank = any(name in text for name in self.beside_blank)
+        has_blank = any(name in text for name in self.next_to_blank)
         return (has_blank or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
             self.blank.search(text)
         )

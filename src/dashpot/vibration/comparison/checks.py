@@ -59,10 +59,10 @@ def checks(
     ]
     stiffness_passed, damped = not stiffness.failed, not (peak.failed or damping.failed)
     if fit is not None:
-        checks.append(inside_valid_band(c, fit, borne_out=stiffness_passed and damped))
-        checks.append(damping_tested(c, fit, borne_out=damped))
+        checks.append(inside_valid_band(c, fit, is_confirmed=stiffness_passed and damped))
+        checks.append(damping_tested(c, fit, is_confirmed=damped))
     if point is not None and np.isfinite(point.compression):
-        checks.append(operating_point(point, borne_out=stiffness_passed))
+        checks.append(operating_point(point, is_confirmed=stiffness_passed))
     return tuple(checks)
 
 
@@ -209,7 +209,7 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
 
 
 @criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
-def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
+def inside_valid_band(c: Comparison, fit: Fit, *, is_confirmed: bool = False) -> Finding:
     """The measured peak lies in the valid band of the fit, or confirms the prediction."""
     low, high = fit.band
     if not high > 0:
@@ -221,12 +221,12 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     if factor > 1:
         side_word = "above" if c.measured_hz > high else "below"
         message = f"{peak} a factor of {factor:.3g} {side_word} {band}"
-        message += ". Yet the measurement agrees" if borne_out else ""
-    return Finding(message, factor, remedy=JOINT_FIT_REMEDY, always_passes=borne_out)
+        message += ". Yet the measurement agrees" if is_confirmed else ""
+    return Finding(message, factor, remedy=JOINT_FIT_REMEDY, always_passes=is_confirmed)
 
 
 @criterion("1 / (2 pi peak), s", source="the valid band of the relaxation test")
-def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
+def damping_tested(c: Comparison, fit: Fit, *, is_confirmed: bool = False) -> Finding:
     """The relaxation test covers the arms behind the loss, or the hammer confirms them."""
     low, high = fit.band
     if not high > 0:
@@ -253,16 +253,16 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
             + (", although it is much slower" if leading_arm.tau > 5 * tau else "")
         )
     return Finding(
-        message + (". Yet the hammer test agrees" if borne_out else ""),
+        message + (". Yet the hammer test agrees" if is_confirmed else ""),
         tau,
         remedy=JOINT_FIT_REMEDY,
         limit=1 / (2 * np.pi * high),
-        always_fails=not borne_out,
+        always_fails=not is_confirmed,
     )
 
 
 @criterion("compression under the mass, m", source="our choice: within 25 % of the tested depth")
-def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Finding:
+def operating_point(point: OperatingPoint, *, is_confirmed: bool = False) -> Finding:
     """The prediction is for the compression of the seals under the mass."""
     compression, depth = point.compression, point.depth
     message = (
@@ -296,7 +296,7 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
         "stiffness that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
-        always_fails=not (is_near or borne_out),
+        always_fails=not (is_near or is_confirmed),
         # a ramp that a straight law follows went through every lesser compression
         grade="limit" if point.is_extrapolated else "note",
     )

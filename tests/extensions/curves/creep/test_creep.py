@@ -120,7 +120,7 @@ def test_baseline_that_shows_the_slope_within_the_usual_drift_knows_it(
     slope_error = noise * np.sqrt(12 * step / length) / length
     baseline = estimate_preload_baseline(load_hold(record(noise=noise, clock=clock)))
     assert bool(slope_error < 0.9 * baseline.default_drift) is knows
-    assert bool(baseline.knows_drift) is knows
+    assert bool(baseline.has_measured_drift) is knows
 
 
 def test_creep_fit_reports_flow() -> None:

@@ -67,7 +67,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
     remainder = record.displacement - fitted_displacement(fit, record)
-    if not estimate_preload_baseline(record).knows_drift:
+    if not estimate_preload_baseline(record).has_measured_drift:
         drift = sum(
             nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "drift"
         )

@@ -254,7 +254,7 @@ class _PreloadBaseline(NamedTuple):
         return NuisanceTerms(priors, -self.at, self.least)
 
     @property
-    def knows_drift(self) -> bool:
+    def has_measured_drift(self) -> bool:
         """Whether these samples, and not what is usual, determine the drift."""
         return self.drift.sd < _KNOWN_DRIFT * self.default_drift
 
@@ -519,7 +519,7 @@ def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     drift = retardation.solution.coefficient("drift")
     return [
         checks.drift_distinguished_from_flow(
-            drift, baseline.default_drift, reported=baseline.knows_drift
+            drift, baseline.default_drift, reported=baseline.has_measured_drift
         )
     ]
 
