@@ -129,10 +129,10 @@ class AppContext:
         cancelled = [worker.cancel() for worker in workers]
         return any(cancelled)
 
-    def leave(self) -> None:
+    def shut_down(self) -> None:
         """End every worker at once: pending requests get an error, and none delays the end."""
         for worker in self.workers.values():
-            worker.leave()
+            worker.shut_down()
 
     async def close(self) -> None:
         """End every worker, and remove the files."""
@@ -417,7 +417,7 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
 
     class Server(uvicorn.Server):
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-            context.leave()
+            context.shut_down()
             await super().shutdown(sockets)
 
     Server(config).run(sockets=[listener])

@@ -132,13 +132,13 @@ class WorkerProcess:
         if self._process is not None and self._process.returncode is None:
             stop_process_group(self._process.pid)
 
-    def leave(self) -> None:
+    def shut_down(self) -> None:
         """End the worker, and start no other for who still waits."""
         self._is_closed = True
         self.end()
 
     async def close(self) -> None:
         """End the worker, and see it gone."""
-        self.leave()
+        self.shut_down()
         if self._process is not None:
             await self._process.wait()

@@ -32,12 +32,16 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    panels = _make_curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
+    panels = (
+        _make_curve(fit, data)
+        if isinstance(data, CreepCompliance)
+        else _make_test_panels(fit, data)
+    )
     caption = "Creep: measured, the fit to it, and what that leaves."
     return Picture("creep", caption, (panels,), 1, stamp or format_fit_stamp(fit))
 
 
-def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
+def _make_test_panels(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     time_since_onset = data.time - data.onset
     first = max(float(np.diff(data.time).min()), 1e-3 * data.hold_time)
     is_shown = time_since_onset >= first
@@ -63,9 +67,9 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         height=240,
     )  # fmt: skip
     residual = measured - fitted_values
-    unit, small = select_plot_unit(residual, "m") if data.unit == "N/m" else ("%", 100.0)
-    x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
-    rms = round_to_error(small * fit.estimate.residual.rms)
+    unit, residual_scale = select_plot_unit(residual, "m") if data.unit == "N/m" else ("%", 100.0)
+    x, y = downsample_to_extremes(t, residual_scale * residual, bins=350, log=True)
+    rms = round_to_error(residual_scale * fit.estimate.residual.rms)
     lower = Panel(
         horizontal, Scale(f"residual, {unit}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),

@@ -190,8 +190,8 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
 def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
     """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
-        select_order(_build_data(record, flows=flows), item)
-        for flows, item in _list_candidates(options)
+        select_order(_build_data(record, flows=flows), candidate_options)
+        for flows, candidate_options in _list_candidates(options)
     ]
     return _choose_by_bic([_add_load_errors(record, selection) for selection in selections])
 
@@ -221,11 +221,11 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
     if flows:
         block = block.with_column(FLOW, _integrate_load(time, record.load)[window])
-    rough = solve(
+    rough_solution = solve(
         [block, *_limit_parameters(block, baseline)],
         min(_FIRST_ORDER, max_determinable_arms([block])),
     )
-    block = block.with_column("delay", _compute_delay_column(block, rough, time[window]))
+    block = block.with_column("delay", _compute_delay_column(block, rough_solution, time[window]))
     # what is faster than the load is known answers its noise
     shortest, longest = block.window
     block = replace(block, window=(max(shortest, _RESOLUTION_RATIO * record.resolution), longest))
@@ -273,11 +273,11 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     max_travel, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
-    unmeasured = noise if for_limits else None
-    default_drift = Machine().drift_sd(max_travel, duration, unmeasured)
+    limit_noise = noise if for_limits else None
+    default_drift = Machine().drift_sd(max_travel, duration, limit_noise)
     slope = Prior(0.0, np.inf)
     if first >= _MIN_COUNT:
-        offset, at, slope = estimate_channel_zero(
+        offset, baseline_time, slope = estimate_channel_zero(
             time[:first], x[:first], record.displacement_noise
         )
         # a reading that stands on one count hides a part of the next
@@ -286,12 +286,12 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     else:
         # under load from the first sample on, the channel's own zero is all there is
         is_preloaded = abs(record.load[0]) > 0.5 * record.level
-        offset, at, first = Prior(0.0 if is_preloaded else float(x[0]), noise), 0.0, 0
-    drift = Prior(*Machine().combine_drift(slope, max_travel, duration, unmeasured))
+        offset, baseline_time, first = Prior(0.0 if is_preloaded else float(x[0]), noise), 0.0, 0
+    drift = Prior(*Machine().combine_drift(slope, max_travel, duration, limit_noise))
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, delay_prior.sd)
     return _PreloadBaseline(
-        offset, at, drift, delay, first, noise, ROUNDING * travel, default_drift
+        offset, baseline_time, drift, delay, first, noise, ROUNDING * travel, default_drift
     )
 
 

@@ -135,7 +135,7 @@ class SingleTemperatureTest:
     @cached_property
     def marginal(self) -> DataBlock:
         """The data in a few rows of unit noise, its own columns projected out."""
-        return _marginal(self)
+        return _marginalise_test(self)
 
     @property
     def path(self) -> tuple[FloatArray, FloatArray]:
@@ -201,14 +201,14 @@ class _Basis(NamedTuple):
     floor: float
 
 
-def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
+def _compute_basis(compact: DataBlock, noise_sd: float) -> _Basis:
     low, high = compact.bounds
     log_tau_grid = np.linspace(low - np.log(TAU_MARGIN), high + np.log(TAU_MARGIN), _COLUMNS)
     evaluation = compact.evaluate(log_tau_grid, False)
     columns = np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
-    size = np.linalg.norm(columns, axis=0)
+    column_norms = np.linalg.norm(columns, axis=0)
     left_vectors, strength, _ = np.linalg.svd(
-        columns / np.where(size > 0, size, 1.0), full_matrices=False
+        columns / np.where(column_norms > 0, column_norms, 1.0), full_matrices=False
     )
     rotation = left_vectors[:, strength > _MIN_DIRECTION * strength[0]].T / noise_sd
     target, full_target = rotation @ evaluation.target, evaluation.target / noise_sd
@@ -216,9 +216,9 @@ def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
     return _Basis(rotation, target, rotation @ evaluation.fixed, max(remainder_sse, 0.0))
 
 
-def _marginal(test: SingleTemperatureTest) -> DataBlock:
+def _marginalise_test(test: SingleTemperatureTest) -> DataBlock:
     compact = compact_block(test.block, excess=TAU_MARGIN)
-    basis, names = _basis(compact, test.spread), compact.fixed_names
+    basis, names = _compute_basis(compact, test.spread), compact.fixed_names
     prior_columns, mean = test.terms.build_prior_columns(basis.fixed, names)
     white = marginalise(basis.fixed[:, :0], prior_columns)
     data, residual = white(basis.turn), white(basis.target - mean)
