@@ -104,19 +104,19 @@ class LotComparison(HasChecks, Serialisable):
         return "\n".join(lines)
 
 
-def _format_comparison(compared: QuantityComparison) -> Iterator[str]:
-    difference, format_value = compared.difference, compared.quantity.read
+def _format_comparison(item: QuantityComparison) -> Iterator[str]:
+    difference, format_value = item.difference, item.quantity.read
 
     def share(value: float) -> str:
-        return f"{100 * compared.share(value):+.2g} %"
+        return f"{100 * item.share(value):+.2g} %"
 
     low, high = difference.interval
-    result_text = f"{'different' if compared.different else 'no difference found'} (p = {compared.p_value:.2g})"
-    if compared.shared:
-        result_text = (
-            f"not checked, the lots have {format_count(compared.shared, 'record')} in common"
-        )
-    yield f"{compared.quantity.words}: {result_text}"
+    result_text = (
+        f"{'different' if item.different else 'no difference found'} (p = {item.p_value:.2g})"
+    )
+    if item.shared:
+        result_text = f"not checked, the lots have {format_count(item.shared, 'record')} in common"
+    yield f"{item.quantity.words}: {result_text}"
     means = " and ".join(
         f"{format_value(mean)} ({count} seals, SD {format_value(sd, digits=2)})"
         for mean, count, sd in zip(
@@ -124,12 +124,12 @@ def _format_comparison(compared: QuantityComparison) -> Iterator[str]:
         )
     )
     yield f"  means       {ascii_only(means)}"
-    if compared.shared:
+    if item.shared:
         return
     yield f"  difference  {share(difference.value)}, 95 % from {share(low)} to {share(high)}"
     yield (
-        f"  detectable  {abs(100 * compared.share(difference.detectable)):.2g} % with a power of 80 %; "
-        f"alike within {abs(100 * compared.share(difference.alike_within)):.2g} % (two one-sided tests)"
+        f"  detectable  {abs(100 * item.share(difference.detectable)):.2g} % with a power of 80 %; "
+        f"alike within {abs(100 * item.share(difference.alike_within)):.2g} % (two one-sided tests)"
     )
 
 
