@@ -322,7 +322,7 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
     """
     if len({channel.stated_start for channel in channels}) > 1:
         starts_text = ", ".join(
-            f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6]
+            f"'{c.name}' {c.stated_start or 'says nothing'}" for c in channels[:6]
         )
         raise ReadError(
             f"the channels are said to start at different times ({starts_text}), and not by "
