@@ -67,12 +67,12 @@ class SpringRow:
         """Every frame in which something acts along more than the x axis, and its rank."""
         entries = dict.fromkeys(station.frame for station in self.stations)
         rotated_frames = [
-            frame for frame in entries if self.ways > 1 or not np.allclose(frame[0], _X)
+            frame for frame in entries if self.direction_count > 1 or not np.allclose(frame[0], _X)
         ]
         return {frame: rank for rank, frame in enumerate(rotated_frames)}
 
     @cached_property
-    def ways(self) -> int:
+    def direction_count(self) -> int:
         """Number of directions of a station: 1 without lateral stiffness, else 3."""
         return 3 if any(any(station.shares[1:]) for station in self.stations) else 1
 
@@ -116,7 +116,7 @@ def make_springs(deck: Deck, line: Stations | None, shear: Shear | None = None) 
     # what is not pressed as stated is as it was tested: its secant
     law = None if line.compression is None else deck.elastic_law
     per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
-    directions = per_metre.ways(line)
+    directions = per_metre.list_directions(line)
     # of the solid in the header where it is that, else of a metre
     items = [isinstance(value, Solid) for value in (0.0, shear.across, shear.along)]
     shares = [

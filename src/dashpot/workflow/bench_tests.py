@@ -206,7 +206,7 @@ class BenchFitOptions(SolidOptions):
             reference=shifting.reference,
         )  # fmt: skip
 
-    def nothing_of(self, *names: str) -> bool:
+    def has_defaults(self, *names: str) -> bool:
         """Return whether all of these options have their defaults."""
         return all(getattr(self, name) == getattr(BenchFitOptions, name) for name in names)
 
@@ -309,7 +309,7 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not options.depth_law:
         return fit_relaxation(tests, **options.ramp_options.choices)
-    usual_options = options.nothing_of("method", "law", "family")
+    usual_options = options.has_defaults("method", "law", "family")
     if not usual_options or options.thorough or options.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "

@@ -78,7 +78,7 @@ def _write_table(
     """Return an element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
     constants: dict[tuple[int, float], int] = {}
-    for direction in range(row.ways):
+    for direction in range(row.direction_count):
         cards += [
             f"ET,{first_id + direction},COMBIN14",
             f"KEYOPT,{first_id + direction},2,{direction + 1}",

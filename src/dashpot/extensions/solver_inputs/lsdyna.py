@@ -140,7 +140,7 @@ def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         (frame, direction): rank
         for rank, (frame, direction) in enumerate(
             itertools.product(
-                dict.fromkeys(station.frame for station in row.stations), range(row.ways)
+                dict.fromkeys(station.frame for station in row.stations), range(row.direction_count)
             ),
             start=first_id,
         )

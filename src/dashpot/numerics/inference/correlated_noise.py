@@ -51,14 +51,14 @@ _MAX_EVEN_GAIN = 2.0
 _MIN_ABSORBED_SHARE = 0.005
 _ITERATIONS = 3
 # so few lags cost less one by one than by Fourier transforms
-_FEW_LAGS, _FEW_TERMS = 16, 8
+_DIRECT_LAGS, _DIRECT_TERMS = 16, 8
 # most noise ends within this part of all lags, which costs two thirds of all
 _MAX_LAG_SHARE = 1 / 3
 # frequencies that stay in cache
 _FREQUENCIES_PER_BATCH = 4096
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
-_MEANS, _MIN_COUNT, _BY_CHANCE = 1024, 4, 6.0
+_MEANS_PER_RECORD, _MIN_COUNT, _MAX_CHANCE_RATIO = 1024, 4, 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class ResidualSeries:
     @cached_property
     def means(self) -> ResidualSeries:
         """Return the series of means over a few samples."""
-        return ResidualSeries(block_means(self.values, len(self.values) // _MEANS))
+        return ResidualSeries(block_means(self.values, len(self.values) // _MEANS_PER_RECORD))
 
 
 class JacobianColumns:
@@ -143,7 +143,7 @@ class JacobianColumns:
         return np.asarray(self.matrix.T @ self.matrix)
 
     @cached_property
-    def even(self) -> FloatArray:
+    def whitening_matrix(self) -> FloatArray:
         """Matrix that makes the columns orthonormal over all fitted data, shape (r, s)."""
         return np.eye(self.matrix.shape[1]) if self.shared else _orthonormalise(self.gram)[0]
 
@@ -194,14 +194,14 @@ def estimate_noise(
     series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
     columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
     fine_noise = _estimate_noise(series, columns, rounding=rounding)
-    samples_per_mean = len(series.values) // _MEANS
+    samples_per_mean = len(series.values) // _MEANS_PER_RECORD
     if samples_per_mean < _MIN_COUNT or fine_noise.autocovariance[0] <= rounding**2:
         return fine_noise
     mean_columns = None if columns is None else columns.means(samples_per_mean)
     coarse_noise = _estimate_noise(series.means, mean_columns)
     # a sum over so many lags of white means scatters by that
-    chance = np.sqrt(len(coarse_noise.autocovariance) / _MEANS)
-    if samples_per_mean * coarse_noise.power <= (1 + _BY_CHANCE * chance) * fine_noise.power:
+    chance = np.sqrt(len(coarse_noise.autocovariance) / _MEANS_PER_RECORD)
+    if samples_per_mean * coarse_noise.power <= (1 + _MAX_CHANCE_RATIO * chance) * fine_noise.power:
         return fine_noise
     return _join_noise_scales(fine_noise, coarse_noise.autocovariance, samples_per_mean)
 
@@ -273,7 +273,7 @@ def _restore_autocovariance(
 
 def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
-    even_spectra = columns.even
+    even_spectra = columns.whitening_matrix
     fft_length, spectra = columns.spectra(len(columns.matrix) + lags)
     rows, power = spectra.view(np.float64), np.empty(fft_length // 2 + 1)
     for first in range(0, len(power), _FREQUENCIES_PER_BATCH):
@@ -303,7 +303,7 @@ def compute_initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArr
     ends does not show the cut.
     """
     n, values = len(residual), [float(residual @ residual)]
-    for lag in range(1, min(_FEW_LAGS, n - 1), 2):
+    for lag in range(1, min(_DIRECT_LAGS, n - 1), 2):
         # gamma_{lag - 1} is the first of the pair
         values.append(float(residual[lag:] @ residual[:-lag]))
         if values[-2] + values[-1] <= 0.0:
@@ -392,7 +392,7 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
     n, _ = jacobian.shape
     if lags == 1:
         return np.asarray(gamma[0] * columns.gram)
-    if lags <= min(_FEW_TERMS, n) and _is_power(gamma):
+    if lags <= min(_DIRECT_TERMS, n) and _is_power(gamma):
         form = gamma[0] * columns.gram
         for lag in range(1, lags):
             crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])

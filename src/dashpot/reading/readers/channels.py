@@ -550,7 +550,7 @@ def load_test(
     return loaded_columns
 
 
-def filled_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
+def fill_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
     """Return the rows, a temperature that stands once for each block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.

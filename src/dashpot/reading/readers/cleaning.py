@@ -320,7 +320,7 @@ def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAs
     return tuple(clocks) if clocks[0].index != clocks[1].index else ()
 
 
-def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Question:
+def assign_time_since_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Question:
     """Return the clock of a curve over the time since a step: that of the step, beside a whole one.
 
     A rheometer writes both, and the whole one began before the step.

@@ -32,7 +32,7 @@ from dashpot.reading.raw_file import add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels, cleaning
 from dashpot.reading.readers.channels import OpenedFile, find_mass_motions
-from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
+from dashpot.reading.readers.cleaning import assign_time_since_step, find_separate_clocks
 from dashpot.reading.readers.detect_kind import open_or_identify, recognise_opened
 from dashpot.reading.readers.sweep_columns import load_sweep, sweep_columns
 from dashpot.reading.table import LoadedColumns, Question
@@ -331,7 +331,9 @@ def _assign_kind_roles(
     curve = not _CURVES.isdisjoint(roles_wanted)
     for role in roles_wanted:
         is_elapsed = curve and role == "time"
-        assignment = since_the_step(table, options) if is_elapsed else assign(table, role, options)
+        assignment = (
+            assign_time_since_step(table, options) if is_elapsed else assign(table, role, options)
+        )
         if isinstance(assignment, RoleAssignment):
             assigned_role, _ = roles.get(assignment.index, (role, ""))
             if assigned_role != role and {assigned_role, role} <= set(

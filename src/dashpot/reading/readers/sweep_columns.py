@@ -231,7 +231,7 @@ def load_parts(
     loaded_columns = channels.load(file.table, columns, file.options.segment)
     reported = loaded_columns.values[:, -1]
     loaded_columns = replace(loaded_columns, values=loaded_columns.values[:, : len(indexes)])
-    loaded_columns = channels.filled_down(loaded_columns, [c.role for c in channels_chosen])
+    loaded_columns = channels.fill_down(loaded_columns, [c.role for c in channels_chosen])
     rows, gaps = channels.select_complete_rows(loaded_columns)
     values = channels.convert_signals_to_si(rows, channels_chosen)
     warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []

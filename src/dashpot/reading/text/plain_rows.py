@@ -51,7 +51,7 @@ _BYTE_MASKS = _make_byte_masks(_WORD_BYTES), _make_byte_masks(_SEEN_BYTES)
 
 
 @dataclass(frozen=True, eq=False)
-class PartedLines:
+class SplitLines:
     """Lines of one width: the text, with end and length of each cell, column by column.
 
     So much stands before the lines in the text that what is looked at is there.
@@ -92,8 +92,8 @@ class PartedLines:
         self, end: IndexArray, length: IndexArray, point: int, digits_after: int
     ) -> IndexArray | None:
         """Return the digits of cells as whole numbers, None unless all are written so."""
-        longest, pointed = int(length.max()), digits_after > 0
-        if length.min() <= pointed or longest - pointed > _DIGITS:
+        longest, has_point = int(length.max()), digits_after > 0
+        if length.min() <= has_point or longest - has_point > _DIGITS:
             return None
         ending = np.ndarray(
             len(self.text) - _SEEN_BYTES + 1, f"V{_SEEN_BYTES}", self.text, strides=(1,)
@@ -108,7 +108,7 @@ class PartedLines:
                 if not _merge_digits(digits, stop - digits_after, point):
                     return None
                 number = digits * 10 ** (stop - _WORD_BYTES) + number
-        if pointed:  # which counts as a zero so far
+        if has_point:  # which counts as a zero so far
             number -= number // 10**digits_after * (9 * 10 ** (digits_after - 1))
         return number.view(np.int64)
 
@@ -129,26 +129,26 @@ def _merge_digits(word: IndexArray, point_index: int, point: int) -> bool:
     return True
 
 
-def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
+def split_line_cells(lines: bytes, sign: int) -> SplitLines | None:
     """Return lines split at a delimiter; None unless all have the same number of cells.
 
     Of blanks any number parts two cells, or stands before the first.
     """
     text = b" " * _SEEN_BYTES + lines
     codes = np.frombuffer(text, np.uint8)
-    ended, signs = codes == ord("\n"), codes == sign
-    signs |= ended
+    is_line_end, signs = codes == ord("\n"), codes == sign
+    signs |= is_line_end
     if sign == ord(" "):
         turns = np.flatnonzero(signs[1:] != signs[:-1]) + 1
         cell_starts, stops = turns[::2], turns[1::2]
     else:
         stops = np.flatnonzero(signs)
         cell_starts = np.append(_SEEN_BYTES, stops[:-1] + 1)
-    rows = int(np.count_nonzero(ended))
-    width, odd = divmod(len(stops), rows) if rows else (0, 1)
-    if odd or not width or not ended[stops[width - 1 :: width]].all():
+    rows = int(np.count_nonzero(is_line_end))
+    width, remainder = divmod(len(stops), rows) if rows else (0, 1)
+    if remainder or not width or not is_line_end[stops[width - 1 :: width]].all():
         return None
-    return PartedLines(text, stops.reshape(-1, width).T, (stops - cell_starts).reshape(-1, width).T)
+    return SplitLines(text, stops.reshape(-1, width).T, (stops - cell_starts).reshape(-1, width).T)
 
 
 # Blocks of plain rows, which NumPy reads: of one width, with nothing but numbers and times wanted.
