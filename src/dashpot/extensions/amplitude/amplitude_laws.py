@@ -58,7 +58,7 @@ class FittedLaw:
         Their standard errors; 0 for an exponent that was set.
     residuals : complex array, shape (n,)
         Fit less sample, over the size of the sample.
-    loss_left : float
+    residual_loss : float
         What is left of the loss over the loss, rms, of the worst third of the amplitudes.
     bic, deviance : float
         n ln(rss/n), with and without what the parameters cost.

@@ -69,7 +69,7 @@ class LotComparison(HasChecks, Serialisable):
     Attributes
     ----------
     lots : (str, str)
-    differences : tuple of Compared
+    differences : tuple of QuantityComparison
     checks : tuple of Check
     """
 

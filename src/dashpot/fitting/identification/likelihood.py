@@ -152,7 +152,7 @@ class IdentificationProblem:
     frf_data : FRFData
     priors : NuisancePriors
     constraints : Constraints
-    sought : Parametrisation
+    parametrisation : Parametrisation
     dashpot : bool
     scale : float
         What the standard deviation of the lines is multiplied by.
