@@ -17,7 +17,7 @@ import numpy as np
 from noises import NOISES, Noise, record
 
 from dashpot.datamodel.machine import Machine
-from dashpot.fitting.data_blocks import NUISANCE
+from dashpot.fitting.data_blocks import NUISANCE_NAMES
 from dashpot.fitting.relaxation import fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -34,7 +34,7 @@ def check_intervals(
 ) -> np.ndarray:
     """Which of the five intervals of the noise alone hold the truth."""
     test = replace(record(SEAL, noise, seed, rate=rate), machine=STILL)
-    nuisance = KNOWN_CLOCKS if method == "hold" else NUISANCE
+    nuisance = KNOWN_CLOCKS if method == "hold" else NUISANCE_NAMES
     result = fit(test, arms=2, method=method, nuisance=nuisance)  # type: ignore[arg-type]
     if result.model.arms != SEAL.arms:
         return np.zeros(5, dtype=bool)

@@ -33,7 +33,11 @@ from dashpot.extensions.batch.arrays.shared_sampling import make_hold_family, ma
 from dashpot.fitting.relaxation import fit as fit_prepared
 from dashpot.numerics import log_tau_descent as first_look
 from dashpot.numerics.design_matrices import data_compression
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns, hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import (
+    build_hold_block,
+    build_recorded_block,
+    compute_arm_columns,
+)
 from dashpot.numerics.exponential_fit import Solution, solve
 
 DEPTH = 8.0  # mm, so that k is in N/mm and both see numbers of order one
@@ -120,7 +124,7 @@ def single_holds() -> None:
         def fit(
             seconds: np.ndarray = seconds, force: np.ndarray = force, n: int = arms
         ) -> Solution:
-            return solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], n)
+            return solve([build_hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], n)
 
         def fresh(fit: Callable[[], Solution] = fit) -> Solution:
             data_compression.make_sample_plan.cache_clear()
@@ -155,7 +159,7 @@ def compare_recorded_motion() -> None:
     x = DEPTH * np.minimum(seconds, 1.0) + GENERATOR.normal(0, 1e-3, len(seconds))
     x[0] = 0.0
     k, tau = TRUTH[2]
-    q, _ = arm_columns(seconds, x, np.array(tau))
+    q, _ = compute_arm_columns(seconds, x, np.array(tau))
     force = K_INF * x + q @ np.array(k) + NOISE * GENERATOR.standard_normal(len(x))
     steps = np.diff(x, prepend=0.0)
 
@@ -167,7 +171,7 @@ def compare_recorded_motion() -> None:
         return model - force
 
     def fit() -> Solution:
-        return solve([recorded_block(seconds, x, force)], 2)
+        return solve([build_recorded_block(seconds, x, force)], 2)
 
     theirs = rival(residual, 2, 7)
     row("any recorded history, 41k points, N = 2", cpu(fit, 41), theirs, 10, fit().sse)
@@ -197,7 +201,7 @@ def compare_other_solvers(starts: int = 1 if ONCE else 20) -> None:
         k, tau = TRUTH[arms]
         force = hold(seconds, np.array((K_INF, *k, *tau)))
         force = force + NOISE * GENERATOR.standard_normal(len(force))
-        best = solve([hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], arms).sse
+        best = solve([build_hold_block(seconds, force, depth=DEPTH, ramp_time=1.0)], arms).sse
 
         def residual(p: np.ndarray, force: np.ndarray = force) -> np.ndarray:
             return hold(seconds, p) - force
@@ -244,7 +248,7 @@ def doors() -> None:
     x = 1e3 * record.displacement
 
     def record_residual(p: np.ndarray) -> np.ndarray:
-        q, _ = arm_columns(since, x, p[3:], derivative=False)
+        q, _ = compute_arm_columns(since, x, p[3:], derivative=False)
         return p[0] * x + q @ p[1:3] - record.force
 
     theirs = rival(record_residual, 2, 3)

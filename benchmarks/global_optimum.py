@@ -16,7 +16,7 @@ import time
 
 import numpy as np
 
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import solve
 from dashpot.numerics.log_tau_descent import Stack, descend
 
@@ -66,7 +66,7 @@ def main(truths: int) -> None:
         arms = []
         for _ in range(truths):
             k, tau = truth(generator, wide=wide)
-            block = hold_block(TIME, record(generator, k, tau), depth=8e-3, ramp_time=1.0)
+            block = build_hold_block(TIME, record(generator, k, tau), depth=8e-3, ramp_time=1.0)
             sse = {}
             for name in excess:
                 start = time.thread_time()

@@ -34,7 +34,7 @@ import dashpot as dp
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.extensions.curves.relaxation_spectrum import dynamic_master_curve, master_curve
 from dashpot.extensions.paper.exponential_sum import exponential_sum
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import solve
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -119,7 +119,7 @@ def holds() -> Iterator[Row]:
     k, tau = engine.TRUTH[2]
     force = engine.hold(seconds, np.array((engine.K_INF, *k, *tau)))
     force = force + engine.NOISE * engine.GENERATOR.standard_normal(len(force))
-    block = hold_block(seconds, force, depth=engine.DEPTH, ramp_time=1.0)
+    block = build_hold_block(seconds, force, depth=engine.DEPTH, ramp_time=1.0)
     result, ours = spent(lambda: solve([block], 2), 51)
 
     def residual(p: np.ndarray) -> np.ndarray:

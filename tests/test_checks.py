@@ -71,7 +71,7 @@ from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.input_tests import EndStiffness
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit
-from dashpot.numerics.inference.correlated_noise import Noise, nearly_white, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise, nearly_white
 from dashpot.numerics.inference.model_order import (
     DECISIVE_BIC,
     OrderChoice,
@@ -2543,7 +2543,9 @@ def test_every_check_just_passes_and_just_fails_at_its_limit(case: Case) -> None
 
 def test_ramps_and_holds_share_more_decades_than_sweeps() -> None:
     def judge_overlap(decades: float) -> Check:
-        return checks.isotherms_overlap([decades, 2.0], [273.0, 283.0, 296.0], several.SHARED)
+        return checks.isotherms_overlap(
+            [decades, 2.0], [273.0, 283.0, 296.0], several.MIN_SHARED_DECADES
+        )
 
     assert not judge_overlap(1.501).failed
     assert judge_overlap(1.499).failed
@@ -2896,9 +2898,9 @@ def test_check_of_a_failed_search_fails_without_a_value() -> None:
 def test_where_the_peaks_agree_the_hammer_has_tested_the_extrapolation() -> None:
     lone = make_comparison(measured_hz=20.0)
     for check in (
-        comparison.inside_valid_band(lone, SEEN, borne_out=True),
-        comparison.damping_tested(lone, SEEN, borne_out=True),
-        comparison.operating_point(OperatingPoint(2e-3, 1e-3), borne_out=True),
+        comparison.inside_valid_band(lone, SEEN, is_confirmed=True),
+        comparison.damping_tested(lone, SEEN, is_confirmed=True),
+        comparison.operating_point(OperatingPoint(2e-3, 1e-3), is_confirmed=True),
     ):
         assert check.passed, check
         assert "bears" in check.message or "agrees" in check.message
@@ -2995,7 +2997,7 @@ def test_noise_is_nearly_white_where_three_neighbours_say_the_same(
 def test_kappa_is_the_closed_form_of_ar_1(tau: float) -> None:
     r""":math:`\kappa = 1 + 2\sum_l \phi^l = (1 + \phi)/(1 - \phi)`, :math:`\phi = e^{-1/\tau}`."""
     phi = np.exp(-1 / tau)
-    result = np.mean([noise_of(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
+    result = np.mean([estimate_noise(_ar_1(phi, 2**19, seed)).kappa for seed in range(4)])
     assert result == pytest.approx((1 + phi) / (1 - phi), rel=0.03)
 
 

@@ -24,11 +24,11 @@ from dashpot import workflow
 from dashpot.base.option_fields import (
     Driver,
     OverBase,
-    flag_of,
     get_choice_values,
+    get_option_flag,
+    get_option_key,
     is_path_field,
     iterate_option_fields,
-    key_of,
 )
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._param_types import Keyed, Scoped
@@ -117,7 +117,7 @@ def list_fields(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
 @pytest.mark.parametrize(
     ("command", "cls", "field"),
     [
-        pytest.param(command, cls, field, id=f"{command}{flag_of(field)}")
+        pytest.param(command, cls, field, id=f"{command}{get_option_flag(field)}")
         for command, instances in FACES.items()
         for cls, names in instances.items()
         for field in list_fields(cls, names)
@@ -126,13 +126,15 @@ def list_fields(cls: type, names: tuple[str, ...]) -> list[Field[Any]]:
 def test_an_input_is_an_option_of_its_commands(command: str, cls: type, field: Field[Any]) -> None:
     result = main.get_command(click.Context(main), command)
     assert result is not None
-    (requested,) = [parameter for parameter in result.params if flag_of(field) in parameter.opts]
+    (requested,) = [
+        parameter for parameter in result.params if get_option_flag(field) in parameter.opts
+    ]
     assert isinstance(requested, click.Option)
     how = field.metadata
     # a command may say of a shared input what it does with it
     assert requested.help
     if isinstance(requested.type, Keyed):
-        assert requested.type.fields[key_of(field)] == field
+        assert requested.type.fields[get_option_key(field)] == field
         return
     if isinstance(requested.type, Scoped):  # for all files, or for some
         return

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import dashpot as dp
 from dashpot.base.arrays import (
+    MAX_SAMPLES,
     MAX_SI_MAGNITUDE,
     MIN_SI_MAGNITUDE,
-    MOST_SAMPLES,
     compute_single_dft,
     frozen,
     interpolate_quantile,
@@ -56,8 +56,8 @@ def test_a_record_of_impossible_size_is_refused_where_it_is_made(name, scale):
 
 def test_samples_are_counted_and_bounded():
     assert sample_count(2.0, 100.4) == 201
-    assert sample_count(MOST_SAMPLES, 1.0) == MOST_SAMPLES
-    for duration, rate in ((MOST_SAMPLES, 1.001), (1e300, 1e300), (1.0, np.inf), (1.0, np.nan)):
+    assert sample_count(MAX_SAMPLES, 1.0) == MAX_SAMPLES
+    for duration, rate in ((MAX_SAMPLES, 1.001), (1e300, 1e300), (1.0, np.inf), (1.0, np.nan)):
         with pytest.raises(DataError, match="expected at most 2e\\+07"):
             sample_count(duration, rate)
 

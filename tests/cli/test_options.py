@@ -10,7 +10,12 @@ import pytest
 from click.testing import CliRunner
 from kit.shell import ran
 
-from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
+from dashpot.base.option_fields import (
+    get_option_flag,
+    get_option_key,
+    iterate_option_fields,
+    option,
+)
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._command import KEYED_OPTIONS, build_options, verb
 from dashpot.cli._failure import _classify_error
@@ -114,13 +119,13 @@ def test_commands_offer_every_field_of_their_nouns(command, nouns):
     assert result is not None
     for value in nouns:
         for field in iterate_option_fields(value):
-            assert f"{flag_of(field)} " in text
+            assert f"{get_option_flag(field)} " in text
             (requested,) = [
-                parameter for parameter in result.params if flag_of(field) in parameter.opts
+                parameter for parameter in result.params if get_option_flag(field) in parameter.opts
             ]
             if "under" in field.metadata:
                 assert isinstance(requested.type, Keyed)
-                assert requested.type.fields[key_of(field)] == field
+                assert requested.type.fields[get_option_key(field)] == field
 
 
 def test_a_rig_without_a_test_is_refused(tmp_path):

@@ -35,7 +35,7 @@ from dashpot.base.errors import ExportError
 from dashpot.datamodel.seal_line import Shear
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export import TARGETS
-from dashpot.export.seal_line_springs import LineStation, SpringRow, row_of
+from dashpot.export.seal_line_springs import LineStation, SpringRow, make_springs
 from dashpot.extensions.systems.door.seal_line import SealLine
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.elastic import ElasticLaw
@@ -405,4 +405,4 @@ def test_what_is_not_pressed_as_stated_is_the_secant_of_the_test():
         )
         for item in (law, None)
     )  # fmt: skip
-    assert row_of(bent, unstated).stations == row_of(straight, unstated).stations
+    assert make_springs(bent, unstated).stations == make_springs(straight, unstated).stations

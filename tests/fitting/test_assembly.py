@@ -21,9 +21,9 @@ from dashpot.fitting.fit_construction import (
     NO_EVIDENCE,
     SolidEstimate,
     build_fit,
+    collect_provenance,
     estimate_without_errors,
-    nuisances,
-    provenance_of,
+    list_nuisances,
 )
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.checks import force_relaxes
@@ -39,7 +39,7 @@ VALUES = {name: float(i) for i, name in enumerate(COLUMNS)}
 
 
 def make_nuisances(*names: str, **more: object) -> tuple[Nuisance, ...]:
-    return nuisances(names, VALUES.__getitem__, lambda name: 10 * VALUES[name], **more)  # type: ignore[arg-type]
+    return list_nuisances(names, VALUES.__getitem__, lambda name: 10 * VALUES[name], **more)  # type: ignore[arg-type]
 
 
 def test_nuisances_of_several_tests_are_named_by_their_number():
@@ -133,7 +133,7 @@ def test_a_fit_of_tests_names_the_deepest_piece():
         for depth, name in ((4e-3, "one"), (8e-3, "other"))
     )
     step = Step("fit")
-    provenance = provenance_of("hold", [shallow, deep], step)
+    provenance = collect_provenance("hold", [shallow, deep], step)
     assert (provenance.method, provenance.specimen.name) == ("hold", "other")
     assert provenance.steps == (*shallow.steps, *deep.steps, step)
 

@@ -17,7 +17,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting import admissible_spectra
 from dashpot.fitting.admissible_spectra import (
-    FAR,
+    MAX_RESIDUAL_RATIO,
     AdmissibleSpectra,
     compute_distance_range,
     compute_transmissibility_range,
@@ -149,9 +149,11 @@ def test_the_best_spectrum_is_no_worse_than_the_fit(
     """A ridge of .11 once put it at 876,906 where the fit left 162, and every limit with it."""
     data = build_relaxation_data(broad_test, broad_fit)
     assert 0.9 < (spectra.total + data.floor) / data.misfit < 1.001
-    spectra.validate_misfit((spectra.total + data.floor) / (0.99 * FAR), data.floor)
+    spectra.validate_misfit((spectra.total + data.floor) / (0.99 * MAX_RESIDUAL_RATIO), data.floor)
     with pytest.raises(FitError, match=r"leaves 2\.02 times what the fit does"):
-        spectra.validate_misfit((spectra.total + data.floor) / (1.01 * FAR), data.floor)
+        spectra.validate_misfit(
+            (spectra.total + data.floor) / (1.01 * MAX_RESIDUAL_RATIO), data.floor
+        )
 
 
 def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: AdmissibleSpectra) -> None:
@@ -202,7 +204,9 @@ def test_a_finer_grid_moves_no_limit(
         return np.array([result.limit_functional(v) for pair in at for v in pair])
 
     usual = limits()
-    monkeypatch.setattr(admissible_spectra, "PER_DECADE", 4 * admissible_spectra.PER_DECADE)
+    monkeypatch.setattr(
+        admissible_spectra, "POINTS_PER_DECADE", 4 * admissible_spectra.POINTS_PER_DECADE
+    )
     variant = np.abs(limits() - usual).max(axis=1)
     assert (variant < 0.05 * np.ptp(usual, axis=1) / 3.92).all()
 

@@ -29,7 +29,7 @@ from dashpot.fitting.relaxation_likelihood import (
     select_motion_samples,
 )
 from dashpot.numerics.design_matrices.displacement_correlation import upper_factor
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_recorded_block
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
@@ -480,7 +480,7 @@ def test_what_creeps_on_is_correlated_by_itself() -> None:
     t = np.arange(0, 8.0, 2e-3)
     x = 8e-3 * np.clip(t, 0, 1) + 1e-9 * (1 - np.exp(-np.maximum(t - 1, 0) / 0.1))
     weights = np.where(t < 1.2, 0.5, 1.0)
-    block = recorded_block(t, x, PAPER.force(t, x), weights=weights, tau_range=(1e-5, 500.0))
+    block = build_recorded_block(t, x, PAPER.force(t, x), weights=weights, tau_range=(1e-5, 500.0))
     log_tau = np.log(np.geomspace(2e-5, 400.0, 40))
     result, whole = block.evaluate(log_tau, False), block.exact.evaluate(log_tau, False)
     individual = np.concatenate((result.fixed, result.arms), axis=1)

@@ -388,12 +388,12 @@ def test_profile_and_covariance_agree_where_both_hold() -> None:
     seal = GeneralizedMaxwell(196.5, (50.0,), (3.0,))
     test = ideal(seal, noise=5e-3, seed=2)
     wald = fit(test, arms=1).intervals()
-    before = module.WALD_SUFFICES
+    before = module.MAX_WALD_SE
     try:
-        module.WALD_SUFFICES = 0.0
+        module.MAX_WALD_SE = 0.0
         profiled = fit(test, arms=1)
     finally:
-        module.WALD_SUFFICES = before
+        module.MAX_WALD_SE = before
     assert len(profiled.estimate.profiles) == 4
     bounds = profiled.intervals()
     np.testing.assert_allclose(bounds["tau"][0], wald["tau"][0], rtol=1e-3)

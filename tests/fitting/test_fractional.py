@@ -26,7 +26,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.plain_text import sentences
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual
 from dashpot.extensions.curves.dynamic.fit import fit_dynamic, make_frequency_block
-from dashpot.fitting.data_blocks import FitData, FitSetup, data_of
+from dashpot.fitting.data_blocks import FitData, FitSetup, build_fit_data
 from dashpot.fitting.fractional_model.family_selection import (
     ArmColumns,
     divergence_frequency,
@@ -34,7 +34,7 @@ from dashpot.fitting.fractional_model.family_selection import (
 from dashpot.fitting.fractional_model.family_selection import (
     fit_fractional as fit_fractional_model,
 )
-from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.frf_data import select_frf_data
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
     Constraints,
@@ -48,7 +48,7 @@ from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_recorded_block
 from dashpot.plot.picture import Tag
 from dashpot.preprocessing.prepare import prepare
 from dashpot.report.figures import lead
@@ -188,7 +188,7 @@ def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
     solid = dp.solids.FractionalZener(500.0, 200.0, 0.05, 0.5)
     t = np.concatenate((np.linspace(0, 1, 400), np.geomspace(1, 41, 600)[1:]))
     x = 8e-3 * np.clip(t, 0, 1)
-    in_time = recorded_block(t, x, solid.force(t, x))
+    in_time = build_recorded_block(t, x, solid.force(t, x))
     omega = 2 * np.pi * np.geomspace(0.01, 100, 60)
     swept = make_frequency_block(omega, solid.complex_stiffness(omega=omega))
     for blocks in ([in_time], [swept], [in_time, swept.scale_rows(1e-3)]):
@@ -199,7 +199,9 @@ def test_fractional_element_is_recovered_from_any_noise_free_test() -> None:
 
 def test_a_trial_is_differentiated() -> None:
     columns = ArmColumns(
-        data_of([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full")).weight_priors().rows
+        build_fit_data([press_seal(Seal.fractional(*TRUTHS[0]))], FitSetup("full"))
+        .weight_priors()
+        .rows
     )
     theta = np.array([np.log(0.07), 0.55])
     here = columns.problem.solve_linear(theta)
@@ -537,7 +539,7 @@ def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
     relaxation = build_relaxation_data(
         press_seal(Seal.fractional(*TRUTHS[0])), fit_fractional(TRUTHS[0])
     )
-    lines = frf_data_of(simulate_hammer_frf(), seals=2, band=None)
+    lines = select_frf_data(simulate_hammer_frf(), seals=2, band=None)
     priors = NuisancePriors(Prior(MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
     element = FractionalElement.from_relaxations([relaxation])
     problem = IdentificationProblem(
@@ -571,7 +573,7 @@ def coverage(seeds: int) -> dict[str, float]:
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
         test = press_seal(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)
-        result = fit_fractional_model(data_of([test], FitSetup("full")).weight_priors())
+        result = fit_fractional_model(build_fit_data([test], FitSetup("full")).weight_priors())
         parameter_estimate = ParameterEstimate(
             result.parameters, result.covariance, result.estimate.dof, Residual(1, 1.0, 1.0)
         )

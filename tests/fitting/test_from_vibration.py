@@ -323,21 +323,22 @@ def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, w
 
     @dataclass(frozen=True)
     class FakeProblem:
-        sought: object = None
+        parametrisation: object = None
 
     def make_descent(problem, start, **_):
-        number = problem.sought.number
-        sought = SimpleNamespace(is_complete=lambda model: True)
+        number = problem.parametrisation.number
+        parametrisation = SimpleNamespace(is_complete=lambda model: True)
         return SimpleNamespace(
-            problem=SimpleNamespace(sought=sought), point=SimpleNamespace(model=None), exact=False,
+            problem=SimpleNamespace(parametrisation=parametrisation),
+            point=SimpleNamespace(model=None), exact=False,
             cost=worse if number == 2 else 1.0, bic=0.0, number=number,
         )  # fmt: skip
 
     monkeypatch.setattr(identify_room, "Arms", lambda number: SimpleNamespace(number=number))
     monkeypatch.setattr(identify_room, "_linear", lambda problem, most: [])
-    monkeypatch.setattr(identify_room, "_spread", lambda problem, before: [None])
+    monkeypatch.setattr(identify_room, "_spread_arms", lambda problem, before: [None])
     monkeypatch.setattr(identify_room, "descend", make_descent)
     monkeypatch.setattr(FakeProblem, "pack", lambda self, start: start, raising=False)
     assert [
-        candidate.number for candidate in identify_room._candidates(FakeProblem(), [1, 2], None)
+        candidate.number for candidate in identify_room._fit_candidates(FakeProblem(), [1, 2], None)
     ] == result

@@ -17,11 +17,11 @@ from dashpot.datamodel.fit import Fit, get_error_label, get_hammer_stiffness_fac
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
-from dashpot.fitting.identification.fit_construction import _physical
-from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.fit_construction import _compute_physical_parameters
+from dashpot.fitting.identification.frf_data import select_frf_data
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
-    UNFELT,
+    MIN_COLUMN_SHARE,
     Candidate,
     Constraints,
     IdentificationProblem,
@@ -192,10 +192,10 @@ def test_the_jacobian_is_the_slope_of_the_residual(
     relaxation = build_relaxation_data(broad_test, broad_fit)
     problem = IdentificationProblem(
         (relaxation,),
-        frf_data_of(broad_frf, seals=2, band=None),
+        select_frf_data(broad_frf, seals=2, band=None),
         NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
         Constraints(static_stiffness=Prior(196.0, 1.0), natural_frequency=Prior(12.7, 0.1)),
-        sought=Arms(2),
+        parametrisation=Arms(2),
         dashpot=True,
     )
     solid = GeneralizedMaxwell(190.0, (30.0, 120.0), (0.01, 0.5), 0.3)
@@ -228,7 +228,7 @@ def test_the_slope_of_every_line_and_prior(
     lines = over_base if kind.over_base else broad_frf
     problem = IdentificationProblem(
         (),
-        frf_data_of(lines, seals=2, band=None, mass=BROAD_MASS),
+        select_frf_data(lines, seals=2, band=None, mass=BROAD_MASS),
         NuisancePriors(
             Prior(BROAD_MASS, 1e-3),
             Prior(1.0, 0.01),
@@ -249,7 +249,7 @@ def test_the_slope_of_every_line_and_prior(
 
 
 def test_errors_follow_arms_that_cross(broad_frf: FRF) -> None:
-    lines = frf_data_of(broad_frf, seals=2, band=None)
+    lines = select_frf_data(broad_frf, seals=2, band=None)
     problem = IdentificationProblem(
         (),
         lines,
@@ -258,16 +258,20 @@ def test_errors_follow_arms_that_cross(broad_frf: FRF) -> None:
     )
     message = []
     for order in ([0, 1, 2, 3, 4], [0, 2, 1, 4, 3]):
-        here = replace(problem, sought=Arms(2))
+        here = replace(problem, parametrisation=Arms(2))
         theta = np.log([190.0, 30.0, 120.0, 0.01, 0.5])[order]
         theta = np.concatenate((theta, [np.log(0.11), 0.0, 0.0]))
-        message.append(_physical(Candidate(here, here.build_problem(theta).solve_linear(theta))))
+        message.append(
+            _compute_physical_parameters(
+                Candidate(here, here.build_problem(theta).solve_linear(theta))
+            )
+        )
     for item, other in zip(*(item[1:] for item in message), strict=True):
         np.testing.assert_allclose(item, other, rtol=1e-9)
 
 
 def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
-    lines = frf_data_of(broad_frf, seals=2, band=None)
+    lines = select_frf_data(broad_frf, seals=2, band=None)
     priors = NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
     problem = IdentificationProblem((), lines, priors, Constraints(), Arms(1), dashpot=True)
     start = problem.pack(
@@ -289,7 +293,7 @@ def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
         return size[at] / size.max()
 
     # the column of ln b goes as b
-    last = 1e-9 * UNFELT / compute_sensitivity(1e-9)
+    last = 1e-9 * MIN_COLUMN_SHARE / compute_sensitivity(1e-9)
     errors = [error(b) for b in (1.0, 1.001 * last, 0.999 * last)]
     assert errors[0] > 0
     assert errors[1] > 0

@@ -17,16 +17,16 @@ from kit.slopes import hold_slopes
 from dashpot.base.errors import FitError
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nonlinear_ramp.checks import k_inf_plausible
-from dashpot.fitting.nonlinear_ramp.elastic_law import LADDER, RampLaw, select_elastic_law
+from dashpot.fitting.nonlinear_ramp.elastic_law import KNOT_LADDER, RampLaw, select_elastic_law
 from dashpot.fitting.nonlinear_ramp.fit_construction import build_ramp_fit, ramp_checks
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import build_nuisances
 from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit, assess_residuals
 from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     QuasiLinear,
     Weighted,
-    downsample,
-    hat_integrals,
-    ramp_obstacle,
+    downsample_tests,
+    explain_missing_ramp,
+    integrate_hats,
 )
 from dashpot.numerics.least_squares import require_optimum
 from dashpot.preprocessing.prepare import prepare
@@ -64,24 +64,24 @@ def test_hats_are_integrated_exactly() -> None:
     shape = shape / (np.trapezoid(shape, knots) / knots[-1])
     x = np.linspace(-0.1, 1.2, 200) * DEPTH
     law = ElasticLaw(tuple(knots), tuple(shape), 1.0)
-    np.testing.assert_allclose(hat_integrals(x, knots) @ shape, law.path(x), atol=1e-15)
+    np.testing.assert_allclose(integrate_hats(x, knots) @ shape, law.path(x), atol=1e-15)
 
 
 def test_downsample_counts_every_sample_once() -> None:
     test = qlv(cubic, Bench())
-    rows = downsample([test])
+    rows = downsample_tests([test])
     assert rows.count.sum() == len(test.time) - rows.priors[0].first_sample
     assert len(rows.time) < 600
     ramp = rows.count[rows.ramp]
     assert max(ramp[:20].max(), ramp[-20:].max(), rows.count[~rows.ramp][:10].max()) <= 2
     # a mean of neighbours is the curve at their mean time
     free = replace(test, force=cubic(test.displacement))
-    error = downsample([free]).force - cubic(rows.displacement)
+    error = downsample_tests([free]).force - cubic(rows.displacement)
     assert np.abs(error).max() < 1e-5 * 1.572
 
 
 def test_columns_are_the_force_of_the_linear_solid() -> None:
-    rows = downsample([qlv(linear, QUICK, seed=1)])
+    rows = downsample_tests([qlv(linear, QUICK, seed=1)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 5))
     columns = solid.columns(np.log(PAPER.tau)) @ np.ones(5)
     start = np.concatenate(([rows.time[0] - rows.step[0]], rows.time))
@@ -92,7 +92,7 @@ def test_columns_are_the_force_of_the_linear_solid() -> None:
 @pytest.mark.parametrize("separate", [False, True])
 @pytest.mark.parametrize("knots", [2, 4])
 def test_the_slope_is_the_derivative(knots: int, separate: bool) -> None:
-    rows = downsample([qlv(cubic, QUICK, seed=1), qlv(cubic, QUICK, depth=5e-3, seed=2)])
+    rows = downsample_tests([qlv(cubic, QUICK, seed=1), qlv(cubic, QUICK, depth=5e-3, seed=2)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, knots))
     weighted = Weighted(
         solid, np.full(len(rows.time), 4e-3), build_nuisances(rows), separate=separate
@@ -104,7 +104,7 @@ def test_the_slope_is_the_derivative(knots: int, separate: bool) -> None:
 
 
 def test_a_descent_leaves_less_than_noise() -> None:
-    rows = downsample([qlv(ramps.foam, QUICK, seed=1)])
+    rows = downsample_tests([qlv(ramps.foam, QUICK, seed=1)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 5))
     weighted = Weighted(solid, np.full(len(rows.time), 4e-3), build_nuisances(rows))
     descend = weighted.descend(solid.theta(np.log(PAPER.tau) + 0.5, np.ones(5)))
@@ -195,7 +195,7 @@ def test_select_elastic_law_uses_the_requested_law() -> None:
     assert choice.model.k_inf == pytest.approx(choice.hold.plateau[0], rel=0.01)
     assert choice.discrepancy[0] > 20
     choice = select_elastic_law([straight], law="nonlinear")
-    assert len(choice.law.knots) in {law.knots for law in LADDER}
+    assert len(choice.law.knots) in {law.knots for law in KNOT_LADDER}
     assert float(choice.law.tangent(4e-3)) == pytest.approx(196.5, rel=0.05)
     with pytest.raises(FitError, match="expected one of auto, linear, nonlinear"):
         select_elastic_law([bent], law="cubic")  # type: ignore[arg-type]
@@ -374,7 +374,7 @@ def test_select_elastic_law_refuses_a_record_without_a_single_ramp() -> None:
     back = replace(test, displacement=np.where(test.time > 20, 0.5, 1.0) * test.displacement)
     with pytest.raises(FitError, match="moves by 50 % of the depth after the first ramp"):
         select_elastic_law([back])
-    assert ramp_obstacle(test) is None
+    assert explain_missing_ramp(test) is None
 
 
 # -- look-alikes and real records -----------------------------------------------------------------

@@ -18,7 +18,7 @@ from dashpot.fitting.nuisance_priors import (
 )
 from dashpot.fitting.relaxation import fit
 from dashpot.numerics.design_matrices.block import design_block
-from dashpot.numerics.inference.correlated_noise import marginal
+from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
@@ -81,7 +81,7 @@ def test_nuisance_terms_as_parameters_or_as_noise_agree() -> None:
     both = np.concatenate((fixed, neighbour)), np.concatenate((target, expected.target))
     wanted, residual, *_ = np.linalg.lstsq(*both, rcond=None)
     doubts, mean = terms.build_prior_columns(fixed, names)
-    white = marginal(fixed[:, [3]], doubts / spread)
+    white = marginalise(fixed[:, [3]], doubts / spread)
     result, rest, *_ = np.linalg.lstsq(white(fixed[:, :1]), white(target - mean), rcond=None)
     assert result == pytest.approx(wanted[:1], rel=1e-12)
     assert rest == pytest.approx(residual, rel=1e-12)

@@ -12,7 +12,7 @@ from dashpot.base.errors import Status
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import (
-    ELEMENT,
+    ELEMENT_PARAMETERS,
     ParameterEstimate,
     Residual,
     parameter_names,
@@ -32,7 +32,7 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **inputs: object) -> Fit:
     """A fit of `solid` with equal relative errors of every parameter, or as said."""
     model = solid.maxwell
     if isinstance(solid, FractionalZener):
-        names, sizes = ELEMENT, relative * np.array([solid.k_inf, solid.k_0, 1.0, 1.0])
+        names, sizes = ELEMENT_PARAMETERS, relative * np.array([solid.k_inf, solid.k_0, 1.0, 1.0])
     else:
         names = parameter_names(model.arms)
         sizes = relative * np.array([model.k_inf, *model.k, *np.ones(model.arms)])

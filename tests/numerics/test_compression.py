@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.numerics.design_matrices.data_compression import compression, uniform_step
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.data_compression import plan_compression, uniform_step
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import solve
 
 DEPTH, RAMP = 8e-3, 1.0
@@ -68,7 +68,7 @@ def dense(time: np.ndarray, force: np.ndarray, sd: np.ndarray | float, start: np
 def test_compressed_optimum_is_the_full_optimum(grid: str, arms: int) -> None:
     time = GRIDS[grid]
     force = noisy(time, arms)
-    block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP)
+    block = build_hold_block(time, force, depth=DEPTH, ramp_time=RAMP)
     assert len(block.target) < 300
     solution = solve([block], arms)
     assert solution.converged
@@ -85,7 +85,7 @@ def test_compressed_optimum_is_the_full_optimum(grid: str, arms: int) -> None:
 def test_the_optimum_is_scipys_on_every_sample(arms: int) -> None:
     time = GRIDS["uniform"][::4]
     force = noisy(time, arms)
-    solution = solve([hold_block(time, force, depth=DEPTH, ramp_time=RAMP)], arms)
+    solution = solve([build_hold_block(time, force, depth=DEPTH, ramp_time=RAMP)], arms)
     k, tau = ARMS[arms]
     x, sse = dense(time, force, 1.0, np.concatenate(([196.5], k, np.log(tau))))
     assert solution.sse == pytest.approx(sse, rel=1e-10)
@@ -98,7 +98,7 @@ def test_weighted_record() -> None:
     time = GRIDS["uniform"]
     sd = 0.002 * (1 + 4 * np.exp(-time / 3))
     force = noisy(time, 2, sd)
-    block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP, weights=1 / sd)
+    block = build_hold_block(time, force, depth=DEPTH, ramp_time=RAMP, weights=1 / sd)
     solution = solve([block], 2)
     full = solve([block.exact], 2, log_tau_start=solution.log_tau)
     assert len(block.target) < 300
@@ -116,7 +116,7 @@ def test_ramp_and_hold(grid: str) -> None:
     shape = (tau * -np.expm1(-rising / tau) * np.exp(-falling / tau)) @ k
     clean = DEPTH / RAMP * (196.5 * rising[:, 0] + shape)
     force = clean + 0.3 + 0.01 * GENERATOR.standard_normal(len(time))
-    block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP, ramp=True, offset="offset")
+    block = build_hold_block(time, force, depth=DEPTH, ramp_time=RAMP, ramp=True, offset="offset")
     solution = solve([block], 2)
     full = solve([block.exact], 2, log_tau_start=solution.log_tau)
     assert len(block.target) < 400
@@ -130,7 +130,7 @@ def test_ramp_and_hold(grid: str) -> None:
 @settings(max_examples=40, deadline=None)
 def test_inner_products_of_any_decay_survive(log_tau: float, grid: str) -> None:
     time = GRIDS[grid] - GRIDS[grid][0]
-    plan = compression(time)
+    plan = plan_compression(time)
     tau = np.exp(log_tau)
     values = np.exp(-time / tau)
     z, floor = plan.project(values)
@@ -150,7 +150,7 @@ def test_inner_products_of_any_decay_survive(log_tau: float, grid: str) -> None:
 @settings(max_examples=20, deadline=None)
 def test_projection_is_orthogonal(seed: int) -> None:
     values = np.random.default_rng(seed).standard_normal((2, 5000))
-    z, floor = compression(np.arange(5000.0)).project(values)
+    z, floor = plan_compression(np.arange(5000.0)).project(values)
     np.testing.assert_allclose((z * z).sum(axis=1) + floor, (values * values).sum(axis=1))
 
 
@@ -159,7 +159,7 @@ def test_projection_is_orthogonal(seed: int) -> None:
 def test_the_floor_is_what_the_nodes_leave_however_small(count: int, sd: float) -> None:
     time = np.arange(count) / 100
     noise = sd * GENERATOR.standard_normal((2, count))
-    plan = compression(time)
+    plan = plan_compression(time)
     assert plan.samples == count
     z, floor = plan.project(50 + 3 * np.exp(-time / 2) + noise)
     # the decay and the constant live at the nodes: only noise is set aside
@@ -172,12 +172,12 @@ def test_the_floor_is_what_the_nodes_leave_however_small(count: int, sd: float) 
 
 def test_small_records_stay_raw() -> None:
     time = np.arange(200) / 10
-    plan = compression(time)
+    plan = plan_compression(time)
     values = GENERATOR.standard_normal(200)
     z, floor = plan.project(values)
     np.testing.assert_array_equal(z, values)
     assert floor == 0
-    block = hold_block(time, values)
+    block = build_hold_block(time, values)
     assert block.exact is block
 
 
@@ -200,15 +200,17 @@ BadCall = Callable[[], object]
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: hold_block(np.array([0.0, 1, 1, 2]), np.zeros(4)), "strictly increasing"),
-        (lambda: hold_block(np.array([-1.0, 0, 1]), np.zeros(3)), "from 0 on"),
-        (lambda: hold_block(np.arange(4.0), np.zeros(3)), "time has"),
+        (lambda: build_hold_block(np.array([0.0, 1, 1, 2]), np.zeros(4)), "strictly increasing"),
+        (lambda: build_hold_block(np.array([-1.0, 0, 1]), np.zeros(3)), "from 0 on"),
+        (lambda: build_hold_block(np.arange(4.0), np.zeros(3)), "time has"),
         (
-            lambda: hold_block(np.arange(4.0), np.zeros(4), weights=np.array([1.0, 0, 1, 1])),
+            lambda: build_hold_block(np.arange(4.0), np.zeros(4), weights=np.array([1.0, 0, 1, 1])),
             "must be > 0",
         ),
         (
-            lambda: hold_block(np.arange(4.0), np.zeros(4), depth=1.0, ramp_time=9.0, ramp=True),
+            lambda: build_hold_block(
+                np.arange(4.0), np.zeros(4), depth=1.0, ramp_time=9.0, ramp=True
+            ),
             "some on the ramp and some on the hold",
         ),
     ],

@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import solve
 from dashpot.numerics.inference.profile_likelihood import (
     BatchedDescent,
     Coordinate,
     ProfileTarget,
     SolvedTrials,
-    profiles,
+    compute_profiles,
 )
 from dashpot.numerics.least_squares import (
     Objective,
     Parameter,
     Problem,
     Rows,
-    _trial,
+    _compute_trial,
     descend,
     require_optimum,
 )
@@ -43,7 +43,7 @@ def trials_needed(descents: BatchedDescent) -> np.ndarray:
     """Trials that each descent takes to its end."""
     on, needed = np.arange(len(SHARES)), np.zeros(len(SHARES), int)
     while on.size:
-        trial = descents.here[on] + descents.move[on]
+        trial = descents.positions[on] + descents.steps[on]
         done = descents.take(trial, parabola(trial, SHARES[on]), on)
         needed[on] += 1
         on = on[~done]
@@ -62,22 +62,22 @@ def test_a_curvature_that_the_residual_all_but_cancels_is_not_believed(
     share: float, believed: bool
 ) -> None:
     descents = BatchedDescent(np.array([[0.01, 0.0]]), 1, np.array([1e-9]))
-    here, on = descents.here.copy(), np.array([0])
+    here, on = descents.positions.copy(), np.array([0])
     descents.take(here, parabola(here, np.array([share])), on)
     newton, gauss = np.array([-0.01, 0.0]), (1.0 + share) * np.array([-0.01, 0.0])
-    assert descents.move[0] == pytest.approx(newton if believed else gauss, rel=1e-4, abs=1e-8)
+    assert descents.steps[0] == pytest.approx(newton if believed else gauss, rel=1e-4, abs=1e-8)
 
 
 def test_after_a_move_that_failed_the_next_goes_a_quarter_as_far() -> None:
     descents = BatchedDescent(np.array([[1.2, 0.0]]), 1, np.array([1e-9]))
-    here, on = descents.here.copy(), np.array([0])
+    here, on = descents.positions.copy(), np.array([0])
     descents.take(here, parabola(here, SHARES[2:3]), on)
-    went = float(np.abs(descents.move).max())
+    went = float(np.abs(descents.steps).max())
     assert went == pytest.approx(1.2, rel=1e-4)
     worse = parabola(np.array([[3.0, 0.0]]), SHARES[2:3])
-    descents.take(here + descents.move, worse, on)
-    assert float(np.abs(descents.move).max()) == pytest.approx(0.25 * went)
-    assert np.all(descents.here == here)
+    descents.take(here + descents.steps, worse, on)
+    assert float(np.abs(descents.steps).max()) == pytest.approx(0.25 * went)
+    assert np.all(descents.positions == here)
 
 
 @pytest.mark.parametrize(
@@ -89,11 +89,11 @@ def test_profile_with_too_few_arms_equals_brute_force_refit(
 ) -> None:
     time = np.linspace(0.0, 10.0, 400)
     values = 1.0 + 0.8 * np.exp(-time / 0.3) + 0.5 * np.exp(-time / 4.0)
-    block = hold_block(time, values)
+    block = build_hold_block(time, values)
     solution = solve([block], 1)
     scale = solution.sse / 8.0
     profile_target = ProfileTarget(coordinate, index, step=0.02, scale=scale)
-    ((value, deviance),) = profiles(Stack([block]), solution, [profile_target], limit=20.0)
+    ((value, deviance),) = compute_profiles(Stack([block]), solution, [profile_target], limit=20.0)
     c, k, ln_tau = *solution.beta, solution.log_tau[0]
 
     def compute_refit_cost(at: float) -> float:
@@ -125,7 +125,7 @@ def test_the_steps_of_a_parameter_that_has_faded_are_damped_as_if_it_carried_a_l
         curvature = np.diag([1.0, carried])
 
     wide = [-10.0, -10.0], [10.0, 10.0]
-    step = _trial(Point(), None, 10.0, wide)
+    step = _compute_trial(Point(), None, 10.0, wide)
     assert step[1] == pytest.approx(-1e-12 / (carried + 10.0 * sensed), rel=1e-9)
 
 

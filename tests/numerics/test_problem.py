@@ -19,7 +19,7 @@ from dashpot.numerics.least_squares import (
     Parameter,
     Problem,
     Rows,
-    _foretold,
+    _is_predicted,
     require_optimum,
     stack_real_rows,
 )
@@ -149,8 +149,8 @@ def test_hessian_correction_is_reused_if_it_predicts_the_fall(
     fall = -float(step @ (2 * gradient + (curvature + lacking) @ step))
     old = SimpleNamespace(sse=10.0, gradient=gradient, curvature=curvature)
     new = SimpleNamespace(sse=10.0 - fall * (1 + sign * off))
-    assert _foretold(lacking, old, new, step) is retained
-    assert _foretold(None, old, new, step)
+    assert _is_predicted(lacking, old, new, step) is retained
+    assert _is_predicted(None, old, new, step)
 
 
 def test_where_a_model_says_nothing_no_descent_begins_and_none_ends() -> None:
@@ -427,7 +427,7 @@ def test_the_score_prefers_what_is_there(sd: float) -> None:
         y = 2 + np.exp(-TIME / 0.3) + (truth == 2) * np.exp(-TIME / 4)
         y = y + sd * np.random.default_rng(14).standard_normal(len(y))
         armss = [arms(n, y) for n in (1, 2, 3)]
-        scores = [score(item, len(y), rounding_sse=100 * item.nothing) for item in armss]
+        scores = [score(item, len(y), rounding_sse=100 * item.rounding_sse) for item in armss]
         assert int(np.argmin(scores)) + 1 == truth
 
 

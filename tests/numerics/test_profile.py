@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import Solution, solve
-from dashpot.numerics.inference.profile_likelihood import Coordinate, ProfileTarget, profiles
+from dashpot.numerics.inference.profile_likelihood import (
+    Coordinate,
+    ProfileTarget,
+    compute_profiles,
+)
 from dashpot.numerics.log_tau_descent import Stack
 
 TIME = np.linspace(0.0, 10.0, 400)
@@ -21,7 +25,7 @@ def problem() -> tuple[Stack, Solution, np.ndarray]:
     random = np.random.default_rng(4)
     values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 9.0)
     values = values + NOISE * random.standard_normal(len(TIME))
-    block = hold_block(TIME, values)
+    block = build_hold_block(TIME, values)
     return Stack([block]), solve([block], 2), values
 
 
@@ -72,7 +76,7 @@ def test_profile_is_the_brute_force_refit(
 ) -> None:
     stack, optimum, values = problem
     profile_target = ProfileTarget(coordinate, index, step=step, scale=NOISE**2)
-    ((value, deviance),) = profiles(stack, optimum, [profile_target], limit=11.0)
+    ((value, deviance),) = compute_profiles(stack, optimum, [profile_target], limit=11.0)
     assert np.all(np.diff(value) > 0)
     best = int(np.argmin(deviance))
     assert deviance[best] == 0.0
@@ -89,7 +93,7 @@ def test_a_side_the_data_leave_open_ends_at_the_window(
 ) -> None:
     stack, optimum, _ = problem
     profile_target = ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
-    ((value, deviance),) = profiles(stack, optimum, [profile_target], limit=11.0)
+    ((value, deviance),) = compute_profiles(stack, optimum, [profile_target], limit=11.0)
     assert deviance.max() < 11.0
     assert (value[0], value[-1]) == pytest.approx(stack.bounds)
 
@@ -107,7 +111,7 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
         ProfileTarget(Coordinate.LOG_TAU, 1, step=0.1, scale=NOISE**2, relative_gain=noise)
         for noise in (None, relative_gain)
     ]
-    plain, met = profiles(stack, optimum, profile_targets, limit=11.0)
+    plain, met = compute_profiles(stack, optimum, profile_targets, limit=11.0)
     best = float(optimum.log_tau[1])
     for value, deviance in zip(*met, strict=True):
         quiet = float(np.interp(value, *plain))
@@ -127,7 +131,7 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
     """Of two arms fitted to one, the spare one has no ends, nor the plateau a lower one."""
     noise = NOISE * np.random.default_rng(seed).standard_normal(len(TIME))
     values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + noise
-    block = hold_block(TIME, values)
+    block = build_hold_block(TIME, values)
     solution = solve([block], 2)
     assert solution.order == 2
     arm = int(np.argmin(solution.arms[0]))
@@ -136,7 +140,7 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
         ProfileTarget(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates
     ]
     profile_targets.append(ProfileTarget(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
-    plateau, *individual = profiles(Stack([block]), solution, profile_targets, limit=11.0)
+    plateau, *individual = compute_profiles(Stack([block]), solution, profile_targets, limit=11.0)
     without = (solve([block], 1).sse - solution.sse) / NOISE**2
     assert without < 2.0
     for value, deviance in individual:
@@ -160,11 +164,13 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
 def test_an_arm_that_is_needed_has_ends_though_another_is_spare() -> None:
     """A spare arm does not take the place of a slow one whose tau is known to a fifth."""
     noise = NOISE * np.random.default_rng(3).standard_normal(len(TIME))
-    block = hold_block(TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 4.0) + noise)
+    block = build_hold_block(
+        TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 4.0) + noise
+    )
     solution = solve([block], 3)
     assert solution.order == 3
     slow = int(np.argmin(np.abs(solution.log_tau - np.log(4.0))))
     profile_target = ProfileTarget(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
-    ((value, deviance),) = profiles(Stack([block]), solution, [profile_target], limit=11.0)
+    ((value, deviance),) = compute_profiles(Stack([block]), solution, [profile_target], limit=11.0)
     assert deviance[0] > 11.0
     assert value[0] > 0.05

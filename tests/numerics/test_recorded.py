@@ -15,7 +15,10 @@ from dashpot.numerics.design_matrices.displacement_correlation import (
     correlate_displacement,
     upper_factor,
 )
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import (
+    build_recorded_block,
+    compute_arm_columns,
+)
 from dashpot.numerics.exponential_fit import Solution, certificate, solve, solve_orders
 from dashpot.solids.maxwell import arm_response
 
@@ -63,7 +66,7 @@ def test_columns_are_boltzmann_superposition() -> None:
     time = np.cumsum(GENERATOR.uniform(0.01, 0.2, 60))
     x = np.concatenate(([0.0], GENERATOR.standard_normal(59)))
     tau = np.array([0.05, 1.3])
-    q, p = arm_columns(time, x, tau)
+    q, p = compute_arm_columns(time, x, tau)
     direct = np.zeros_like(q)
     for i in range(1, len(time)):
         start, stop, slope = time[i - 1], time[i], (x[i] - x[i - 1]) / (time[i] - time[i - 1])
@@ -74,7 +77,7 @@ def test_columns_are_boltzmann_superposition() -> None:
             )
     np.testing.assert_allclose(q, direct, atol=1e-12)
     h = 1e-6
-    ahead, behind = (arm_columns(time, x, tau * np.exp(d))[0] for d in (h, -h))
+    ahead, behind = (compute_arm_columns(time, x, tau * np.exp(d))[0] for d in (h, -h))
     np.testing.assert_allclose(p, (ahead - behind) / (2 * h), atol=1e-8)
 
 
@@ -83,11 +86,11 @@ def test_uniform_recursion_equals_the_general_recursion(count: int) -> None:
     time = np.arange(count) / 10
     x = np.random.default_rng(count).standard_normal(count)
     every = np.array([0.03, 2.0, 500.0])
-    q, p = arm_columns(time, x, every)
+    q, p = compute_arm_columns(time, x, every)
     for column, tau in zip(q.T, every, strict=True):
         np.testing.assert_allclose(column, arm_response(time, x, tau), atol=1e-13 * count)
     h = 1e-5
-    ahead, behind = (arm_columns(time, x, every * np.exp(d))[0] for d in (h, -h))
+    ahead, behind = (compute_arm_columns(time, x, every * np.exp(d))[0] for d in (h, -h))
     np.testing.assert_allclose(p, (ahead - behind) / (2 * h), atol=1e-8)
 
 
@@ -102,7 +105,7 @@ def test_gram_matrix_is_that_of_every_sample(
     log_tau: list[float], start: int, stop: int, history: str
 ) -> None:
     x = HISTORIES[history]
-    block = recorded_block(
+    block = build_recorded_block(
         TIME, x, force_of(x, 2), window=slice(start, stop), offset="offset", drift="drift"
     )
     assert block.rotated_basis
@@ -130,7 +133,9 @@ def test_the_column_of_a_late_force_is_that_of_every_sample(
     history: str, window: tuple[int, int]
 ) -> None:
     x, here = HISTORIES[history], slice(*window)
-    block = recorded_block(TIME, x, force_of(x, 2), window=here, offset="offset", drift="drift")
+    block = build_recorded_block(
+        TIME, x, force_of(x, 2), window=here, offset="offset", drift="drift"
+    )
     tau = np.array([0.004, 0.5, 200.0])
     arms = block.exact.evaluate(np.log(tau)).arms
     late = DelayedForce.from_arms(
@@ -153,7 +158,7 @@ def test_the_column_of_a_late_force_is_that_of_every_sample(
 @pytest.mark.parametrize("arms", [1, 2, 3, 4])
 def test_correlated_optimum_is_the_full_optimum(history: str, arms: int) -> None:
     x = HISTORIES[history]
-    block = recorded_block(TIME, x, force_of(x, arms), offset="offset")
+    block = build_recorded_block(TIME, x, force_of(x, arms), offset="offset")
     solution = solve([block], arms)
     assert solution.converged
     same(solution, solve([block.exact], arms, log_tau_start=solution.log_tau))
@@ -162,7 +167,7 @@ def test_correlated_optimum_is_the_full_optimum(history: str, arms: int) -> None
 def test_hold_only_window_with_drift() -> None:
     x = HISTORIES["ramp and hold"]
     force = force_of(x, 2) + 0.02 * TIME
-    block = recorded_block(TIME, x, force, window=slice(160, None), drift="drift")
+    block = build_recorded_block(TIME, x, force, window=slice(160, None), drift="drift")
     solution = solve([block], 2)
     same(solution, solve([block.exact], 2, log_tau_start=solution.log_tau))
     assert solution.coefficient("drift") == pytest.approx(0.02, rel=0.05)
@@ -186,7 +191,7 @@ def test_the_optimum_is_scipys_with_lfilter() -> None:
 
     start = [196.5, 117.5, 17.8, np.log(0.5), np.log(16)]
     dense = least_squares(residual, start, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    solution = solve([recorded_block(TIME, x, force)], 2)
+    solution = solve([build_recorded_block(TIME, x, force)], 2)
     assert solution.sse == pytest.approx(2 * dense.cost, rel=1e-9)
     np.testing.assert_allclose(solution.log_tau, dense.x[3:], atol=1e-5)
 
@@ -198,7 +203,7 @@ def test_any_grid_and_weights_take_the_recursion() -> None:
     time, x = TIME[keep], HISTORIES["steps and chirp"][keep]
     sd = np.where(time < 10, 2e-3, 2e-2)
     force = force_of(x, 2, sd=0.0, time=time) + sd * rng.standard_normal(len(time))
-    block = recorded_block(time, x, force, weights=1 / sd)
+    block = build_recorded_block(time, x, force, weights=1 / sd)
     assert block.exact is block
     solution = solve([block], 2)
     assert solution.converged
@@ -221,7 +226,9 @@ def make_jittered_record(count: int, history: str) -> tuple[np.ndarray, np.ndarr
 def test_reduced_optimum_is_the_full_optimum(history: str, arms: int) -> None:
     time, x, weights = make_jittered_record(5000, history)
     force = force_of(x, arms, sd=0.0, time=time) + GENERATOR.standard_normal(5000) / weights
-    block = recorded_block(time, x, force, offset="offset", weights=weights, window=slice(40, 4900))
+    block = build_recorded_block(
+        time, x, force, offset="offset", weights=weights, window=slice(40, 4900)
+    )
     assert len(block.evaluate(np.zeros(1)).target) < 120
     assert block.samples == block.exact.samples == 4860
     solution = solve([block], arms)
@@ -240,7 +247,7 @@ def test_weights_that_end_in_ones_leave_the_rest_correlated(
     force = force_of(x, 2)
     weights = np.where(np.arange(6001) < doubtful, 0.3 + 0.7 * TIME / TIME[-1], 1.0)
     here, bump = slice(40, None), np.sin(TIME)
-    block = recorded_block(
+    block = build_recorded_block(
         TIME, x, force, window=here, offset="offset", weights=weights, columns={"bump": bump}
     )
     assert block.rotated_basis == correlated
@@ -249,7 +256,7 @@ def test_weights_that_end_in_ones_leave_the_rest_correlated(
     solution = solve([block], 2)
     same(solution, solve([block.exact], 2, log_tau_start=solution.log_tau))
     assert solution.fixed_names == ("k_inf", "offset", "bump")
-    bare = recorded_block(TIME, x, force, window=here, offset="offset", weights=weights)
+    bare = build_recorded_block(TIME, x, force, window=here, offset="offset", weights=weights)
     wider = solve([bare.with_column("bump", (weights * bump)[here])], 2)
     same(wider, solution)
 
@@ -261,7 +268,9 @@ def test_recorded_block_retains_a_few_doubtful_samples(count: int) -> None:
     sample = np.arange(6001)
     weights = np.where(sample < 40 + count, 0.2, 1.0)
     bump = {"bump": 1.0 * (sample % 7 == 5)}
-    block = recorded_block(TIME, x, force_of(x, 2), window=here, weights=weights, columns=bump)
+    block = build_recorded_block(
+        TIME, x, force_of(x, 2), window=here, weights=weights, columns=bump
+    )
     solution = solve([block], 2)
     same(solution, solve([block.exact], 2, log_tau_start=solution.log_tau))
 
@@ -270,16 +279,16 @@ def test_weights_before_the_window_do_not_matter() -> None:
     x = HISTORIES["ramp and hold"]
     force, weights = force_of(x, 2), np.where(np.arange(6001) < 40, 0.1, 1.0)
     here = slice(40, None)
-    weighted = recorded_block(TIME, x, force, window=here, weights=weights)
-    same(solve([weighted], 2), solve([recorded_block(TIME, x, force, window=here)], 2))
+    weighted = build_recorded_block(TIME, x, force, window=here, weights=weights)
+    same(solve([weighted], 2), solve([build_recorded_block(TIME, x, force, window=here)], 2))
 
 
 def test_arms_far_slower_than_the_window_are_reduced() -> None:
     x = HISTORIES["ramp and hold"]
     force = force_of(x, 2)
-    low, high = recorded_block(TIME, x, force).window
+    low, high = build_recorded_block(TIME, x, force).window
     data_blocks = [
-        recorded_block(TIME, x, force, tau_range=(low, n * high)) for n in (10.0, 10.001)
+        build_recorded_block(TIME, x, force, tau_range=(low, n * high)) for n in (10.0, 10.001)
     ]
     assert [block.rotated_basis for block in data_blocks] == [True, False]
     same(solve(data_blocks[:1], 2), solve(data_blocks[1:], 2))
@@ -289,7 +298,7 @@ def test_arms_far_slower_than_the_window_are_reduced() -> None:
 @settings(max_examples=15, deadline=None)
 def test_reduced_columns_are_those_of_every_sample(log_tau: list[float]) -> None:
     time, x, weights = make_jittered_record(3000, "steps and chirp")
-    block = recorded_block(time, x, force_of(x, 2, time=time), weights=weights)
+    block = build_recorded_block(time, x, force_of(x, 2, time=time), weights=weights)
 
     def gram(rows: Evaluation, floor: float) -> np.ndarray:
         every = np.column_stack((rows.fixed, rows.arms, rows.d_arms, rows.target))
@@ -306,7 +315,7 @@ def test_reduced_columns_are_those_of_every_sample(log_tau: list[float]) -> None
 
 def test_a_record_that_starts_loaded_is_reduced_too() -> None:
     x = HISTORIES["steps and chirp"] + 1e-3
-    block = recorded_block(TIME, x, force_of(x, 2))
+    block = build_recorded_block(TIME, x, force_of(x, 2))
     assert not block.rotated_basis
     orders = solve_orders([block], 2)
     np.testing.assert_allclose(orders[2].tau, [0.5021, 16.416], rtol=0.1)
@@ -316,7 +325,7 @@ def test_a_record_that_starts_loaded_is_reduced_too() -> None:
 
 def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:
     x = HISTORIES["ramp and hold"]
-    solution = solve([recorded_block(TIME, x, force_of(x, 2, sd=0.0))], 4)
+    solution = solve([build_recorded_block(TIME, x, force_of(x, 2, sd=0.0))], 4)
     assert solution.order == 2
     np.testing.assert_allclose(solution.tau, [0.5021, 16.416], rtol=1e-9)
     np.testing.assert_allclose(solution.arms, [[117.5, 17.8]], rtol=1e-9)
@@ -325,7 +334,7 @@ def test_exact_data_come_back_to_ten_digits_and_no_further_arm() -> None:
 
 def test_orders_and_certificate_work_in_turning_coordinates() -> None:
     x = HISTORIES["steps and chirp"]
-    block = recorded_block(TIME, x, force_of(x, 3), offset="offset")
+    block = build_recorded_block(TIME, x, force_of(x, 3), offset="offset")
     orders = solve_orders([block], 4)
     assert [order.order for order in orders][:4] == [0, 1, 2, 3]
     for order in orders[1:4]:
@@ -338,11 +347,11 @@ def test_orders_and_certificate_work_in_turning_coordinates() -> None:
 def test_refusals_say_what_was_expected() -> None:
     x = HISTORIES["ramp and hold"]
     with pytest.raises(DataError, match="expected the same number"):
-        recorded_block(TIME, x, x[:-1])
+        build_recorded_block(TIME, x, x[:-1])
     with pytest.raises(DataError, match="at least 3 neighbouring samples"):
-        recorded_block(TIME, x, x, window=slice(0, 2))
+        build_recorded_block(TIME, x, x, window=slice(0, 2))
     with pytest.raises(DataError, match="neighbouring"):
-        recorded_block(TIME, x, x, window=slice(0, 100, 2))
+        build_recorded_block(TIME, x, x, window=slice(0, 100, 2))
 
 
 @pytest.mark.parametrize("derivative", [False, True])
@@ -351,7 +360,7 @@ def test_what_the_correlations_lose_to_rounding_comes_from_every_sample(
 ) -> None:
     """Of a hundred arms the least sums may lose more than a factor bears."""
     x = HISTORIES["ramp and hold"]
-    block = recorded_block(TIME, x, force_of(x, 2), window=slice(1200, 6001), offset="offset")
+    block = build_recorded_block(TIME, x, force_of(x, 2), window=slice(1200, 6001), offset="offset")
     at = np.log(np.geomspace(1.0, 100.0, 4))
     closed = block.evaluate(at, derivative)
 

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError
 from dashpot.extensions.curves.dynamic.fit import make_frequency_block
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
-from dashpot.numerics.exponential_fit import certificate, full_jacobian, solve, solve_orders
-from dashpot.numerics.log_tau_descent import Stack, descend, point_at
-from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
+from dashpot.numerics.exponential_fit import certificate, compute_full_jacobian, solve, solve_orders
+from dashpot.numerics.log_tau_descent import Stack, descend, solve_at
+from dashpot.numerics.nonnegative_least_squares import nonnegative_columns, solve_nonnegative
 
 TIME = np.arange(4001) / 100
 
@@ -32,7 +32,7 @@ def noise(seed: int, sd: float = 1e-2) -> np.ndarray:
 def two_depths() -> list[DataBlock]:
     """Two tests that share relaxation times and a drift, with stiffnesses of their own."""
     blocks = [
-        hold_block(
+        build_hold_block(
             TIME,
             scale * decay([0.5, 9.0], [2.0, share]) + noise(i) + 1e-3 * TIME,
             depth=1.0,
@@ -58,7 +58,7 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
         target, phi = rows.target, rows.phi
         return target - phi @ np.linalg.lstsq(phi, target, rcond=None)[0]
 
-    point = point_at(stack, theta)
+    point = solve_at(stack, theta)
     h = 1e-5
     jacobian = np.column_stack(
         [
@@ -72,7 +72,7 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
     scale = np.abs(point.curvature).max()
     np.testing.assert_allclose(point.curvature, jacobian.T @ jacobian, rtol=1e-4, atol=1e-6 * scale)
     step = 1e-6 * np.arange(1, len(theta) + 1)
-    variant = point_at(stack, theta + step)
+    variant = solve_at(stack, theta + step)
     np.testing.assert_allclose(point.ahead(step).beta, variant.beta, rtol=1e-7, atol=1e-8)
     # and not by chance: the step is seen
     if len(theta) == 1:
@@ -82,7 +82,7 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
 def test_full_jacobian_is_the_derivative_of_the_model() -> None:
     blocks = two_depths()
     solution = solve(blocks, 2)
-    jacobian = full_jacobian(blocks, solution)
+    jacobian = compute_full_jacobian(blocks, solution)
     assert jacobian.names == (
         "k_inf@0", "drift", "k_inf@1",
         "k_1@0", "k_2@0", "k_1@1", "k_2@1",
@@ -126,20 +126,20 @@ def test_stacked_optimum_is_scipys() -> None:
 def test_no_junk_arm_on_clean_data() -> None:
     clean = decay([3.0], [2.0])
     for arms in (1, 2, 3):
-        solution = solve([hold_block(TIME, clean)], arms)
+        solution = solve([build_hold_block(TIME, clean)], arms)
         assert solution.order == 1
         assert solution.requested == arms
         assert solution.converged
         np.testing.assert_allclose(solution.tau, [3.0], rtol=1e-10)
         np.testing.assert_allclose(solution.arms, [[2.0]], rtol=1e-10)
-    orders = solve_orders([hold_block(TIME, clean)], 4)
+    orders = solve_orders([build_hold_block(TIME, clean)], 4)
     assert [order.order for order in orders] == [0, 1]
 
 
 @pytest.mark.parametrize("tau", [2e-3, 3000.0])
 def test_an_arm_outside_the_window_is_never_called_converged(tau: float) -> None:
     data = decay([3.0, tau], [2.0, 1.5]) + noise(1, 1e-3)
-    solution = solve([hold_block(TIME, data)], 2)
+    solution = solve([build_hold_block(TIME, data)], 2)
     low, high = np.exp(solution.bounds)
     assert solution.order < 2 or not solution.converged or (low < solution.tau).all()
     assert (solution.tau >= low).all()
@@ -148,19 +148,19 @@ def test_an_arm_outside_the_window_is_never_called_converged(tau: float) -> None
 
 
 def test_rising_data_have_no_positive_arm() -> None:
-    solution = solve([hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 2)
+    solution = solve([build_hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 2)
     assert solution.order == 0
     assert solution.sse > 0
-    signed = solve([hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 1, signed=True)
+    signed = solve([build_hold_block(TIME, 5 - np.exp(-TIME / 3) + noise(2))], 1, signed=True)
     assert signed.arms[0, 0] == pytest.approx(-1, abs=0.02)
 
 
 def test_equilibrium_stiffness_is_never_negative() -> None:
     data = decay([2.0, 20.0], [2.0, 1.0], k_inf=-0.05) + noise(3, 1e-3)
-    solution = solve([hold_block(TIME, data)], 2)
+    solution = solve([build_hold_block(TIME, data)], 2)
     assert solution.coefficient("k_inf") >= 0
     assert (solution.arms > 0).all()
-    free = solve([hold_block(TIME, data, k_inf="level")], 2)
+    free = solve([build_hold_block(TIME, data, k_inf="level")], 2)
     assert free.coefficient("level") == pytest.approx(-0.05, abs=0.02)
     assert free.sse < solution.sse
 
@@ -170,7 +170,7 @@ def test_equilibrium_stiffness_is_never_negative() -> None:
 def test_solve_orders_omits_no_order_with_gain(seed: int, sd: float) -> None:
     generator = np.random.default_rng(seed)
     tau = 0.1 * np.cumprod(generator.uniform(2, 8, 3))
-    block = hold_block(TIME, decay(list(tau), [1.0, 0.3, 0.5]) + noise(seed, sd))
+    block = build_hold_block(TIME, decay(list(tau), [1.0, 0.3, 0.5]) + noise(seed, sd))
     every = solve_orders([block], 6)
     some = solve_orders([block], 6, negligible=20.0)
     assert [s.sse for s in some[:-1]] == [s.sse for s in every[: len(some) - 1]]
@@ -188,7 +188,7 @@ def test_solve_orders_omits_no_order_with_gain(seed: int, sd: float) -> None:
 
 def test_solve_orders_agree_with_single_solves() -> None:
     data = decay([0.3, 2.0, 15.0], [1.0, 1.0, 1.0]) + noise(4, 1e-3)
-    block = hold_block(TIME, data)
+    block = build_hold_block(TIME, data)
     orders = solve_orders([block], 3)
     assert [order.order for order in orders] == [0, 1, 2, 3]
     assert all(b.sse < a.sse for a, b in pairwise(orders))
@@ -204,8 +204,8 @@ def test_solve_orders_agree_with_single_solves() -> None:
 def test_units_of_force_and_time_do_not_matter(force: float, clock: float) -> None:
     """SSE scales with force squared, arms with force, relaxation times with the clock."""
     data = decay([0.5, 9.0], [2.0, 1.0]) + noise(12)
-    solution = solve([hold_block(TIME, data)], 2)
-    other = solve([hold_block(TIME * 10**clock, data * 10**force)], 2)
+    solution = solve([build_hold_block(TIME, data)], 2)
+    other = solve([build_hold_block(TIME * 10**clock, data * 10**force)], 2)
     assert other.sse == pytest.approx(solution.sse * 100**force, rel=1e-9)
     np.testing.assert_allclose(other.tau, solution.tau * 10**clock, rtol=1e-9)
     np.testing.assert_allclose(other.arms, solution.arms * 10**force, rtol=1e-8)
@@ -214,28 +214,30 @@ def test_units_of_force_and_time_do_not_matter(force: float, clock: float) -> No
 @given(st.permutations(range(3)))
 @settings(max_examples=6, deadline=None)
 def test_the_order_of_the_blocks_does_not_matter(order: list[int]) -> None:
-    blocks = [hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(20 + i)) for i in range(3)]
+    blocks = [
+        build_hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(20 + i)) for i in range(3)
+    ]
     solution, other = solve(blocks, 2), solve([blocks[i] for i in order], 2)
     assert other.sse == pytest.approx(solution.sse, rel=1e-11)
     np.testing.assert_allclose(other.log_tau, solution.log_tau, atol=1e-9)
 
 
 def test_solve_of_duplicate_tests_doubles_the_sse() -> None:
-    block = hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(30))
+    block = build_hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(30))
     solution, two = solve([block], 2), solve([block, block], 2)
     assert two.sse == pytest.approx(2 * solution.sse, rel=1e-11)
     np.testing.assert_allclose(two.log_tau, solution.log_tau, atol=1e-9)
 
 
 def test_results_repeat_to_the_last_digit() -> None:
-    block = hold_block(TIME, decay([0.3, 15.0], [1.0, 1.0]) + noise(5))
+    block = build_hold_block(TIME, decay([0.3, 15.0], [1.0, 1.0]) + noise(5))
     assert solve([block], 3, thorough=True) == solve([block], 3, thorough=True)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_solve_near_the_optimum_returns_the_same_optimum(seed: int) -> None:
     force = decay([0.2, 0.5, 9.0], [1.0, 0.9, 0.6]) + noise(seed, 3e-2)
-    block = hold_block(TIME, force)
+    block = build_hold_block(TIME, force)
     solution = solve([block], 3, negligible=20.0)
     neighbour = solve([block], 3, near_log_tau=solution.log_tau + 0.05, negligible=20.0)
     np.testing.assert_allclose(neighbour.log_tau, solution.log_tau, atol=1e-7)
@@ -247,7 +249,7 @@ def test_solve_near_the_optimum_returns_the_same_optimum(seed: int) -> None:
 
 
 def test_descend_for_the_sse_ends_sooner_with_the_same_value() -> None:
-    stack = Stack([hold_block(TIME, decay([0.2, 1.1, 9.0], [1.0, 0.4, 0.6]) + noise(1))])
+    stack = Stack([build_hold_block(TIME, decay([0.2, 1.1, 9.0], [1.0, 0.4, 0.6]) + noise(1))])
     start = np.log([0.1, 2.0, 5.0])
     whole, flat = descend(stack, start), descend(stack, start, cost_tolerance=1e-6)
     assert whole is not None
@@ -259,9 +261,9 @@ def test_descend_for_the_sse_ends_sooner_with_the_same_value() -> None:
 
 def test_certificate_proves_an_optimum_and_finds_a_missing_arm() -> None:
     # two thousand samples of exact data: nothing is left to gain
-    clean = hold_block(TIME, decay([0.5, 9.0], [1.0, 2.0]))
+    clean = build_hold_block(TIME, decay([0.5, 9.0], [1.0, 2.0]))
     assert certificate([clean], solve([clean], 2)).optimal
-    noisy = hold_block(TIME, decay([0.5, 9.0], [1.0, 2.0]) + noise(6, 1e-3))
+    noisy = build_hold_block(TIME, decay([0.5, 9.0], [1.0, 2.0]) + noise(6, 1e-3))
     short = certificate([noisy], solve([noisy], 1))
     assert not short.optimal
     assert short.gap > 0.5
@@ -279,7 +281,7 @@ def test_certificate_agrees_with_dense_nonnegative_least_squares() -> None:
     from scipy.optimize import nnls
 
     data = decay([0.5, 9.0], [1.0, 2.0]) + noise(7, 1e-2)
-    block = hold_block(TIME[::20], data[::20])
+    block = build_hold_block(TIME[::20], data[::20])
     solution = solve([block], 1)
     tau = np.geomspace(*block.window, 400)
     columns = np.column_stack((np.ones(len(block.target)), np.exp(-TIME[::20, None] / tau)))
@@ -295,7 +297,7 @@ def test_global_optimum_without_a_start(seed: int) -> None:
     tau = 0.08 * 4.5 ** np.arange(arms) * np.exp(generator.uniform(0, 0.4, arms))
     k = np.exp(generator.uniform(np.log(0.05), 0, arms))
     data = np.round((decay(list(tau), list(k)) + noise(seed, 1e-3)) * 1280) / 1280
-    block = hold_block(TIME, data)
+    block = build_hold_block(TIME, data)
     stack = Stack([block])
     solution = solve([block], arms)
     for _ in range(10):
@@ -314,7 +316,7 @@ def test_stack_joins_frequency_data_and_a_hold() -> None:
     stiffness = stiffness + sd * (generator.standard_normal((2, 40)).T @ [1, 1j])
     weight = np.full(40, 1 / sd)
     spectrum = make_frequency_block(omega, stiffness, weights=(weight, weight), dashpot=True)
-    hold = hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(9), weights=TIME * 0 + 100)
+    hold = build_hold_block(TIME, decay([0.5, 9.0], [2.0, 1.0]) + noise(9), weights=TIME * 0 + 100)
     solution = solve([spectrum], 2)
     np.testing.assert_allclose(solution.tau, tau, rtol=0.02)
     assert solution.coefficient("b") == pytest.approx(0.01, rel=0.05)
@@ -337,7 +339,7 @@ def test_nonnegative_least_squares_is_scipys(seed: int, rows: int, columns: int)
     generator = np.random.default_rng(seed)
     a, y = generator.standard_normal((rows, columns)), generator.standard_normal(rows)
     expected, norm = nnls(a, y)
-    result = nonnegative(a.T @ a, a.T @ y)
+    result = solve_nonnegative(a.T @ a, a.T @ y)
     np.testing.assert_allclose(result, expected, atol=1e-8)
     active = nonnegative_columns(a, y, np.ones(columns, dtype=bool))
     rest = y - a[:, active] @ np.linalg.lstsq(a[:, active], y, rcond=None)[0]
@@ -345,7 +347,7 @@ def test_nonnegative_least_squares_is_scipys(seed: int, rows: int, columns: int)
 
 
 def test_refusals_say_what_was_expected() -> None:
-    block = hold_block(TIME, decay([1.0], [1.0]))
+    block = build_hold_block(TIME, decay([1.0], [1.0]))
     with pytest.raises(FitError, match="expected a number >= 0"):
         solve([block], -1)
     with pytest.raises(FitError, match="at least one block"):
@@ -353,6 +355,6 @@ def test_refusals_say_what_was_expected() -> None:
     with pytest.raises(FitError, match="2 starting values"):
         solve([block], 2, log_tau_start=np.zeros(3))
     with pytest.raises(FitError, match="use fewer arms or a longer record"):
-        solve([hold_block(TIME[:5], TIME[:5])], 3)
+        solve([build_hold_block(TIME[:5], TIME[:5])], 3)
     with pytest.raises(DataError, match="one column per name"):
         design_block(np.zeros(3), np.zeros((3, 2)), ("k_inf",), lambda t, d: (t, t), (1.0, 2.0))

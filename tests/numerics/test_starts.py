@@ -8,20 +8,20 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import solve
 from dashpot.numerics.log_tau_descent import (
     ColumnGrid,
     Grid,
     Stack,
     find_best_pair,
+    find_best_point,
     find_best_triple,
-    single,
 )
 
 TIME = np.arange(3000) / 100
 GENERATOR = np.random.default_rng(3)
-SETS = {1: single, 2: find_best_pair, 3: find_best_triple}
+SETS = {1: find_best_point, 2: find_best_pair, 3: find_best_triple}
 
 
 def record(arms: int) -> np.ndarray:
@@ -33,7 +33,7 @@ def record(arms: int) -> np.ndarray:
 @pytest.mark.parametrize("arms", SETS)
 @pytest.mark.parametrize("seen", [1, 2, 3])
 def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int) -> None:
-    stack = Stack([hold_block(TIME, record(seen))])
+    stack = Stack([build_hold_block(TIME, record(seen))])
     grid = Grid(stack, 16)
     rows = stack.evaluate(grid.log_tau, derivative=False)
     target, phi = rows.target, rows.phi
@@ -67,7 +67,7 @@ def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int
 def test_a_pair_is_started_from_between_the_grid_points() -> None:
     from_start, from_points = [], []
     for _ in range(24):
-        stack = Stack([hold_block(TIME, record(2))])
+        stack = Stack([build_hold_block(TIME, record(2))])
         grid = Grid(stack, 48)
         start, log_tau = find_best_pair(grid), solve(stack.blocks, 2).log_tau
         assert start is not None
@@ -78,20 +78,24 @@ def test_a_pair_is_started_from_between_the_grid_points() -> None:
 
 
 def test_rising_data_have_no_set_of_positive_arms() -> None:
-    grid = Grid(Stack([hold_block(TIME, 1 - np.exp(-TIME / 3))]), 12)
+    grid = Grid(Stack([build_hold_block(TIME, 1 - np.exp(-TIME / 3))]), 12)
     assert all(best_set(grid) is None for best_set in SETS.values())
 
 
 def test_cached_lattice_equals_a_new_one() -> None:
     records = [record(2) for _ in range(3)]
     blocks = [
-        *(hold_block(TIME, y) for y in records),
-        *(hold_block(TIME, y, k_inf=None) for y in records[:2]),
-        *(hold_block(2 * TIME, y) for y in records[:2]),
-        *(hold_block(TIME, y, depth=2.0, ramp_time=c) for y in records[:2] for c in (0.5, 1.0)),
-        *(hold_block(TIME, y, depth=2.0, ramp_time=1.0, drift="d") for y in records[:2]),
-        *(hold_block(TIME, y, depth=2.0, ramp_time=1.0, ramp=True) for y in records[:2]),
-        *(hold_block(TIME, y) for y in records),
+        *(build_hold_block(TIME, y) for y in records),
+        *(build_hold_block(TIME, y, k_inf=None) for y in records[:2]),
+        *(build_hold_block(2 * TIME, y) for y in records[:2]),
+        *(
+            build_hold_block(TIME, y, depth=2.0, ramp_time=c)
+            for y in records[:2]
+            for c in (0.5, 1.0)
+        ),
+        *(build_hold_block(TIME, y, depth=2.0, ramp_time=1.0, drift="d") for y in records[:2]),
+        *(build_hold_block(TIME, y, depth=2.0, ramp_time=1.0, ramp=True) for y in records[:2]),
+        *(build_hold_block(TIME, y) for y in records),
     ]
     for block in blocks:
         stack = Stack([block])
@@ -105,10 +109,10 @@ def test_cached_lattice_equals_a_new_one() -> None:
 def test_weighted_and_uneven_blocks_use_no_cached_sampling() -> None:
     y = record(2)
     weights = 1 + np.exp(-TIME)
-    assert hold_block(TIME, y).sampling is not None
-    assert hold_block(TIME, y, weights=weights).sampling is None
-    assert hold_block(TIME**1.1, y).sampling is None
+    assert build_hold_block(TIME, y).sampling is not None
+    assert build_hold_block(TIME, y, weights=weights).sampling is None
+    assert build_hold_block(TIME**1.1, y).sampling is None
     # the second of two such fits is its own
-    first = solve([hold_block(TIME**1.1, y)], 2)
-    again = solve([hold_block(TIME**1.2, y)], 2)
+    first = solve([build_hold_block(TIME**1.1, y)], 2)
+    again = solve([build_hold_block(TIME**1.2, y)], 2)
     assert np.abs(first.log_tau - again.log_tau).max() > 0.01

@@ -11,11 +11,11 @@ from dashpot.numerics.inference.correlated_noise import (
     Noise,
     ResidualSeries,
     autocovariance,
+    compute_initial_sequence,
+    estimate_noise,
     geyer_cut,
-    initial_sequence,
     make_directions,
     noise_gain_ratio,
-    noise_of,
     sandwich,
     white,
 )
@@ -52,7 +52,7 @@ def test_autocovariance_correction_is_independent_of_the_cutoff(cycles: float, l
         inputs = gamma + gamma[0] * min(kappa, n / 2.0) * taken / n
         retained = inputs[: geyer_cut(inputs)]
     assert (len(retained) > n // 3) is late
-    noise = noise_of(residual, np.ones((n, 1)))
+    noise = estimate_noise(residual, np.ones((n, 1)))
     np.testing.assert_allclose(noise.autocovariance, retained, atol=1e-12)
 
 
@@ -67,15 +67,15 @@ def test_the_cut_stops_where_a_pair_of_lags_falls_to_zero() -> None:
 def test_lag_by_lag_is_the_sequence_up_to_its_cut(n: int, memory: float) -> None:
     noise = autoregressive(np.random.default_rng(n), n, memory)
     whole = autocovariance(noise)
-    result, _ = initial_sequence(noise)
+    result, _ = compute_initial_sequence(noise)
     np.testing.assert_allclose(result, whole[: geyer_cut(whole)], atol=1e-13)
 
 
 def test_kappa_of_white_and_of_autoregressive_noise() -> None:
     rng = np.random.default_rng(2)
-    assert noise_of(rng.standard_normal(20_000)).kappa == pytest.approx(1.0, abs=0.1)
+    assert estimate_noise(rng.standard_normal(20_000)).kappa == pytest.approx(1.0, abs=0.1)
     rho = 0.9
-    noise = noise_of(autoregressive(rng, 100_000, rho))
+    noise = estimate_noise(autoregressive(rng, 100_000, rho))
     assert noise.kappa == pytest.approx((1 + rho) / (1 - rho), rel=0.15)
     assert noise.durbin_watson == pytest.approx(2 * (1 - rho), rel=0.05)
     assert noise.effective == pytest.approx(100_000 / noise.kappa)
@@ -90,8 +90,8 @@ def test_a_wander_lost_in_the_scatter_shows_in_means() -> None:
         scatter, decay = rng.standard_normal(n), np.exp(-1 / memory)
         steps = rng.standard_normal(2 * n) * np.sqrt(1 - decay**2)
         wander = lfilter([1.0], [1.0, -decay], steps)[n:]
-        result.append(noise_of(scatter + share * wander).power)
-        outcome.append(noise_of(scatter).power)
+        result.append(estimate_noise(scatter + share * wander).power)
+        outcome.append(estimate_noise(scatter).power)
     assert np.median(result) == pytest.approx(1 + 2 * share**2 * memory, rel=0.35)
     assert np.mean(np.array(result) > 3) > 0.9
     assert np.mean(np.array(outcome) < 1.3) > 0.95
@@ -99,14 +99,14 @@ def test_a_wander_lost_in_the_scatter_shows_in_means() -> None:
 
 def test_means_that_show_nothing_leave_the_correlations_of_neighbours() -> None:
     rng = np.random.default_rng(3)
-    noise = noise_of(autoregressive(rng, 5000, 0.6))
+    noise = estimate_noise(autoregressive(rng, 5000, 0.6))
     assert len(noise.autocovariance) < 100
     assert noise.kappa == pytest.approx(4.0, rel=0.25)
 
 
 def test_white_noise_scales_by_n_less_p() -> None:
     r = np.random.default_rng(3).standard_normal(50)
-    noise = noise_of(r, np.random.default_rng(4).standard_normal((50, 5)))
+    noise = estimate_noise(r, np.random.default_rng(4).standard_normal((50, 5)))
     assert noise.autocovariance[0] == pytest.approx(r @ r / 45, rel=0.02)
 
 
@@ -123,7 +123,7 @@ def test_autocovariance_correction_counts_shared_parameters_once(
         residual = r - J @ np.linalg.lstsq(J, r, rcond=None)[0]
         expected = make_directions(np.split(J, records), shared=shared)
         noises = [
-            noise_of(part, columns)
+            estimate_noise(part, columns)
             for part, columns in zip(np.split(residual, records), expected.columns, strict=True)
         ]
         powers += [noise.autocovariance[0] for noise in noises]
@@ -143,10 +143,10 @@ def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() ->
     covariance = sandwich([jacobian[:, :2]], [Noise(4000, 0.9 ** np.arange(200), 19.0, 0.2)])
     shared = make_directions([jacobian[:, :2]])
     residual = ResidualSeries(autoregressive(rng, 4000, 0.98))
-    noise = noise_of(residual.values, jacobian)
+    noise = estimate_noise(residual.values, jacobian)
     # a residual that was asked already, without columns, answers as a new one
-    assert len(noise_of(residual).autocovariance) < len(noise.autocovariance)
-    result = noise_of(residual, expected.columns[0])
+    assert len(estimate_noise(residual).autocovariance) < len(noise.autocovariance)
+    result = estimate_noise(residual, expected.columns[0])
     np.testing.assert_allclose(result.autocovariance, noise.autocovariance, rtol=1e-9)
     assert result.kappa > 20.0
     # transforms once padded for many lags serve few
@@ -157,9 +157,9 @@ def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() ->
 
 def test_rounding_is_not_noise() -> None:
     ripple = 1e-16 * np.sin(np.linspace(0, 3, 1000))
-    assert noise_of(ripple).kappa > 100
-    assert noise_of(ripple, rounding=1e-12).kappa == 1.0
-    assert noise_of(np.zeros(10)).kappa == 1.0
+    assert estimate_noise(ripple).kappa > 100
+    assert estimate_noise(ripple, rounding=1e-12).kappa == 1.0
+    assert estimate_noise(np.zeros(10)).kappa == 1.0
 
 
 def test_sandwich_of_white_noise_is_the_textbook_covariance() -> None:
@@ -239,7 +239,7 @@ def test_intervals_of_a_mean_cover_under_correlated_noise() -> None:
     for _ in range(400):
         r = autoregressive(rng, 2000, 0.9)
         mean = r.mean()
-        noise = noise_of(r - mean, column)
+        noise = estimate_noise(r - mean, column)
         error = np.sqrt(sandwich([column], [noise])[0, 0])
         hits += abs(mean) < t_quantile(0.95, noise.effective - 1.0) * error
         naive_hits += abs(mean) < 1.96 * r.std() / np.sqrt(2000)

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
-from dashpot.numerics.exponential_fit import full_jacobian, solve
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
+from dashpot.numerics.exponential_fit import compute_full_jacobian, solve
 from dashpot.numerics.inference import correlated_noise
 from dashpot.numerics.inference.correlated_noise import (
-    AT_ONCE,
+    ROWS_PER_BATCH,
     Noise,
     NoiseGain,
     compute_averaging_length,
@@ -30,7 +30,7 @@ K = np.array([120.0, 40.0])
 DEPTH, RAMP = 8e-3, 1.0
 
 
-@pytest.mark.parametrize("rows", [3, 7, AT_ONCE, AT_ONCE + 1, 3 * AT_ONCE + 9])
+@pytest.mark.parametrize("rows", [3, 7, ROWS_PER_BATCH, ROWS_PER_BATCH + 1, 3 * ROWS_PER_BATCH + 9])
 def test_a_factor_by_pieces_is_a_factor(rows: int) -> None:
     tall = np.random.default_rng(rows).standard_normal((rows, 7))
     basis, factor = compute_blockwise_qr(tall)
@@ -42,15 +42,15 @@ def make_hold_block(noise: np.ndarray | float = 0.0) -> DataBlock:
     """Eq. 5 on a hold of 12 s, every sample a row."""
     mean = TAU / RAMP * -np.expm1(-RAMP / TAU)
     force = DEPTH * (200.0 + np.exp(-TIME[:, None] / TAU) @ (K * mean))
-    return hold_block(TIME, force + noise, depth=DEPTH, ramp_time=RAMP, compress=False)
+    return build_hold_block(TIME, force + noise, depth=DEPTH, ramp_time=RAMP, compress=False)
 
 
 def make_recorded_block(noise: np.ndarray | float = 0.0) -> DataBlock:
     """A ramp and hold by its recorded motion, with a tare and a drift."""
     x = DEPTH * np.clip(TIME / RAMP, 0.0, 1.0)
-    columns = recorded_block(TIME, x, 0 * TIME).exact.evaluate(np.log(TAU))
+    columns = build_recorded_block(TIME, x, 0 * TIME).exact.evaluate(np.log(TAU))
     force = 200.0 * x + columns.arms @ K
-    return recorded_block(TIME, x, force + noise, offset="offset", drift="drift").exact
+    return build_recorded_block(TIME, x, force + noise, offset="offset", drift="drift").exact
 
 
 def slow(correlation: float, variance: float = 1e-4) -> Noise:
@@ -100,9 +100,9 @@ def test_whitened_block_has_the_errors_of_generalised_least_squares(
     exact, noise = make(), slow(0.5)
     solution = solve([exact], 2)
     block = whitened_block(exact, noise)
-    jacobian = full_jacobian([exact], solution).matrix
+    jacobian = compute_full_jacobian([exact], solution).matrix
     best = np.linalg.inv(jacobian.T @ np.linalg.solve(toeplitz(noise.autocovariance), jacobian))
-    weighted = full_jacobian([block], solution).matrix
+    weighted = compute_full_jacobian([block], solution).matrix
     mine = np.linalg.inv(weighted.T @ weighted)
     loss = np.sqrt(np.diag(mine) / np.diag(best))
     assert np.all(loss > 1 - 1e-6)
@@ -120,7 +120,7 @@ def test_averaging_length_follows_the_noise_of_each_record() -> None:
     assert [compute_averaging_length(noise) for noise in noises] == [4, 1]
     solution = solve(records, 2)
     gain = NoiseGain(records, noises, solution)
-    jacobian = full_jacobian(records, solution).matrix
+    jacobian = compute_full_jacobian(records, solution).matrix
     rows = np.split(np.arange(len(jacobian)), [len(TIME)])
     for step in np.eye(jacobian.shape[1]):
         change, met = jacobian @ step, 0.0
@@ -145,7 +145,7 @@ def test_averaging_of_neighbours_loses_little_information(
     solution = solve([exact], 2)
 
     def errors() -> np.ndarray:
-        jacobian = full_jacobian([whitened_block(exact, noise)], solution).matrix
+        jacobian = compute_full_jacobian([whitened_block(exact, noise)], solution).matrix
         return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
 
     as_it_is = errors()
@@ -180,7 +180,7 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
     exact, noise = make(), slow(0.5)
     solution = solve([exact], 2)
     noise_gain = NoiseGain([exact], [noise], solution)
-    jacobian = full_jacobian([exact], solution).matrix
+    jacobian = compute_full_jacobian([exact], solution).matrix
     dense = toeplitz(noise.autocovariance)
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     for step in inverse:

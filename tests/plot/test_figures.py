@@ -28,7 +28,7 @@ from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.fitting.relaxation import fit
 from dashpot.plot.frf_figure import half_power, phase_axis, smooth, wrap_phase
 from dashpot.plot.picture import Area, Dots, Line, Panel, Pen, Picture, Rule, Scale, Span, Tag
-from dashpot.plot.plotted_data import compute_padded_limits, unit_of
+from dashpot.plot.plotted_data import compute_padded_limits, select_plot_unit
 from dashpot.plot.records import force_spectrum
 from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.solid import average_octave_bands, build_plotted_quantities
@@ -184,7 +184,7 @@ def test_the_drawn_residual_is_that_of_a_real_fit(method):
      (1.9e-6, "m", ("µm", 1e6)), (4e-8, "m", ("nm", 1e9))],
 )  # fmt: skip
 def test_units_follow_the_size_of_the_thing(size, unit, expected):
-    assert unit_of(np.array([0.0, -size]), unit) == expected
+    assert select_plot_unit(np.array([0.0, -size]), unit) == expected
 
 
 def test_segments_figure_uses_units_of_the_record():

@@ -28,8 +28,8 @@ def long_record(
     read = count * np.round(x / count) if count else x
     test = RelaxationTest(time=time, displacement=read, force=force, units="SI")
     whole = prepare(test)
-    monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", enough)
-    monkeypatch.setattr(signal_conditioning, "FEWEST_ON_THE_RAMP", 100)
+    monkeypatch.setattr(signal_conditioning, "MAX_FIT_SAMPLES", enough)
+    monkeypatch.setattr(signal_conditioning, "MIN_RAMP_SAMPLES", 100)
     return whole, prepare(test)
 
 
@@ -64,13 +64,13 @@ def test_decimate_returns_short_uneven_or_coarse_records_unchanged(
 ) -> None:
     whole, _ = long_record(monkeypatch, enough=20_501)
     assert decimate(whole) is whole  # not twice as long as enough
-    monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", 20_500)
+    monkeypatch.setattr(signal_conditioning, "MAX_FIT_SAMPLES", 20_500)
     assert len(decimate(whole).time) == 41_001
-    monkeypatch.setattr(signal_conditioning, "ENOUGH_SAMPLES", 13_667)
+    monkeypatch.setattr(signal_conditioning, "MAX_FIT_SAMPLES", 13_667)
     assert len(decimate(whole).time) == 13_667
-    monkeypatch.setattr(signal_conditioning, "FEWEST_ON_THE_RAMP", 700)
+    monkeypatch.setattr(signal_conditioning, "MIN_RAMP_SAMPLES", 700)
     assert decimate(whole) is whole  # its ramp has a thousand samples
-    monkeypatch.setattr(signal_conditioning, "FEWEST_ON_THE_RAMP", 100)
+    monkeypatch.setattr(signal_conditioning, "MIN_RAMP_SAMPLES", 100)
     late = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000)
     assert decimate(replace(whole, time=late)) is not whole
     later = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000) * 2

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.denoising import (
-    MOST_FLICKER,
+    MAX_FLICKER_COUNTS,
     _estimate_count_noise,
-    _without_flicker,
-    between_counts,
+    _remove_flicker,
     denoise_displacement,
     denoise_values,
+    interpolate_counts,
 )
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -29,7 +29,7 @@ def test_the_staircase_of_an_encoder_is_read_between_its_counts() -> None:
     # a servo that eases in and out
     true = 8e-3 * np.clip(t - 0.5, 0, 1) ** 2 * (3 - 2 * np.clip(t - 0.5, 0, 1))
     counted = np.round(true / 2e-5) * 2e-5
-    read = between_counts(t, counted, 2e-5)
+    read = interpolate_counts(t, counted, 2e-5)
     moving = (t > 0.6) & (t < 1.4)
     assert np.std((counted - true)[moving]) > 5e-6
     assert np.std((read - true)[moving]) < 3e-6
@@ -50,7 +50,7 @@ def test_a_turn_within_a_count_is_doubtful_and_a_steady_motion_is_not() -> None:
 
 def test_a_constant_reading_stays_constant() -> None:
     flat = np.full(50, 3e-3)
-    assert (between_counts(np.arange(50.0), flat, 2e-5) == flat).all()
+    assert (interpolate_counts(np.arange(50.0), flat, 2e-5) == flat).all()
 
 
 def test_a_flicker_of_the_reading_is_no_motion() -> None:
@@ -60,7 +60,7 @@ def test_a_flicker_of_the_reading_is_no_motion() -> None:
     counted = np.round(shaken / 2e-5) * 2e-5
     held = t > 1.6
     assert np.std(counted[held]) > 3e-6
-    read = between_counts(t, counted, 2e-5)
+    read = interpolate_counts(t, counted, 2e-5)
     assert np.std(read[held]) < 1e-7
     assert np.std((read - true)[(t > 0.55) & (t < 1.45)]) < 4e-6
 
@@ -70,24 +70,24 @@ def test_the_top_of_a_swing_is_no_flicker(hertz: float) -> None:
     """A servo's overshoot at 250 Hz: the median of seven readings took 21 um off its top."""
     t = np.arange(0, 2.0, 4e-3)
     true = 7e-3 + 1e-4 * np.exp(-3 * t) * np.sin(2 * np.pi * hertz * t)
-    read = between_counts(t, np.round(true / 1e-6) * 1e-6, 1e-6)
+    read = interpolate_counts(t, np.round(true / 1e-6) * 1e-6, 1e-6)
     off = np.abs(read - true)[3:-3]
     assert off[:100].max() < 2e-6  # while the swing is large
     assert off.max() < 3.5e-6
 
 
-@pytest.mark.parametrize(("counts", "retained"), [(1, False), (MOST_FLICKER + 0.5, True)])
+@pytest.mark.parametrize(("counts", "retained"), [(1, False), (MAX_FLICKER_COUNTS + 0.5, True)])
 def test_flicker_of_one_count_is_removed(counts: float, retained: bool) -> None:
     values = np.zeros(21)
     values[10] = counts * 1e-6
-    assert bool(_without_flicker(values, 1e-6)[10]) is retained
+    assert bool(_remove_flicker(values, 1e-6)[10]) is retained
 
 
 def test_the_running_median_is_that_of_seven_neighbours() -> None:
     """Exchanges that order every row of noughts and ones order every row (D. E. Knuth)."""
     bits = (np.arange(128)[:, None] >> np.arange(7) & 1).astype(float).ravel()
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(bits, 3, mode="edge"), 7)
-    np.testing.assert_array_equal(_without_flicker(bits, 1.0), np.median(windows, axis=1))
+    np.testing.assert_array_equal(_remove_flicker(bits, 1.0), np.median(windows, axis=1))
 
 
 def test_noise_is_averaged_where_the_motion_is_straight() -> None:

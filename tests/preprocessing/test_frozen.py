@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.signals.stuck_channel import find_stuck_runs
 
 TIME = np.arange(8000) / 200.0
@@ -77,8 +77,8 @@ def test_a_leap_after_equal_readings_is_a_fault_only_at_rest():
 def test_a_path_as_it_was_sent_is_in_no_counts(knots, rate):
     time = np.arange(0, knots[-1][0], 1 / rate)
     path = np.interp(time, *np.array(knots, dtype=float).T)
-    assert quantum(1e-3 * path) <= 0.003 * 1e-3 * path.max()
+    assert find_quantum(1e-3 * path) <= 0.003 * 1e-3 * path.max()
     # behind a converter it is: .0371 mm divides no step of it
     if rate == 250:
         counted = np.round(path / 0.0371) * 0.0371
-        assert quantum(counted) == pytest.approx(0.0371, rel=1e-6)
+        assert find_quantum(counted) == pytest.approx(0.0371, rel=1e-6)

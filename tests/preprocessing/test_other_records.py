@@ -10,9 +10,9 @@ from dashpot.base.errors import DataError
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.preprocessing.prepare import prepare
 from dashpot.signals.segments import (
-    LEAST_CREEP,
-    MOST_HELD_CHANGE,
-    MOST_SETTLING,
+    MAX_HELD_CHANGE,
+    MAX_SETTLING,
+    MIN_CREEP,
     classify_load_history,
 )
 
@@ -32,7 +32,7 @@ def test_a_displacement_that_settles_while_the_force_relaxes_began_late(
     settling: float, late: bool
 ) -> None:
     level = 8e-3
-    x = level * (1 - settling * MOST_SETTLING * np.exp(-TIME))  # its median is the level
+    x = level * (1 - settling * MAX_SETTLING * np.exp(-TIME))  # its median is the level
     force = 1 + np.exp(-TIME / 9)
     assert (classify_load_history(TIME, x, force) == "other") == late
     with pytest.raises(DataError, match="the record begins within its ramp, or after it"):
@@ -45,6 +45,6 @@ def test_a_displacement_that_settles_while_the_force_relaxes_began_late(
 def test_a_creep_test_holds_its_force(steady: float, crept: float, creeps: bool) -> None:
     risen, since = np.clip(TIME - 1, 0, 1), np.clip(TIME - 2, 0, None) / 28
     # from the first tenth of the hold to the last, as tenths of a straight line go: 0.9
-    force = risen * (1 - MOST_HELD_CHANGE * steady * since / 0.9)
-    x = 8e-3 * risen * (1 + LEAST_CREEP * crept * since / 0.9 * (1 + LEAST_CREEP * crept / 0.9))
+    force = risen * (1 - MAX_HELD_CHANGE * steady * since / 0.9)
+    x = 8e-3 * risen * (1 + MIN_CREEP * crept * since / 0.9 * (1 + MIN_CREEP * crept / 0.9))
     assert (classify_load_history(TIME, x, force) == "creep") == creeps

@@ -240,7 +240,7 @@ def test_find_contact_is_independent_of_block_size(monkeypatch):
     x = np.linspace(0, 1e-3, 400)
     force = 2e3 * np.maximum(x - 3.1e-4, 0) + 2e-3 * np.random.default_rng(3).standard_normal(400)
     at_once = find_contact(x, force, noise=2e-3)
-    monkeypatch.setattr(contact, "AT_ONCE", 10)
+    monkeypatch.setattr(contact, "READINGS_PER_BATCH", 10)
     assert find_contact(x, force, noise=2e-3) == at_once
     assert at_once.displacement == pytest.approx(3.1e-4, abs=4 * at_once.standard_error)
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.datamodel.relaxation import quantum
-from dashpot.signals.noise import estimate_robust_scatter, scatter, spikes, without_spikes
+from dashpot.datamodel.relaxation import find_quantum
+from dashpot.signals.noise import estimate_robust_scatter, remove_spikes, scatter, spikes
 
 
 @pytest.mark.parametrize("even", [True, False])
@@ -30,20 +30,20 @@ def test_few_samples_have_no_scatter():
 @given(step=st.floats(1e-7, 1e-1), size=st.integers(5, 60))
 def test_quantum_of_a_rounded_wave_is_recovered(step: float, size: int):
     wave = size * step * np.sin(np.arange(4000) / 500)
-    assert quantum(np.round(wave / step) * step) == pytest.approx(step, rel=1e-6)
+    assert find_quantum(np.round(wave / step) * step) == pytest.approx(step, rel=1e-6)
 
 
 def test_what_is_smooth_or_constant_has_no_quantum():
     t = np.arange(4000) / 1000
-    assert quantum(np.sin(t)) == 0.0
-    assert quantum(np.zeros(100)) == 0.0
+    assert find_quantum(np.sin(t)) == 0.0
+    assert find_quantum(np.zeros(100)) == 0.0
 
 
 def test_a_perfect_ramp_is_not_taken_for_a_converter():
     t = np.arange(42000) / 1000
     ramp = 8e-3 * np.clip(t - 1.5, 0, 1)
-    assert quantum(ramp) == 0.0
-    assert quantum(np.round(ramp / 2e-5) * 2e-5) == pytest.approx(2e-5)
+    assert find_quantum(ramp) == 0.0
+    assert find_quantum(np.round(ramp / 2e-5) * 2e-5) == pytest.approx(2e-5)
 
 
 def test_a_lone_sample_is_a_spike_and_a_corner_is_none():
@@ -54,7 +54,7 @@ def test_a_lone_sample_is_a_spike_and_a_corner_is_none():
     hit = force.copy()
     hit[[100, 700, 1500]] += [3.0, -3.0, 3.0]
     assert list(np.flatnonzero(spikes(t, hit))) == [100, 700, 1500]
-    np.testing.assert_allclose(without_spikes(t, hit), force, atol=0.02)
+    np.testing.assert_allclose(remove_spikes(t, hit), force, atol=0.02)
 
 
 def test_scatter_of_a_subsample_equals_that_of_neighbours():

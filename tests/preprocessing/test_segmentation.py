@@ -69,7 +69,7 @@ def test_a_record_that_is_halved_shows_the_same(monkeypatch: pytest.MonkeyPatch)
     drawn = [ramps, T % 0.07, np.exp(-T / 10) * np.sin(9 * T)]
     expected = [classify_loading(find_segments(T, x)) for x in drawn]
     moves = kinds(T, ramps)
-    monkeypatch.setattr(segments, "_MOST_VISITS", 0)
+    monkeypatch.setattr(segments, "_MAX_VISITS", 0)
     assert [classify_loading(find_segments(T, x)) for x in drawn] == expected
     assert kinds(T, ramps) == moves
 

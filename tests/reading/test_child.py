@@ -85,10 +85,10 @@ def test_whatever_it_does_is_a_sentence(function, sentence: str) -> None:
 
 
 def test_more_numbers_than_a_test_has_are_refused_and_no_fewer() -> None:
-    most = run(misbehaving.pours, options=ReadOptions(sheet=str(limits.LARGEST)))
-    assert len(most["much"]) == limits.LARGEST
+    most = run(misbehaving.pours, options=ReadOptions(sheet=str(limits.MAX_SIZE)))
+    assert len(most["much"]) == limits.MAX_SIZE
     with pytest.raises(ReadError, match="33554433 numbers in all, and at most 33554432 are read"):
-        run(misbehaving.pours, options=ReadOptions(sheet=str(limits.LARGEST + 8)))
+        run(misbehaving.pours, options=ReadOptions(sheet=str(limits.MAX_SIZE + 8)))
 
 
 def test_slow_parser_is_terminated(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,7 +30,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions import formats as binary
 from dashpot.extensions.curves.dynamic.read import read_dynamic
 from dashpot.reading import formats
-from dashpot.reading.formats import format_of
+from dashpot.reading.formats import get_format_name
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.impact import read_impact
@@ -485,7 +485,7 @@ def test_every_format_is_recognised_by_its_bytes(tmp_path: Path) -> None:
     others = [*FORMATS["wav"].marks, *FORMATS["arrow"].marks]
     made |= {f"mark {i}": mark + bytes(9) for i, mark in enumerate(others)}
     made |= {f"unread {i}": mark + bytes(9) for i, mark in enumerate(FORMATS["unread"].marks)}
-    ofs = {format_of(RawFile(name, None, content)) for name, content in made.items()}
+    ofs = {get_format_name(RawFile(name, None, content)) for name, content in made.items()}
     modules = {
         path.stem
         for folder in (Path(formats.__file__), Path(binary.__file__))

@@ -31,7 +31,7 @@ from dashpot.reading.sandbox import message_protocol
 from dashpot.reading.table import Column, FileTable, Question, make_loader
 from dashpot.reading.text import dialect, header
 from dashpot.reading.text import rows as decimal_marks
-from dashpot.reading.text.dialect import COLUMNS, LONGEST, is_overlong
+from dashpot.reading.text.dialect import COLUMNS, MAX_LENGTH, is_overlong
 from dashpot.text_output import layout
 from dashpot.text_output.layout import Text
 
@@ -121,16 +121,16 @@ def test_plain_numbers_throughout_leave_nothing_to_try(
 ) -> None:
     rows = [sign.join(f"{i}.{j}{i % 3}".replace(".", mark) for j in range(9)) for i in range(300)]
     tried: list[str] = []
-    inner = dialect._best_run
+    inner = dialect._find_best_run
     monkeypatch.setattr(
         dialect,
-        "_best_run",
+        "_find_best_run",
         lambda window, *by, **how: tried.append(by) or inner(window, *by, **how),
     )
     result = dialect.find_dialect(["a name", *rows])
     assert result is not None
     assert (result.delimiter, result.mark, result.first, tried) == (sign, mark, 1, [])
-    monkeypatch.setattr(dialect, "_plainly", lambda *_: None)
+    monkeypatch.setattr(dialect, "_find_plain_dialect", lambda *_: None)
     assert dialect.find_dialect(["a name", *rows]) == result
     assert tried
 
@@ -178,7 +178,7 @@ def text(columns: int, rows: int = 8, cell: str = "21.5") -> str:
 def test_inspect_file_reads_a_line_of_a_million_characters(tmp_path: Path) -> None:
     place = tmp_path / "wide.csv"
     place.write_text(text(300, cell="21." + "5" * 3600))
-    assert 1 << 20 < len(place.read_text().splitlines()[-1]) < LONGEST
+    assert 1 << 20 < len(place.read_text().splitlines()[-1]) < MAX_LENGTH
     inspection = inspect_file(place)
     assert (inspection.kind, inspection.rows, len(inspection.columns)) == ("relaxation", 8, 300)
 
@@ -199,8 +199,8 @@ def test_read_reports_too_many_columns(tmp_path: Path, monkeypatch: pytest.Monke
 def test_how_wide_a_line_may_be(sign: str) -> None:
     assert not is_overlong("1" + f"{sign}1" * (COLUMNS - 1))
     assert is_overlong("1" + f"{sign}1" * COLUMNS)
-    assert not is_overlong("1" * LONGEST)
-    assert is_overlong("1" * (LONGEST + 1))
+    assert not is_overlong("1" * MAX_LENGTH)
+    assert is_overlong("1" * (MAX_LENGTH + 1))
 
 
 @pytest.mark.parametrize(("copies", "requested"), [(8, False), (9, True)])
@@ -221,7 +221,7 @@ def test_assign_asks_about_many_columns_before_loading(copies: int, *, requested
 def test_decimal_marks_in_blocks_equal_those_by_column(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(decimal_marks, "_CELLS", 90)  # blocks of three rows
+    monkeypatch.setattr(decimal_marks, "_MAX_CELLS", 90)  # blocks of three rows
     rng = np.random.default_rng(29)
     likely = [2.0, 300.0, 1.5, 1.234, 999.999, np.nan, 0.0, -7.0, np.inf]
     rare = [0.5, 1000.0, 1.23456]

@@ -17,7 +17,7 @@ from dashpot.reading.table import Column
 from dashpot.reading.text import plain_rows
 from dashpot.reading.text.cells import ClockColumn
 from dashpot.reading.text.dialect import Dialect, decode_blocks
-from dashpot.reading.text.plain_rows import PartedLines, PlainRows, split_line_cells
+from dashpot.reading.text.plain_rows import PlainRows, SplitLines, split_line_cells
 from dashpot.reading.text.rows import Heading, load_rows
 
 assert msgspec, "imported, so that it is what reads"
@@ -118,7 +118,7 @@ COMMA = Dialect(",", ".", ("number",) * 3, cells=3)
 @example(("1,5;2,5;3\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 1, 2)))
 @given(tables())
 def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
-    with patch.object(PartedLines, "numbers", return_value=None):
+    with patch.object(SplitLines, "numbers", return_value=None):
         by_json = outcome(*table)
         with patch.object(PlainRows, "_from_json", return_value=None):
             expected = outcome(*table)

@@ -22,7 +22,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import recognise, suggest_relaxation_options
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
-from dashpot.signals.segments import LEAST_CREEP, MOST_HELD_CHANGE
+from dashpot.signals.segments import MAX_HELD_CHANGE, MIN_CREEP
 from dashpot.solids.demo_seals import PAPER
 from dashpot.workflow.example_files import FILES
 from dashpot.workflow.json_archive import to_json
@@ -110,7 +110,7 @@ def crept(part: float, *, header: str = "time [s],displacement [mm],force [N]") 
 
 
 @pytest.mark.parametrize(
-    ("part", "kind"), [(1.1 * LEAST_CREEP, "creep"), (0.9 * LEAST_CREEP, "relaxation")]
+    ("part", "kind"), [(1.1 * MIN_CREEP, "creep"), (0.9 * MIN_CREEP, "relaxation")]
 )
 def test_creep_is_a_force_that_is_held_while_the_displacement_goes_on(
     tmp_path: Path, part: float, kind: str
@@ -119,7 +119,7 @@ def test_creep_is_a_force_that_is_held_while_the_displacement_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("part", "kind"), [(1.1 * LEAST_CREEP, "creep"), (0.9 * LEAST_CREEP, "modulus")]
+    ("part", "kind"), [(1.1 * MIN_CREEP, "creep"), (0.9 * MIN_CREEP, "modulus")]
 )
 def test_so_is_a_stress_under_which_a_strain_goes_on(
     tmp_path: Path, part: float, kind: str
@@ -132,7 +132,7 @@ def test_so_is_a_stress_under_which_a_strain_goes_on(
 
 @pytest.mark.parametrize(
     ("part", "kind"),
-    [(1.05 * MOST_HELD_CHANGE, "creep"), (1.15 * MOST_HELD_CHANGE, "stress-strain")],
+    [(1.05 * MAX_HELD_CHANGE, "creep"), (1.15 * MAX_HELD_CHANGE, "stress-strain")],
 )
 def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
     tmp_path: Path, part: float, kind: str
@@ -147,8 +147,8 @@ def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
 @pytest.mark.parametrize(
     ("part", "onward", "kind"),
     [
-        (1.05 * MOST_HELD_CHANGE, 1.0, "creep"), (1.15 * MOST_HELD_CHANGE, 1.0, "relaxation"),
-        (1.05 * MOST_HELD_CHANGE, 0.0, "relaxation"),
+        (1.05 * MAX_HELD_CHANGE, 1.0, "creep"), (1.15 * MAX_HELD_CHANGE, 1.0, "relaxation"),
+        (1.05 * MAX_HELD_CHANGE, 0.0, "relaxation"),
     ],
 )  # fmt: skip
 def test_so_does_a_force_where_the_displacement_goes_on(

@@ -44,8 +44,8 @@ def test_folders_and_sockets_are_refused(tmp_path: Path) -> None:
 def test_a_pipe_that_brings_nothing_is_not_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert raw_file.SILENCE == 30
-    monkeypatch.setattr(raw_file, "SILENCE", 0)
+    assert raw_file.PIPE_TIMEOUT == 30
+    monkeypatch.setattr(raw_file, "PIPE_TIMEOUT", 0)
     path = tmp_path / "pipe"
     os.mkfifo(path)
     with pytest.raises(ReadError, match="pipe is a pipe into which nothing was written for 0 s"):
@@ -67,9 +67,9 @@ def test_a_pipe_is_read_to_its_end(tmp_path: Path) -> None:
 
 
 def test_pipe_without_end_is_abandoned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert raw_file.PIPED == 1 << 29
+    assert raw_file.MAX_PIPE_SIZE == 1 << 29
     for most in (len(TEXT), len(TEXT) - 1):
-        monkeypatch.setattr(raw_file, "PIPED", most)
+        monkeypatch.setattr(raw_file, "MAX_PIPE_SIZE", most)
         path = tmp_path / f"pipe {most}"
         os.mkfifo(path)
         writer = threading.Thread(target=path.write_text, args=(TEXT,))

@@ -32,7 +32,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.plot import style
 from dashpot.report import first_screen, html
 from dashpot.report.figures import RenderedFigure
-from dashpot.report.first_screen import MOST_WORDS
+from dashpot.report.first_screen import MAX_WORDS
 from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -447,7 +447,7 @@ def test_report_shows_as_many_checks_as_fit(sketch):
     study = replace(handmade.bench_only(), fit=replace_fields(S.fit, checks=every), checks=())
     text = sketch(study)
     shown = text[: text.index("The test and its fit")].count("word " * 28)
-    assert shown == 1 + MOST_WORDS // 30
+    assert shown == 1 + MAX_WORDS // 30
     assert f"{7 - shown} more are in the list of checks" in text
 
 

@@ -7,7 +7,7 @@ import pytest
 from kit.foreign.conditioning import Arms, press_solid
 
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.moving_plate import face_under_plate
+from dashpot.solids.moving_plate import simulate_face_under_plate
 
 SEAL = Arms("three arms", 200.0, (40.0, 30.0, 50.0), (0.3, 6.0, 40.0))
 SOLID = GeneralizedMaxwell(SEAL.k_inf, SEAL.k, SEAL.tau)
@@ -26,7 +26,7 @@ def cycles(step: float, *, low: float = 0.0, rest: float = 5.0) -> tuple[np.ndar
 @pytest.mark.parametrize("low", [0.0, -1e-3, 0.4e-3])
 def test_a_face_is_that_of_a_fine_recursion(low: float) -> None:
     time, plate = cycles(0.01, low=low)
-    face, force = face_under_plate(SOLID, time, plate)
+    face, force = simulate_face_under_plate(SOLID, time, plate)
     fine, finer = press_solid(SEAL, 0.01, plate, bonded=False, fine=20)
     np.testing.assert_allclose(face, fine, atol=3e-4 * 8e-3)
     np.testing.assert_allclose(force, finer, atol=1e-3 * finer.max())
@@ -34,7 +34,7 @@ def test_a_face_is_that_of_a_fine_recursion(low: float) -> None:
 
 def test_the_plate_never_enters_the_seal_nor_pulls_at_it() -> None:
     time, plate = cycles(0.02)
-    face, force = face_under_plate(SOLID, time, plate)
+    face, force = simulate_face_under_plate(SOLID, time, plate)
     assert np.all(face >= plate)
     assert np.all(force >= 0)
     # where they are apart there is no force
@@ -51,7 +51,7 @@ def test_the_recovery_of_a_free_face_is_a_sum_of_retardations() -> None:
     time = np.linspace(0.0, 30.0, 3001)
     plate = np.where(time < 10.0, 8e-3, -1e-3)
     plate[0] = 0.0
-    face, _ = face_under_plate(solid, time, plate)
+    face, _ = simulate_face_under_plate(solid, time, plate)
     first = int(np.searchsorted(time, 10.0)) + 1
     since = time[first:] - time[first]
     np.testing.assert_allclose(face[first:], face[first] * np.exp(-since / 3.0), rtol=2e-3)
@@ -61,18 +61,18 @@ def test_the_recovery_of_a_free_face_is_a_sum_of_retardations() -> None:
 def test_a_plate_that_only_presses_is_the_face() -> None:
     time = np.linspace(0.0, 10.0, 501)
     plate = 8e-3 * np.minimum(time / 2, 1.0)
-    face, force = face_under_plate(SOLID, time, plate)
+    face, force = simulate_face_under_plate(SOLID, time, plate)
     np.testing.assert_array_equal(face, plate)
     np.testing.assert_allclose(force, SOLID.force(time, plate), rtol=1e-9, atol=1e-12)
 
 
 def test_a_spring_and_an_uneven_clock_are_taken_as_well() -> None:
     time, plate = cycles(0.01)
-    face, force = face_under_plate(GeneralizedMaxwell(200.0), time, plate - 1e-3)
+    face, force = simulate_face_under_plate(GeneralizedMaxwell(200.0), time, plate - 1e-3)
     np.testing.assert_allclose(face, np.maximum(plate - 1e-3, 0.0), atol=1e-12)
     np.testing.assert_allclose(force, 200.0 * face, atol=1e-9)
     retained = np.sort(np.random.default_rng(2).permutation(len(time))[: 2 * len(time) // 3])
     retained = np.unique(np.append(retained, 0))
-    even, _ = face_under_plate(SOLID, time, plate)
-    some, _ = face_under_plate(SOLID, time[retained], plate[retained])
+    even, _ = simulate_face_under_plate(SOLID, time, plate)
+    some, _ = simulate_face_under_plate(SOLID, time[retained], plate[retained])
     np.testing.assert_allclose(some, even[retained], atol=0.01 * 8e-3)

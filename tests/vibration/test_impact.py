@@ -13,7 +13,7 @@ from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Kind
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.simulation.impact import Hammer, simulate_impact
-from dashpot.vibration.impact.amplitude_trend import trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import fit_amplitude_trend
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 
@@ -454,7 +454,7 @@ def test_hits_have_resonance_and_amplitude(strike, paper_seal):
     X = np.array([hit.amplitude for hit in frf.hits])
     assert X / X[0] == pytest.approx(peaks / peaks[0], rel=0.03)
     assert [hit.modal_mass for hit in frf.hits] == pytest.approx(6 * [MASS], rel=0.03)
-    trend = trend_of_hits(frf.hits)
+    trend = fit_amplitude_trend(frf.hits)
     assert trend.stiffness == pytest.approx(-0.01, rel=0.15)
     assert trend.amplitudes == pytest.approx((0.55 * X.min(), 0.55 * X.max()))
 
@@ -467,7 +467,7 @@ def test_trend_of_hits_has_the_published_error():
 
         def compute_trend(change, count=count, sizes=sizes):
             f = 12.7 * sizes ** (change / np.log(4)) * (1 + 1e-3 * rng.normal(size=count))
-            return trend_of_hits(
+            return fit_amplitude_trend(
                 [
                     Hit(str(i), 0.0, True, (), 1.0, 0.0, hz, 0.03, 0.1, 1e-3 * X)
                     for i, (hz, X) in enumerate(zip(f, sizes, strict=True))

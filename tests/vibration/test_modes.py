@@ -15,7 +15,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.mass_on_seals import model_modes, predict_frf
 from dashpot.vibration.modal.modal_methods import Method
-from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.peaks import find_mount_band
 from dashpot.vibration.modal.pole_fit import BackgroundProjection, FRFLines, PoleTrial, pole_kernel
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829
@@ -228,7 +228,7 @@ def test_the_kernel_is_the_transform_over_the_record():
 
 def test_the_mount_band_ignores_noise_near_zero(strike):
     frf = estimate_frf(strike(record=8.0, hits=3, noise=(0.01, 0.2)))
-    low, high = mount_band(frf.frequency, frf.value, frf.sd)
+    low, high = find_mount_band(frf.frequency, frf.value, frf.sd)
     assert low == pytest.approx(12.7 / 4, rel=0.05)
     assert high == pytest.approx(12.7 * 4, rel=0.05)
 

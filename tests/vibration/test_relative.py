@@ -13,7 +13,7 @@ from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.vibration_tests import ShakenTest
 from dashpot.extensions.modes.base_transmissibility import estimate_transmissibility
 from dashpot.extensions.modes.shaken_base import read_shaken
-from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.frf_data import select_frf_data
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.prediction_bounds import PredictedFRF
 from dashpot.reading.read_options import ReadOptions
@@ -143,7 +143,7 @@ def test_lines_without_scatter_count_by_what_was_measured():
     f = np.arange(6.0, 30.0, 0.5)
     for kind in (RELATIVE, "transmissibility"):
         measured = over_base(f, kind)
-        data = frf_data_of(measured, seals=2, band=None, mass=PAPER_MASS)
+        data = select_frf_data(measured, seals=2, band=None, mass=PAPER_MASS)
         near = measured.band(data.lines.frequency[0], data.lines.frequency[-1])
         assert data.sd * PAPER_MASS == pytest.approx(np.abs(near.value), rel=1e-9)
 

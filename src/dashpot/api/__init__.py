@@ -131,7 +131,7 @@ def show_typed_keywords(keywords: type) -> Callable[[F], F]:
 
 
 def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
-    """Let a function refuse a keyword that it does not have in a sentence, as a decorator."""
+    """Raise a clear error for a keyword that the function does not have, as a decorator."""
     own_signature = signature(function)
     names = [
         item.name for item in own_signature.parameters.values()

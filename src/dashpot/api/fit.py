@@ -286,7 +286,7 @@ def frf_of(
     band: tuple[float, float] | None = None,
     hammer: HammerChoices | None = None,
 ) -> FRF:
-    """Return the FRF of hits, or one that was measured elsewhere, with what it says of itself."""
+    """Return the FRF of a hammer test, or a measured FRF, with the metadata of its file."""
     measurement = _require_single_measurement(measured)
     if isinstance(measurement, FRFSet):
         raise FitError("one FRF is fitted under a mass: choose its point")

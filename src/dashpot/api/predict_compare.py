@@ -31,7 +31,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.registry import find_handler, load_object, require_handler, row_of
 from dashpot.workflow.frf_comparison import FRFComparison, agreement
-from dashpot.workflow.frf_prediction import BAND, Prediction, prediction
+from dashpot.workflow.frf_prediction import DEFAULT_BAND, Prediction, prediction
 from dashpot.workflow.job import BlockOnSeals, HammerChoices, LevelChoices, PartChoices, TimeLimits
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def _predict_solid_frf(
     from dashpot.vibration.mass_on_seals import predict_frf
 
     require_positive(lines=lines)
-    hertz = np.linspace(*(si_range(band, "frequency") or BAND), lines)
+    hertz = np.linspace(*(si_range(band, "frequency") or DEFAULT_BAND), lines)
     kilograms = convert_to_si(mass, "mass")
     SIZES["mass"].refuse(kilograms)
     return predict_frf(seals * solid, mass=kilograms, frequency=hertz, kind=quantity)

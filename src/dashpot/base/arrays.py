@@ -42,7 +42,7 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 MIN_SI_MAGNITUDE, MAX_SI_MAGNITUDE = 1e-30, 1e30
 """Smallest and largest magnitude of any measured array, in SI units."""
 
-MOST_SAMPLES = 2e7
+MAX_SAMPLES = 2e7
 """Largest length of a planned or simulated record: a day at 200 Hz, a minute at 300 kHz."""
 
 
@@ -84,7 +84,7 @@ def _are_equal(a: object, b: object) -> bool:
 
 
 def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
-    """Keep the result of a function of one frozen record with the record, as a property would."""
+    """Cache the result of a function on its frozen record, as a decorator."""
 
     @wraps(function)
     def once(record: T) -> R:
@@ -198,13 +198,13 @@ def sample_count(duration: float, rate: float) -> int:
     Raises
     ------
     DataError
-        If they are more than :data:`MOST_SAMPLES`.
+        If they are more than :data:`MAX_SAMPLES`.
     """
     count = duration * rate
-    if not count <= MOST_SAMPLES:
+    if not count <= MAX_SAMPLES:
         raise DataError(
             f"{duration:.6g} s at {rate:.6g} Hz are {count:.3g} samples; expected at most "
-            f"{MOST_SAMPLES:.0e}: give a shorter time or a lower rate"
+            f"{MAX_SAMPLES:.0e}: give a shorter time or a lower rate"
         )
     return round(count)
 
@@ -254,7 +254,7 @@ def _make_rotation_tables(count: int, turn: float) -> tuple[ComplexArray, Comple
 
 
 def increasing(name: str, values: FloatArray) -> FloatArray:
-    """Return `values` if they rise strictly, else say where they do not."""
+    """Return `values`; raise DataError at the first that does not rise strictly."""
     falls = np.flatnonzero(values[1:] <= values[:-1])
     if falls.size:
         i = int(falls[0]) + 1
@@ -431,7 +431,9 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     options = {name: item for name, item in of.items() if getattr(result, name) is not None}
     units = {
         name: _unit(result, name, word, option)
-        for (name, option), word in zip(options.items(), words_of(result, options), strict=True)
+        for (name, option), word in zip(
+            options.items(), get_unit_words(result, options), strict=True
+        )
     }
     for name, unit in units.items():
         convert_field_to_si(result, name, unit)
@@ -439,7 +441,7 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     return {name: unit.dimension for name, unit in units.items()}
 
 
-def words_of(result: Any, options: Mapping[str, Dimensions]) -> list[str]:
+def get_unit_words(result: Any, options: Mapping[str, Dimensions]) -> list[str]:
     """Return the words of the units, one for each array."""
     kind, names = _get_type_label(result), ", ".join(options)
     example = ", ".join(get_default_unit(_several(option)[0]) for option in options.values())

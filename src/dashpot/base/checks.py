@@ -227,7 +227,7 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
 def format_short_message(
     check: Check, max_words: int = MAX_MESSAGE_WORDS, closing: str = ""
 ) -> str:
-    """Return what a check found and what to do in at most so many words, and what follows.
+    """Return the message of a check and its remedy in at most `max_words` words.
 
     What explains it, and the second thing to do, give way first.
     """

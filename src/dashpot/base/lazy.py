@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 def build_lazy_exports(
     package: str, file: str
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Return ``__getattr__`` and ``__dir__`` of a module whose stub stands beside it.
+    """Return ``__getattr__`` and ``__dir__`` of a module from its stub file.
 
     A line of the stub names the module that a name is of, whatever its layer: a low package offers
     so what stands in a higher one, and imports none of it. The stub is read when the first name is
@@ -69,7 +69,7 @@ def _read_homes(package: str, stub: str) -> dict[str, tuple[str, str]]:
 
 
 class LazyPackage(ModuleType):
-    """A package some of whose public functions bear names of its modules: the function is meant.
+    """Package some of whose functions have the name of one of its modules; the function wins.
 
     A module that is imported is set as an attribute of its package, which would hide the function.
     """
@@ -80,12 +80,12 @@ class LazyPackage(ModuleType):
             super().__setattr__(name, value)
 
     def __reduce__(self) -> Any:
-        """Let functions that name the package go to other processes, as with any module."""
+        """Pickle the package by its name, as Python does for any module."""
         return import_module, (self.__name__,)
 
 
 def set_package_functions(package: str, *verbs: str) -> None:
-    """Let these names of a package be its functions, whatever modules are imported."""
+    """Set attributes of a package to functions, also after modules of that name are imported."""
     module = sys.modules[package]
     module.VERBS = frozenset(verbs)  # type: ignore[attr-defined]
     module.__class__ = LazyPackage

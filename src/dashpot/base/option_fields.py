@@ -50,7 +50,7 @@ def get_choice_values(choice: Any) -> tuple[str, ...]:
 def require_choice(
     name: str, value: object, choice: Any, error: type[DashpotError] = DataError
 ) -> None:
-    """Refuse what is none of the words of a choice.
+    """Raise an error if a word is none of the allowed choices.
 
     Raises
     ------
@@ -109,25 +109,25 @@ def is_path_field(attribute: Field[Any]) -> bool:
     return attribute.metadata.get("metavar") in {"FILE", "FRF"}
 
 
-def flag_of(attribute: Field[Any]) -> str:
+def get_option_flag(attribute: Field[Any]) -> str:
     """Return the option that takes a field, as it is typed: ``--seal-mass``, ``--machine``."""
     how = attribute.metadata
     return "--" + str(how.get("under", how.get("flag", attribute.name))).replace("_", "-")
 
 
-def key_of(attribute: Field[Any]) -> str:
+def get_option_key(attribute: Field[Any]) -> str:
     """Return the KEY by which an option of KEY=VALUE takes a field: ``ramp-end``."""
     return str(attribute.metadata.get("key", attribute.name)).replace("_", "-")
 
 
-def flags_of(cls: type) -> str:
+def format_option_flags(cls: type) -> str:
     """Return the options of a value as a sentence lists them.
 
     >>> from dashpot.workflow.job import TimeLimits
-    >>> flags_of(TimeLimits)
+    >>> format_option_flags(TimeLimits)
     '--time-limits'
     """
-    *other_flags, last = dict.fromkeys(map(flag_of, iterate_option_fields(cls)))
+    *other_flags, last = dict.fromkeys(map(get_option_flag, iterate_option_fields(cls)))
     return f"{', '.join(other_flags)} and {last}" if other_flags else last
 
 
@@ -213,7 +213,7 @@ class FormData:
         return si_range(text, dimension) if text else None
 
     def options(self, files: int) -> tuple[str, ...]:
-        """Return the words of a shell that say the same of so many files."""
+        """Return the command-line words of the filled fields, for so many files."""
         results: list[str] = []
         for form_field in self.asks:
             names = (

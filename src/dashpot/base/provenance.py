@@ -85,7 +85,7 @@ class Source(Serialisable):
 
     @property
     def cautions_or_none(self) -> tuple[str, ...] | None:
-        """The cautions; None without any, of which no document speaks."""
+        """The cautions; None if there are none, so that a document leaves the key out."""
         return self.cautions or None
 
 
@@ -125,12 +125,12 @@ class Prepared(Protocol):
         ...
 
 
-def sources_of(records: Iterable[Read]) -> tuple[Source, ...]:
+def list_sources(records: Iterable[Read]) -> tuple[Source, ...]:
     """Return the files behind records."""
     return tuple(record.source for record in records if record.source is not None)
 
 
-def steps_of(records: Iterable[Prepared]) -> tuple[Step, ...]:
+def list_steps(records: Iterable[Prepared]) -> tuple[Step, ...]:
     """Return the processing steps of records, in order."""
     return tuple(step for record in records for step in record.steps)
 

@@ -110,7 +110,7 @@ class ReportedValue(Serialisable):
         read: str = "",
         words: str = "",
     ) -> Self:
-        """A number with an interval of so many standard errors; none if the error is infinite.
+        """Return a value with an interval of so many standard errors; none if the error is inf.
 
         That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
         An error that is nan or None is not known.
@@ -137,17 +137,17 @@ class ReportedValue(Serialisable):
 
     @property
     def is_upper_bound(self) -> bool:
-        """Whether all that is known is what it is at most."""
+        """Whether only an upper limit is known."""
         return self.low == 0 and self.error is None
 
     @property
     def is_at_most(self) -> bool:
-        """Whether nothing is known of how small it may be beside its value."""
+        """Whether the value has no lower limit."""
         return math.isnan(self.low) and not math.isnan(self.high)
 
     @property
     def is_lower_bound(self) -> bool:
-        """Whether all that is known is what it is at least."""
+        """Whether only a lower limit is known."""
         return math.isnan(self.value) and self.high == math.inf
 
     @property

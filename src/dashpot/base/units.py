@@ -197,10 +197,10 @@ _ALIASES = {
     spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings.split()
 }
 _WORDS: dict[str, list[Unit]] = {}
-_FOLDED: dict[str, list[Unit]] = {}
+_FOLDED_SPELLINGS: dict[str, list[Unit]] = {}
 for _unit in TABLE.values():
     _WORDS.setdefault(_unit.word, []).append(_unit)
-    _FOLDED.setdefault(_unit.word.lower(), []).append(_unit)
+    _FOLDED_SPELLINGS.setdefault(_unit.word.lower(), []).append(_unit)
 
 
 @lru_cache(maxsize=1024)
@@ -227,7 +227,7 @@ def find_unit(word: str, dimension: Dimension | None = None) -> Unit | None:
                 return unit
     # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
     ascii_text = text.replace("µ", "u").lower().rstrip(".")
-    matches = [u for u in _FOLDED.get(ascii_text, ()) if dimension in (None, u.dimension)]
+    matches = [u for u in _FOLDED_SPELLINGS.get(ascii_text, ()) if dimension in (None, u.dimension)]
     return matches[0] if len(matches) == 1 else None
 
 
@@ -301,7 +301,7 @@ _DISPLAY_UNITS = MappingProxyType({
 """The unit in which people read what is in a unit of SI, where that is another one."""
 
 
-_FINE = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
+_SMALLER_UNITS = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
 """Display units of small quantities: a tare, a drift, a delay."""
 
 
@@ -366,7 +366,7 @@ def from_unit(value: float | FloatArray, unit: Unit) -> float | FloatArray:
 
 
 def get_default_unit(dimension: Dimension) -> str:
-    """Return the unit in which something is given where nothing else is known.
+    """Return the default unit of a dimension.
 
     >>> get_default_unit("length"), get_default_unit("time")
     ('mm', 's')
@@ -387,7 +387,11 @@ def get_display_unit(unit: str, *, prefers_small: bool = False) -> str:
     resolved_unit = find_unit(word)
     unit_word = word if resolved_unit is None else resolved_unit.word
     display_unit = _DISPLAY_UNITS.get(unit_word, word)
-    return (_FINE.get(unit_word, display_unit) if prefers_small else display_unit) + per + divisor
+    return (
+        (_SMALLER_UNITS.get(unit_word, display_unit) if prefers_small else display_unit)
+        + per
+        + divisor
+    )
 
 
 def column(name: str, unit: str) -> str:
@@ -449,7 +453,7 @@ def convert_to_si(value: Quantity, dimension: Dimension) -> float: ...
 @overload
 def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None: ...
 def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
-    """Return a quantity in SI units; a number is in SI already, None stays None.
+    """Return a quantity in SI units; numbers are taken as SI, None stays None.
 
     >>> convert_to_si("104g", "mass"), convert_to_si(0.104, "mass"), convert_to_si(None, "mass")
     (0.104, 0.104, None)

@@ -91,7 +91,7 @@ class PlausibleRange(NamedTuple):
     hard: Span
 
     def absurd(self, size: float) -> bool:
-        """Whether no test has it; what is no number is no such size, and 0 is said elsewhere."""
+        """Whether a value is impossible; not for nan and 0, which other checks refuse."""
         low, high = self.hard
         return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
 
@@ -179,7 +179,7 @@ _NAMED_RANGES = {
     "kg": ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "ug")),
     "s": ((86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")),
 }  # fmt: skip
-_PLAIN = frozenset({"m/s^2", "kg/m^3"})
+_UNPREFIXED_UNITS = frozenset({"m/s^2", "kg/m^3"})
 
 
 def format_quantity_short(value: float, unit: str) -> str:
@@ -189,7 +189,7 @@ def format_quantity_short(value: float, unit: str) -> str:
     ...     "s"), format_quantity_short(0.104, "kg"), format_quantity_short(259200.0, "s")
     ('2.1 kN', '41 ms', '104 g', '3 days')
     """
-    steps = _NAMED_RANGES.get(unit, () if unit in _PLAIN else _build_prefix_steps(unit))
+    steps = _NAMED_RANGES.get(unit, () if unit in _UNPREFIXED_UNITS else _build_prefix_steps(unit))
     for factor, word in steps:
         if abs(value) >= factor * (1 - 1e-12):
             return f"{value / factor:.3g} {word}"

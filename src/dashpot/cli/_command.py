@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 
 import click
 
-from dashpot.base.option_fields import flag_of, iterate_option_fields
+from dashpot.base.option_fields import get_option_flag, iterate_option_fields
 from dashpot.cli._param_types import Keyed, Scoped, type_of
 
 WIDTH = 80
 """Columns of a page of help."""
 NAME_WIDTH = 27
 """Columns of them them for the name of an option; what is longer stands on a line of its own."""
-MOST_HELP_LINES = 40
+MAX_HELP_LINES = 40
 """Lines that the help of a verb may take."""
 
 TYPED_VALUES = "dashpot.typed"
@@ -109,7 +109,7 @@ class CommandOption(click.Option):
         return {self.target.argument, *(field.name for field in self.target.fields)}
 
     def iterate_field_values(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
-        """Yield what its fields are by what click passes on, for all files ("") or for some."""
+        """Yield dataclass field values from click's parameters, for all files ("") or some."""
         assert self.target is not None  # noqa: S101
         field = self.target.fields[0]
         if isinstance(self.type, Keyed):
@@ -158,7 +158,9 @@ def build_options(
     }
     fields_by_flag: dict[str, list[Field[Any]]] = {}
     for name in names or fields_by_name:
-        fields_by_flag.setdefault(flag_of(fields_by_name[name]), []).append(fields_by_name[name])
+        fields_by_flag.setdefault(get_option_flag(fields_by_name[name]), []).append(
+            fields_by_name[name]
+        )
     return [
         _make_option(
             flag,
@@ -199,7 +201,7 @@ def _make_option(
 
 
 def _get_metavar(kind: click.ParamType[Any]) -> str:
-    """Return what stands for a value: its words, its dimension, or a number."""
+    """Return the placeholder of a value in the help: its choices, its dimension, or a number."""
     if isinstance(kind, click.Choice):
         return "|".join(kind.choices)
     return _METAVARS.get(kind.name, kind.name.upper())
@@ -210,7 +212,7 @@ _CLICK_SETTINGS = ("help", "metavar", "multiple", "is_flag")
 
 
 def _get_default(field: Field[Any]) -> Any:
-    """Return what click takes where nothing is typed."""
+    """Return the default for click."""
     if "is_flag" in field.metadata:
         return False
     if field.default is MISSING or "multiple" in field.metadata:
@@ -219,7 +221,7 @@ def _get_default(field: Field[Any]) -> Any:
 
 
 def _add_default(message: str, default: Any) -> str:
-    """Say what is usual, where that is a word or a number."""
+    """Add the default to the help, if it is a word or a number."""
     if default in (None, "", False, ()) or message.endswith(")."):
         return message
     default_text = f"{default:g}" if isinstance(default, float) else str(default)
@@ -379,7 +381,7 @@ _OUTPUT_OPTIONS = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
 
 
 def _apply_profiles(ctx: click.Context, options: dict[str, Any]) -> dict[str, Any]:
-    """Lay what the profiles say below what was typed."""
+    """Fill the options that were not typed from the profiles."""
     if "profile" not in options:
         return options
     from dashpot.cli._read_options import merge_profiles

@@ -60,7 +60,7 @@ def report_error(error: BaseException, words: Sequence[str]) -> int:
 
 
 def _has_option(option: str, words: Sequence[str]) -> bool:
-    """Tell whether an option stands among the words, before ``--``, which ends the options."""
+    """Return whether the words contain an option before ``--``, which ends the options."""
     before_separator = list(words)
     return option in (
         before_separator[: before_separator.index("--")]

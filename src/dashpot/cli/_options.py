@@ -62,7 +62,7 @@ def file_argument(
 def reading_options(
     *, common_flags: Sequence[str] = ("--column", "--units", "--profile")
 ) -> list[CommandOption]:
-    """Return the options that say what a file leaves open; the short help shows `common_flags`."""
+    """Return the options for reading a file; the short help shows `common_flags`."""
     options = [
         *_build_keyed_option(ReadOptions, "column", into="options"),
         *build_options(
@@ -165,7 +165,7 @@ def result_options(
 def mass_options(
     *, kinds: str = "", purpose: str = "", required: bool = False
 ) -> list[CommandOption]:
-    """Return the options of a mass on its seals; `purpose` says what goes without it."""
+    """Return the options of a mass on its seals; `purpose` names the results that need them."""
     return [
         *build_options(
             Job, "mass", kinds=kinds, help=f"Test mass, e.g. 104g.{purpose}", required=required
@@ -200,7 +200,7 @@ def relative_motion_option(kinds: str = "") -> list[CommandOption]:
 
 
 def machine_option(kinds: str = "") -> list[CommandOption]:
-    """Return the option of what is known of the testing machine."""
+    """Return the option for a file with the properties of the testing machine."""
     return build_options(Machine, argument="machine", kinds=kinds)
 
 
@@ -270,7 +270,7 @@ def get_typed_options_for(verb: str, *, excluded_flags: Container[str] = ()) -> 
 
 
 def format_column_hint(files: Sequence[str]) -> str:
-    """Return how a column is said of one file alone, where one was said of several; else nothing.
+    """Return the option for a column of one file, if several files were given; else "".
 
     A number, or a name that two files share, may make another kind of test of the second.
     """

@@ -14,7 +14,7 @@ import click
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.lazy import compile_on_use
-from dashpot.base.option_fields import Drawn, get_choice_values, is_path_field, key_of
+from dashpot.base.option_fields import Drawn, get_choice_values, get_option_key, is_path_field
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.registry import find_handler
 
@@ -225,7 +225,7 @@ class ChoiceWithSuggestion(click.Choice[str]):
         if value not in self.choices and not self._is_plugin(str(value)):
             advice = find_handler("choice", key) or format_suggestion(key, self.choices)
             message = f"'{value}' is unknown. {advice}"
-            self.fail(message + self._more(), param, ctx)
+            self.fail(message + self._example_units(), param, ctx)
         return str(value)
 
     def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
@@ -240,7 +240,7 @@ class ChoiceWithSuggestion(click.Choice[str]):
 
         return find_plugin(self.plugins, value) is not None
 
-    def _more(self) -> str:
+    def _example_units(self) -> str:
         if self.plugins is None:
             return ""
         from dashpot.registry.plugins import format_plugin_names
@@ -279,7 +279,7 @@ class Keyed(click.ParamType[Any]):
 
     def __init__(self, flag: str, fields: Sequence[Field[Any]]) -> None:
         self.flag = flag
-        self.fields = {key_of(field): field for field in fields}
+        self.fields = {get_option_key(field): field for field in fields}
         self.sign = fields[-1].metadata.get("sign", "=")
         # the field that the option is named after is typed without a key: FILE,axis=Fz
         self.first = next((field for field in fields if f"--{field.name}" == flag), None)

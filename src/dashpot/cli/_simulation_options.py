@@ -69,7 +69,7 @@ def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any,
 
 @contextmanager
 def explain_unclear_file(path: str) -> Iterator[None]:
-    """Say of a file that leaves a question open what answers it, where no option here does."""
+    """Context manager that adds to the error of an unclear file what its header needs."""
     try:
         yield
     except ReadError as error:

@@ -166,7 +166,7 @@ def command(
 def _format_missing_options(
     result: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]
 ) -> str:
-    """What to say where no solver is named: that, and all else that a deck would be asked for."""
+    """Return the message for a missing solver, with all other options that the deck needs."""
     solver_request = f"Name the solver: --to {', '.join(_SOLVERS[:-1])} or {_SOLVERS[-1]}."
     try:
         workflow.deck_for(
@@ -178,7 +178,7 @@ def _format_missing_options(
 
 
 def _update_specimen(specimen: Specimen, user_specimen: Specimen) -> Specimen:
-    """Return what a fit knows of its specimen with what the user adds now."""
+    """Return the specimen of a fit, completed by the options of this command."""
     new_values = {
         field.name: getattr(user_specimen, field.name)
         for field in fields(user_specimen)

@@ -134,7 +134,7 @@ class FitRequest:
             )
 
     def check_output_suffix(self, *suffixes: str, result_name: str) -> str | None:
-        """Return the suffix of the file that keeps the result or its page; None where none is.
+        """Return the suffix of the output file; None if there is no output file.
 
         Raises
         ------
@@ -259,7 +259,7 @@ def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
 
 
 def _make_bench_figures(fit: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
-    """What a page of the fit shows: the answer, with what the test leaves open, and the test."""
+    """Return the figures of a fit's page: response with its bounds, and the test."""
     first = records[0]
     draw_tests = partial(_draw_bench_tests, fit, records)
     if fit.temperatures is not None and not isinstance(first, dp.RampHold):
@@ -422,7 +422,7 @@ def _format_joint_next_steps(request: FitRequest, fit: dp.Fit) -> str:
 
 
 def _make_deck_words(fit: dp.Fit) -> list[str]:
-    """The options of a deck in the valid band, with what the fit does not know to be filled in."""
+    """Return the options of a deck in the valid band, with placeholders for missing values."""
     specimen = fit.specimen
     specimen_values: tuple[tuple[str, Any], ...] = (
         ("--temperature", specimen.temperature), ("--length", specimen.length),

@@ -93,7 +93,7 @@ _USES = {
 
 
 def _list_plugins() -> CommandResult:
-    """What packages of others add, as their rows say."""
+    """Return the installed plug-ins as text."""
     from dashpot.registry.plugins import read_plugins
 
     installed = read_plugins()
@@ -124,7 +124,7 @@ def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
 
 
 def _format_inspection(inspection: InspectedFile, shown_path: str = "") -> list[str]:
-    """Return what a file is, what it still asks, and the test in it; briefly for one of several.
+    """Return the kind of a file, its open questions and its test; briefly for one of several.
 
     Of those the first question alone is shown, with the path by which the rest are asked for.
     """

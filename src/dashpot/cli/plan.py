@@ -126,7 +126,7 @@ def _plan_ramp_hold(
     interval: float,
     along: tuple[float, float, float],
 ) -> CommandResult:
-    """Tell how well a planned test will know stiffness and loss factor at a frequency."""
+    """Print the expected errors of stiffness and loss factor of a planned test."""
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
     arm = None

@@ -196,7 +196,7 @@ def _refuse_other_kinds(kinds: dict[str, str], tests: Sequence[str], impact: Seq
 
 
 def _refuse_unused(*, hammer: bool, mass: bool) -> None:
-    """Refuse what is said of a hammer test or of a mass on the seals, where there is none.
+    """Raise an error for options of a hammer test or a mass, if there is none.
 
     Raises
     ------
@@ -226,7 +226,7 @@ def _refuse_unused(*, hammer: bool, mass: bool) -> None:
 
 
 def _simplify_options(read_options: ReadOptions, files: Sequence[str]) -> ReadOptions:
-    """What is said of files, without patterns where it comes to the same for all of them."""
+    """Return the file options, without patterns if all files have the same values."""
     distinct_options = {read_options.for_file(path) for path in files}
     return distinct_options.pop() if len(distinct_options) == 1 else read_options
 

@@ -23,7 +23,7 @@ from dashpot.solids.maxwell import Solid
 
 
 # naming the machine is worth a sentence if it leaves less than this part of the width
-WORTH_NAMING = 0.8
+MAX_NAMED_WIDTH_RATIO = 0.8
 #: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
 MAX_DEVIANCE = 5.0
 
@@ -38,7 +38,7 @@ def naming(time: float, now: float, then: float) -> str:
     now, then : float
         95 % half widths of k(T), over its value; nan where it is not known.
     """
-    if not then < WORTH_NAMING * now:
+    if not then < MAX_NAMED_WIDTH_RATIO * now:
         return ""
     return (
         "Record a baseline of 10 s, and give the drift, compliance and creep of the machine and "
@@ -50,7 +50,7 @@ def naming(time: float, now: float, then: float) -> str:
 
 # the kind of test that ended, and what would have extended it
 Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
-_MORE: Mapping[str, str] = MappingProxyType({
+_MORE_DATA: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",
     "curve": "Measure longer.",
     "sweep": "Sweep to lower frequencies, or fit a relaxation test beside it.",
@@ -174,17 +174,17 @@ class EndOfHold(Serialisable):
         return self._limits(unit, self._subject(unit))
 
     def _limits(self, unit: str, subject: str) -> str:
-        word = get_display_unit(unit)
-        low, high = (convert_to_unit(end, word) for end in self.k_end)
+        display_unit = get_display_unit(unit)
+        low, high = (convert_to_unit(end, display_unit) for end in self.k_end)
         text, width = "", high - low
         if not math.isnan(self.k_10end[0]):
-            later = [convert_to_unit(end, word) for end in self.k_10end]
-            text = f", at {self._format_end(10)} {interval(*later)} {word}"
-            width = later[1] - later[0]
-        upper_text = round_to_error(convert_to_unit(self.k_inf[1], word), width / 2)
+            later_limits = [convert_to_unit(end, display_unit) for end in self.k_10end]
+            text = f", at {self._format_end(10)} {interval(*later_limits)} {display_unit}"
+            width = later_limits[1] - later_limits[0]
+        upper_text = round_to_error(convert_to_unit(self.k_inf[1], display_unit), width / 2)
         return (
-            f"At {self._format_end(1)} {subject} is {interval(low, high)} {word}{text}. It may "
-            f"fall further, to at most {upper_text} {word}"
+            f"At {self._format_end(1)} {subject} is {interval(low, high)} {display_unit}{text}. It "
+            f"may fall further, to at most {upper_text} {display_unit}"
         )
 
     def _format_end(self, times: float) -> str:
@@ -207,7 +207,7 @@ class EndOfHold(Serialisable):
     @property
     def remedy(self) -> str:
         """Remedy that would narrow the limits, and by how much."""
-        return self.naming or _MORE[self.test_kind]
+        return self.naming or _MORE_DATA[self.test_kind]
 
     @property
     def naming(self) -> str:
@@ -222,10 +222,14 @@ class EndOfHold(Serialisable):
 
     def fact(self, solid: Solid, unit: str) -> ReportedValue:
         """Return the stiffness of a solid at the end of the test, between these limits."""
-        at = self._format_end(1) if self.is_frequency else duration(self.end_time)
+        condition = self._format_end(1) if self.is_frequency else duration(self.end_time)
         symbol = "K'" if self.is_frequency else {"creep": "1/J"}.get(self.test_kind, "k")
         return ReportedValue(
-            "k_end", self.compute_stiffness(solid), *self.k_end, unit, words=f"{symbol}({at})"
+            "k_end",
+            self.compute_stiffness(solid),
+            *self.k_end,
+            unit,
+            words=f"{symbol}({condition})",
         )
 
     def __mul__(self, count: float) -> EndOfHold:
@@ -356,7 +360,7 @@ class FRFBounds(FrozenArrays, Serialisable):
 
 
 #: a loss factor that is known no better than this part of itself is not known
-WELL_KNOWN = 0.3
+MAX_LOSS_FACTOR_ERROR = 0.3
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def numbers_unambiguous(cautions: tuple[str, ...]) -> Finding:
 
 
 def caution_checks(sources: Iterable[Source]) -> tuple[Check, ...]:
-    """Return what the notes of readers hold against their numbers; nothing where none does."""
+    """Return the checks of the notes that the reader of a file made about its numbers."""
     files = [source for source in dict.fromkeys(sources) if source.cautions]
     has_several_files = len({file.file for file in files}) > 1
     sentences = [

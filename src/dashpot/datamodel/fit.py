@@ -22,16 +22,20 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import Quantity, celsius, convert_to_si, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.bounds import EndOfHold, StiffnessLimits
-from dashpot.datamodel.fit_diagnostics import Evidence, Provenance, family_of
+from dashpot.datamodel.fit_diagnostics import Evidence, Provenance, get_model_family
 from dashpot.datamodel.parameter_estimate import (
-    SHAPE,
+    SHAPE_PREFIXES,
     Interval,
     Intervals,
     Nuisance,
     ParameterEstimate,
     StandardErrors,
 )
-from dashpot.datamodel.shift_factors import CONTRADICT, SAME_TEMPERATURE, TemperatureShifts
+from dashpot.datamodel.shift_factors import (
+    MIN_CONTRADICTING_TESTS,
+    SAME_TEMPERATURE,
+    TemperatureShifts,
+)
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.elastic import ElasticLaw, require_plausible_compression
@@ -141,7 +145,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     @property
     def family(self) -> Family:
         """Family of the solid: ``"maxwell"`` or ``"fractional"``."""
-        return family_of(self.solid)
+        return get_model_family(self.solid)
 
     @property
     def verdict(self) -> Verdict:
@@ -159,7 +163,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             # no ramp and hold shows a flow that grows as a power of its force from arms
             advice = "Outside this band a linear seal is assumed: add a hammer test."
         shifts = () if self.temperatures is None else self.temperatures.tested_shifts
-        if self.method == "full" and 1 < len(shifts) < CONTRADICT:
+        if self.method == "full" and 1 < len(shifts) < MIN_CONTRADICTING_TESTS:
             advice = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self._error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
@@ -240,10 +244,14 @@ class Fit(EqualByValue, Plottable, Serialisable):
         require_positive(temperature=kelvin, unit=" K")
         if self.temperatures is not None:
             return self.temperatures.shift_model(self.model, kelvin)
-        tested = self.specimen.temperature
-        if tested is not None and abs(kelvin - tested) <= SAME_TEMPERATURE:
+        tested_temperature = self.specimen.temperature
+        if tested_temperature is not None and abs(kelvin - tested_temperature) <= SAME_TEMPERATURE:
             return self.model
-        name = "a temperature that nobody noted" if tested is None else celsius(tested)
+        name = (
+            "a temperature that nobody noted"
+            if tested_temperature is None
+            else celsius(tested_temperature)
+        )
         raise DataError(
             f"the fit is of tests at {name}, and nothing says how the model shifts to "
             f"{celsius(kelvin)}: fit tests at several temperatures together"
@@ -370,10 +378,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
             If `level` is not between 0 and 1.
         """
         intervals = self._arm_estimate.intervals(self.model, level)
-        return {**intervals, "k_inf": self._k_inf_between(intervals["k_inf"], level)}
+        return {**intervals, "k_inf": self._k_inf_limits(intervals["k_inf"], level)}
 
-    def _k_inf_between(self, formal: Interval, level: float) -> Interval:
-        """The interval of k_inf: from 0 to what a test leaves of it, or to its own upper end."""
+    def _k_inf_limits(self, formal: Interval, level: float) -> Interval:
+        """The interval of k_inf: from 0 to the upper limit by the test, or to its own upper end."""
         if self._has_given_k_inf:
             return formal
         end = self.evidence.end_of_hold
@@ -394,7 +402,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
             If `level` is not between 0 and 1.
         """
         entries = self.estimate.confidence_limits(self.solid, level)
-        return _exclude_dashpots({**entries, "k_inf": self._k_inf_between(entries["k_inf"], level)})
+        return _exclude_dashpots({**entries, "k_inf": self._k_inf_limits(entries["k_inf"], level)})
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
@@ -421,11 +429,11 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def _bound_k_inf_from_above(self, fitted: ReportedValue) -> ReportedValue:
         """Return k_inf as every table has it: its upper limit in place of its fitted interval."""
         end = self.evidence.end_of_hold
-        high = fitted.high if end is None else end.k_inf[1]
-        if self._has_given_k_inf or not np.isfinite(high):
+        upper_limit = fitted.high if end is None else end.k_inf[1]
+        if self._has_given_k_inf or not np.isfinite(upper_limit):
             return fitted
-        words = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
-        return replace(fitted, low=np.nan, high=high, error=None, words=words)
+        source_note = "" if end is None or end.test_kind != "frf" else "stiffness below the band"
+        return replace(fitted, low=np.nan, high=upper_limit, error=None, words=source_note)
 
     @property
     def _document_intervals(self) -> Intervals:
@@ -511,7 +519,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """Everything done since the raw files."""
+        """All processing steps since the raw files."""
         return self.provenance.steps
 
     @property
@@ -622,7 +630,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 def scale_stiffness(fit: Fit, factor: float, step: Step) -> Fit:
     """Return a fit of which every stiffness, and its error, is `factor` times as large."""
     scale = np.array(
-        [1.0 if name.startswith(SHAPE) else factor for name in fit.estimate.parameters]
+        [1.0 if name.startswith(SHAPE_PREFIXES) else factor for name in fit.estimate.parameters]
     )
     alternative = fit.evidence.alternative
     return replace(
@@ -737,7 +745,7 @@ def list_arm_values(fit: Fit) -> tuple[ReportedValue, ...]:
 
 
 def list_reported_nuisances(fit: Fit) -> tuple[Nuisance, ...]:
-    """Return the nuisance parameters to report: none where nothing explains two tests."""
+    """Return the nuisance parameters to report; none where two tests are contradictory."""
     return () if fit.evidence.has_unexplained_discrepancy else fit.estimate.nuisance
 
 

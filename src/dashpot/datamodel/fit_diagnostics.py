@@ -19,7 +19,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # Alternative families of solids.
 
 
-def family_of(solid: Solid) -> Family:
+def get_model_family(solid: Solid) -> Family:
     """Return the family of a solid: fractional, or of springs and dashpots."""
     return "fractional" if isinstance(solid, FractionalZener) else "maxwell"
 
@@ -59,7 +59,7 @@ class Alternative(Serialisable):
     @property
     def family(self) -> Family:
         """Family of the solid."""
-        return family_of(self.solid)
+        return get_model_family(self.solid)
 
 
 # Evidence and provenance of a fit.
@@ -227,17 +227,17 @@ class DepthStiffness:
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
         """Each stiffness with its error; an arm that is nothing here is one of other depths."""
-        rest = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
+        equilibrium_value = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
         names = (f"k_{j}" for j in range(1, len(self.k) + 1))
         pairs = zip(names, self.k, self.k_se, strict=True)
-        return rest, *(
+        return equilibrium_value, *(
             ReportedValue(name, value, unit=unit, error=error) for name, value, error in pairs
         )
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Evidence behind a fit: what the data support, and what remains undetermined.
+    """Evidence for a fit: scores of the model orders, checks, and undetermined quantities.
 
     Attributes
     ----------

@@ -16,11 +16,11 @@ from dashpot.base.arrays import (
     FloatArray,
     complex_samples,
     convert_field_to_si,
+    get_unit_words,
     increasing,
     make_units_field,
     same_length,
     samples,
-    words_of,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -68,13 +68,13 @@ UNITS = {
 }
 
 # a line whose random error is larger than this part of its value says nothing about a peak
-NOISY_LINE = 0.5
+MAX_LINE_ERROR = 0.5
 # noise cannot be estimated from fewer quiet lines
-FEWEST = 5
+MIN_QUIET_LINES = 5
 # line frequencies below this, Hz, are 0
-ZERO = 1e-9
+ZERO_FREQUENCY = 1e-9
 # a motion per force is the receptance times s to this power
-_POWERS = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
+_POWERS_OF_S = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}
 
 
 @dataclass(frozen=True)
@@ -230,10 +230,10 @@ class FRF(EqualByValue, Plottable, Serialisable):
         return stiffness
 
     def _into_si(self) -> None:
-        """Put lines and values into SI: a ratio of two units shows what the values relate."""
+        """Convert frequencies and values to SI; the ratio of two units shows the kind of FRF."""
         if self.units == SI:
             return
-        hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
+        hertz, of_value = get_unit_words(self, {"frequency": "frequency", "value": "compliance"})
         ratio = load_function("reading.columns.header_units", "parse_response_unit")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
@@ -278,7 +278,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     def _summary_lines(self) -> tuple[str, ...]:
         """Summary: the kind of FRF, its range, and its highest line."""
         size = np.abs(self.value)
-        top = int(size.argmax())
+        peak = int(size.argmax())
         text = f"{self.averages} averages" if self.averages else "predicted, or of unknown averages"
         files = ", ".join(source.file for source in self.source)
         return (
@@ -287,7 +287,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
                 f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
                 f"{text}{f', {files}' if files else ''}"
             ),
-            f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
+            f"highest line: {size[peak]:.5g} {self.unit} at {self.frequency[peak]:.6g} Hz",
         )
 
     @property
@@ -349,15 +349,19 @@ class FRF(EqualByValue, Plottable, Serialisable):
             return replace(self, value=self.value + add, quantity=kind, sd=self.line_scatter)
         if kind.over_base or self.quantity.over_base:
             return self._over_base(kind, mass)
-        old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
-        if old.quantity in _POWERS:
-            receptance = old.value / old.s ** _POWERS[old.quantity]
+        nonzero_frf = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
+        if nonzero_frf.quantity in _POWERS_OF_S:
+            receptance = nonzero_frf.value / nonzero_frf.s ** _POWERS_OF_S[nonzero_frf.quantity]
         else:
-            receptance = 1 / old.value
-        value = _as_kind(receptance, old.s, kind)
+            receptance = 1 / nonzero_frf.value
+        value = _as_kind(receptance, nonzero_frf.s, kind)
         # a relative error is the same for every kind
-        sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
-        return replace(old, value=value, quantity=kind, sd=sd)
+        sd = (
+            None
+            if nonzero_frf.sd is None
+            else nonzero_frf.sd * np.abs(value) / np.abs(nonzero_frf.value)
+        )
+        return replace(nonzero_frf, value=value, quantity=kind, sd=sd)
 
     def _over_base(self, kind: Kind, mass: float | None) -> FRF:
         """Return the same to or from the motion of a mass over a base; see :meth:`to`."""
@@ -410,11 +414,11 @@ class FRF(EqualByValue, Plottable, Serialisable):
     @property
     def usable(self) -> BoolArray:
         """Lines to hold against a model: not 0 Hz, not zero, not mere noise, shape (n,)."""
-        keep = (self.frequency > ZERO) & (np.abs(self.value) > 0)
+        keep = (self.frequency > ZERO_FREQUENCY) & (np.abs(self.value) > 0)
         sd = self.line_scatter
         if sd is not None:
-            low_noise = keep & (sd < NOISY_LINE * np.abs(self.value))
-            keep = low_noise if np.count_nonzero(low_noise) >= FEWEST else keep
+            low_noise = keep & (sd < MAX_LINE_ERROR * np.abs(self.value))
+            keep = low_noise if np.count_nonzero(low_noise) >= MIN_QUIET_LINES else keep
         return np.asarray(keep)
 
     def only(self, keep: BoolArray) -> FRF:
@@ -474,9 +478,9 @@ class FRF(EqualByValue, Plottable, Serialisable):
         FitError
             If the lines cannot support the method: fewer than 5 in the half-power band.
         """
-        measured = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
+        accelerance = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
         find_modes = load_function("vibration.modal.modal_methods", "find_modes")
-        modes: tuple[Mode, ...] = find_modes(measured, method=method, band=band, count=count)
+        modes: tuple[Mode, ...] = find_modes(accelerance, method=method, band=band, count=count)
         if self.shift_sd == 0:
             return modes
         # a window that decays faster leaves less to the structure
@@ -488,7 +492,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
 
 def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexArray:
-    return receptance * s ** _POWERS[kind] if kind in _POWERS else 1 / receptance
+    return receptance * s ** _POWERS_OF_S[kind] if kind in _POWERS_OF_S else 1 / receptance
 
 
 @dataclass(frozen=True)

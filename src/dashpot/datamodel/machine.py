@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import iterate_option_fields, key_of, option
+from dashpot.base.option_fields import get_option_key, iterate_option_fields, option
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import si_fields
 from dashpot.base.value_ranges import (
@@ -20,7 +20,7 @@ from dashpot.base.value_ranges import (
 )
 
 # two channels of one clock are together to this part of a sample
-_ONE_CLOCK = 0.01
+_CLOCK_TOLERANCE = 0.01
 
 
 class DefaultUncertainty(NamedTuple):
@@ -228,16 +228,16 @@ class Machine(Serialisable):
         for field in iterate_option_fields(self):
             if getattr(self, field.name) is not None and field.name not in names:
                 raise DataError(
-                    f"--machine {key_of(field)}= does not suit {subject}. Leave it out; it takes "
-                    f"{', '.join(names)}"
+                    f"--machine {get_option_key(field)}= does not suit {subject}. Leave it out; it "
+                    f"takes {', '.join(names)}"
                 )
 
     def delay_sd(self, sample: float) -> float:
-        """Return standard deviation of the delay of the force, s, for samples so far apart, s."""
+        """Return the standard deviation of the force's delay, s, for a sample interval, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         if self.sync is None:
             return max(sample, DEFAULT_UNCERTAINTIES["delay"].size, filtered)
-        return max(_ONE_CLOCK * sample, self.sync, filtered)
+        return max(_CLOCK_TOLERANCE * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
         """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
@@ -254,7 +254,7 @@ class Machine(Serialisable):
 
     @property
     def min_rest_time(self) -> float:
-        """Time for which a seal was left alone before its record, at least, s."""
+        """Least time that the seal was unloaded before its record, s."""
         return DEFAULT_UNCERTAINTIES["rest after it"].size if self.rest is None else self.rest
 
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
@@ -307,7 +307,7 @@ class Machine(Serialisable):
     def drift_conflict(
         self, slope: tuple[float, float], final: float, duration: float, noise: float | None = None
     ) -> float:
-        r"""Return by how much a baseline contradicts what is known of the cell: above 1 it does.
+        r"""Return the deviation of the measured drift from the stated one; above 1 they conflict.
 
         .. math:: |m| \big/ 3\sqrt{e^2 + w^2 + s^2}
 

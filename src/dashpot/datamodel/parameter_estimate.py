@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 Interval = tuple[float, float]
 
 #: rows of the covariance of a fractional Zener model
-ELEMENT = ("k_inf", "k_0", "ln_tau", "alpha")
+ELEMENT_PARAMETERS = ("k_inf", "k_0", "ln_tau", "alpha")
 #: rows that no number of equal solids in parallel changes
-SHAPE = ("ln_", "alpha")
+SHAPE_PREFIXES = ("ln_", "alpha")
 
 
 class Intervals(TypedDict):
@@ -197,22 +197,22 @@ class ParameterEstimate(EqualByValue):
     noise_covariance: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        size = len(self.parameters)
+        count = len(self.parameters)
         for name in ("covariance", "noise_covariance"):
             matrix = getattr(self, name)
             if matrix is None:
                 continue
             covariance = np.asarray(matrix, dtype=float)
-            if covariance.shape != (size, size):
+            if covariance.shape != (count, count):
                 raise DataError(
-                    f"{name} has shape {covariance.shape}, expected {(size, size)}: "
+                    f"{name} has shape {covariance.shape}, expected {(count, count)}: "
                     "one row per parameter"
                 )
             object.__setattr__(self, name, frozen(covariance))
 
     @property
     def noise_only(self) -> ParameterEstimate:
-        """Estimate by the noise alone, as if the rig added nothing."""
+        """Estimate with the errors by noise alone, without those of the rig."""
         if self.noise_covariance is None:
             return self
         return replace(self, covariance=self.noise_covariance, noise_covariance=None)
@@ -239,7 +239,7 @@ class ParameterEstimate(EqualByValue):
     def convert_to_arms(self, solid: FractionalZener) -> ParameterEstimate:
         """Return the estimate of the arms that approximate a fractional solid, to first order."""
         gradient = solid.arm_gradient()
-        rows = [self.parameters.index(name) for name in ELEMENT]
+        rows = [self.parameters.index(name) for name in ELEMENT_PARAMETERS]
 
         def transform_covariance(covariance: FloatArray) -> FloatArray:
             values = covariance[np.ix_(rows, rows)]
@@ -363,14 +363,17 @@ class ParameterEstimate(EqualByValue):
             profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
             if profile is None:
                 half_width = quantile * row.error if isfinite(row.error) else inf
-                at = float(np.log(row.value)) if row.log else row.value
-                low, high = at - half_width, at + half_width
+                estimate = float(np.log(row.value)) if row.log else row.value
+                low, high = estimate - half_width, estimate + half_width
             else:
                 low, high = profile_interval(profile, deviance_limit=quantile**2)
                 difference = row.error**2 - noise[row.name] ** 2 if isfinite(row.error) else 0.0
                 if difference > 0:
-                    at, extra = profile.best, quantile * sqrt(difference)
-                    low, high = at - hypot(at - low, extra), at + hypot(high - at, extra)
+                    estimate, extra_half_width = profile.best, quantile * sqrt(difference)
+                    low, high = (
+                        estimate - hypot(estimate - low, extra_half_width),
+                        estimate + hypot(high - estimate, extra_half_width),
+                    )
             limits = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
             entries[row.name] = limits
         return entries
@@ -436,8 +439,8 @@ class CreepEstimate(FrozenArrays):
             scale, row = self.spectrum.lam[int(name.removeprefix("lam_")) - 1], f"ln_{name}"
         if row not in self.parameters:
             return 0.0
-        at = self.parameters.index(row)
-        return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
+        index = self.parameters.index(row)
+        return scale * sqrt(max(float(self.covariance[index, index]), 0.0))
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
         """Return the compliances, in `unit`, and times of a solid, and its flow where it flows."""
@@ -456,12 +459,12 @@ class CreepEstimate(FrozenArrays):
 def _split_by_kind(group: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Reported values of k_inf, and of k, tau and b of every arm."""
     entries: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
-    for name, item in group:
+    for name, value in group:
         kind, _, index_text = name.partition("_")
         if index_text.isdecimal():
-            entries[kind] = (*entries[kind], item)
+            entries[kind] = (*entries[kind], value)
         else:
-            entries[name] = item
+            entries[name] = value
     return entries
 
 
@@ -474,22 +477,22 @@ def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:
     """
     value, root = profile.value, np.sqrt(np.maximum(profile.deviance, 0.0))
     limit = sqrt(deviance_limit)
-    best = int(np.argmin(root))
+    optimum_index = int(np.argmin(root))
     return (
-        _crossing(value[best::-1], root[best::-1], limit, -inf),
-        _crossing(value[best:], root[best:], limit, inf),
+        _find_crossing(value[optimum_index::-1], root[optimum_index::-1], limit, -inf),
+        _find_crossing(value[optimum_index:], root[optimum_index:], limit, inf),
     )
 
 
-def _crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
+def _find_crossing(value: FloatArray, root: FloatArray, limit: float, open_end: float) -> float:
     indices_below = np.flatnonzero(root < limit)
     i = int(indices_below[-1]) + 1 if indices_below.size else 0
     if i == len(root):
         return open_end
     if i == 0:
         return float(value[0])
-    share = (limit - root[i - 1]) / (root[i] - root[i - 1])
-    return float(value[i - 1] + share * (value[i] - value[i - 1]))
+    fraction = (limit - root[i - 1]) / (root[i] - root[i - 1])
+    return float(value[i - 1] + fraction * (value[i] - value[i - 1]))
 
 
 def _exp(value: float) -> float:

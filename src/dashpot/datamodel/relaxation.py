@@ -34,11 +34,11 @@ from dashpot.numerics.design_matrices.data_compression import uniform_step
 
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
 SETTLED_DISTANCE = 0.002
-SETTLING = 0.2
+SETTLING_SHARE = 0.2
 # motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
 MAX_CREEP = 0.01
 # samples of a free seal that show the zero of its force
-FEWEST_UNLOADED = 5
+MIN_UNLOADED_SAMPLES = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,7 +119,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     @cached_property
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
-        return quantum(self.displacement)
+        return find_quantum(self.displacement)
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -161,11 +161,11 @@ class Hum:
     def force(self, time: FloatArray) -> FloatArray:
         """Return the line at times, s."""
         omega, step = 2 * np.pi * self.frequency, uniform_step(time)
-        size = complex(self.cosine, -self.sine)
+        complex_amplitude = complex(self.cosine, -self.sine)
         if step is not None:
             at_first = np.exp(1j * omega * (time[0] - self.origin))
-            return make_cosine_sequence(len(time), omega * step, size * at_first)
-        return np.asarray((size * np.exp(1j * omega * (time - self.origin))).real)
+            return make_cosine_sequence(len(time), omega * step, complex_amplitude * at_first)
+        return np.asarray((complex_amplitude * np.exp(1j * omega * (time - self.origin))).real)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -324,8 +324,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
         if self.plate is None:
-            return quantum(self.travel)
-        return quantum(
+            return find_quantum(self.travel)
+        return find_quantum(
             self.plate if self.machine_deflection is None else self.plate + self.machine_deflection
         )
 
@@ -349,11 +349,11 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             loaded_indices = np.flatnonzero(
                 self.plate[:stop] >= self.displacement[:stop] - self._contact_clearance
             )
-            first = int(loaded_indices[-1]) + 1 if loaded_indices.size else 0
+            first_free = int(loaded_indices[-1]) + 1 if loaded_indices.size else 0
             # the last of them feel the face already
-            stop = first + 9 * (stop - first) // 10
-            if stop - first >= FEWEST_UNLOADED:
-                return slice(first, stop)
+            stop = first_free + 9 * (stop - first_free) // 10
+            if stop - first_free >= MIN_UNLOADED_SAMPLES:
+                return slice(first_free, stop)
         indices = np.flatnonzero(self.displacement != 0)
         return slice(0, int(indices[0]) if indices.size else 0)
 
@@ -386,7 +386,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @property
     def encoder_step(self) -> float:
-        """The step of the displacement's readings that noise leaves, m; 0 if none shows.
+        """The step of the displacement's readings, m; 0 if noise hides it.
 
         Noise beyond half a step dithers it away: readings then average to the truth.
         """
@@ -415,10 +415,10 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         time is left to the plate for settling.
         """
         x, t = self.displacement[self.hold], self.time[self.hold] - self.ramp_end
-        edges = np.searchsorted(t, np.geomspace(SETTLING * self.ramp_time, t[-1], 13))
-        last = float(x[-max(1, len(x) // 10) :].mean())
+        edges = np.searchsorted(t, np.geomspace(SETTLING_SHARE * self.ramp_time, t[-1], 13))
+        final_position = float(x[-max(1, len(x) // 10) :].mean())
         means = [x[a:b].mean() for a, b in pairwise(edges) if b > a]
-        changes = [last - float(mean) for mean in means]
+        changes = [final_position - float(mean) for mean in means]
         return max(changes, key=abs, default=0.0) / self.depth
 
     @cached_property
@@ -437,58 +437,61 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def settled_samples(self) -> slice:
         """The samples of the hold after the plate has settled, within a fifth of the ramp time."""
         hold = self.hold
-        early = slice(
-            hold.start, int(np.searchsorted(self.time, self.ramp_end + SETTLING * self.ramp_time))
+        early_hold = slice(
+            hold.start,
+            int(np.searchsorted(self.time, self.ramp_end + SETTLING_SHARE * self.ramp_time)),
         )
         tolerance = max(
             SETTLED_DISTANCE * self.depth,
             0.5 * self.displacement_quantum,
             5 * self.displacement_noise,
         )
-        unsettled = np.flatnonzero(np.abs(self.displacement[early] - self.depth) > tolerance)
+        unsettled = np.flatnonzero(np.abs(self.displacement[early_hold] - self.depth) > tolerance)
         # what is left of the swing dies away in as long again
         first_settled = 2 * (int(unsettled[-1]) + 1) if unsettled.size else 0
-        return slice(min(hold.start + first_settled, early.stop), hold.stop)
+        return slice(min(hold.start + first_settled, early_hold.stop), hold.stop)
 
 
 # samples of one speed that are a stretch, and of its ends those that a ramp does not fill
-STRETCH, PARTIAL = 4, 2
+STRETCH_SAMPLES, PARTIAL_SAMPLES = 4, 2
 # of the travel: a step that bears on the depth
-COARSE = 0.003
+COARSE_STEP = 0.003
 
 
-def quantum(values: FloatArray) -> float:
-    """Return the step of which all differences are whole multiples; 0 if there is none to be seen.
+def find_quantum(values: FloatArray) -> float:
+    """Return the step of which all differences are whole multiples; 0 if there is none.
 
     Quantised readings repeat; where every second reading is a new one, no quantum is claimed.
     """
     levels = np.sort(values)
-    gaps = np.diff(levels)
-    gaps = gaps[gaps > 0]
-    if not 1 <= len(gaps) <= 0.5 * len(values) - 1:
+    level_differences = np.diff(levels)
+    level_differences = level_differences[level_differences > 0]
+    if not 1 <= len(level_differences) <= 0.5 * len(values) - 1:
         return 0.0
     # what arithmetic leaves between two equal readings is no quantum
-    gaps = gaps[gaps > 1e-9 * max(abs(levels[0]), abs(levels[-1]))]
-    if len(gaps) == 0:
+    level_differences = level_differences[
+        level_differences > 1e-9 * max(abs(levels[0]), abs(levels[-1]))
+    ]
+    if len(level_differences) == 0:
         return 0.0
-    step = float(gaps.min())
-    counts = np.round(gaps / step)
-    count_errors = np.abs(gaps / step - counts) / counts
-    step = float(gaps.sum() / counts.sum())
-    return 0.0 if np.mean(count_errors < 0.02) < 0.98 or _evenly_climbed(values, step) else step
+    step = float(level_differences.min())
+    counts = np.round(level_differences / step)
+    count_errors = np.abs(level_differences / step - counts) / counts
+    step = float(level_differences.sum() / counts.sum())
+    return 0.0 if np.mean(count_errors < 0.02) < 0.98 or _is_evenly_climbed(values, step) else step
 
 
-def _evenly_climbed(values: FloatArray, step: float) -> bool:
+def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
     """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
     magnitude = np.abs(np.diff(values))
     moving = magnitude > 0.5 * step
     # a converter that counts a ramp in single steps also pauses on it
     lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
-    single = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
-    if single and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
+    is_single_stepped = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
+    if is_single_stepped and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
         return True
     # counts finer than that are distinguished from a continuous path, and cost nothing
-    return step > COARSE * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
+    return step > COARSE_STEP * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
 
 
 def _keeps_its_speeds(counts: FloatArray) -> bool:
@@ -502,8 +505,10 @@ def _keeps_its_speeds(counts: FloatArray) -> bool:
     starts = np.concatenate(([0], edges))
     lengths = np.diff(np.append(starts, len(counts)))
     speeds = counts[starts]
-    is_moving, is_long = np.abs(speeds) > 0.5, lengths >= STRETCH
-    if lengths[is_moving & ~is_long].sum() > PARTIAL * np.count_nonzero(is_moving & is_long):
+    is_moving, is_long = np.abs(speeds) > 0.5, lengths >= STRETCH_SAMPLES
+    if lengths[is_moving & ~is_long].sum() > PARTIAL_SAMPLES * np.count_nonzero(
+        is_moving & is_long
+    ):
         return False
     is_pause = ~is_long[1:-1] & (np.abs(speeds[2:] - speeds[:-2]) < 0.1)
     return not is_pause.any()

@@ -45,10 +45,11 @@ class Shear:
     def __post_init__(self) -> None:
         for name in ("across", "along"):
             ratio = getattr(self, name)
-            if not isinstance(ratio, Solid) and not 0 <= ratio <= MOST_RATIO:
+            if not isinstance(ratio, Solid) and not 0 <= ratio <= MAX_STIFFNESS_RATIO:
                 raise DataError(
-                    f"shear: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the stiffness "
-                    "normal to the line, such as 0.35, or the seal's own stiffness that way"
+                    f"shear: {name} = {ratio:g}; expected 0 to {MAX_STIFFNESS_RATIO:g} of the "
+                    "stiffness normal to the line, such as 0.35, or the seal's own stiffness "
+                    "that way"
                 )
 
     @property
@@ -79,17 +80,17 @@ class LineFriction:
     along: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0 < self.mu <= MOST_MU:
+        if not 0 < self.mu <= MAX_FRICTION:
             raise DataError(
-                f"friction: mu = {self.mu:g}; expected more than 0 and at most {MOST_MU:g}, such "
-                "as 0.4"
+                f"friction: mu = {self.mu:g}; expected more than 0 and at most {MAX_FRICTION:g}, "
+                "such as 0.4"
             )
         for name in ("across", "along"):
             ratio = getattr(self, name)
-            if not 0 <= ratio <= MOST_RATIO:
+            if not 0 <= ratio <= MAX_STIFFNESS_RATIO:
                 raise DataError(
-                    f"friction: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the relaxed "
-                    "stiffness normal to the line, such as 0.15"
+                    f"friction: {name} = {ratio:g}; expected 0 to {MAX_STIFFNESS_RATIO:g} of the "
+                    "relaxed stiffness normal to the line, such as 0.15"
                 )
         if self.across == self.along == 0:
             raise DataError(
@@ -98,9 +99,9 @@ class LineFriction:
             )
 
 
-MOST_MU = 3.0
+MAX_FRICTION = 3.0
 """No dry rubber rubs more."""
-MOST_RATIO = SIZES["shear"].hard[1]
+MAX_STIFFNESS_RATIO = SIZES["shear"].hard[1]
 """A seal is softer sideways than where it is pressed; far beyond, it is a percentage."""
 
 
@@ -210,7 +211,7 @@ class SealSection:
         tangent = np.ones_like(x) if self.law is None else self.law.factor(x)
         return np.where(x < 0, 0.0, tangent)
 
-    def ways(self, stations: Stations) -> tuple[LineDirection, ...]:
+    def list_directions(self, stations: Stations) -> tuple[LineDirection, ...]:
         """Return what the stations answer, each way: normal to the line, then across and along it.
 
         Raises
@@ -218,25 +219,30 @@ class SealSection:
         DataError
             If the seal is not linear, or rubs, and its compression is not stated.
         """
-        pieces, depths = stations.length * stations.factor, stations.compression
-        share = pieces
+        station_lengths, depths = stations.length * stations.factor, stations.compression
+        direction_lengths = station_lengths
         if depths is not None:
-            share, pieces = (share * self.factor(depths), np.where(depths < 0, 0.0, pieces))
+            direction_lengths, station_lengths = (
+                direction_lengths * self.factor(depths),
+                np.where(depths < 0, 0.0, station_lengths),
+            )
         elif self.law is not None and self.law.kind != "linear":
             raise DataError(
                 "the seal is not linear and how far it is pressed along the line is not stated; "
                 "give its compression, or gap and height"
             )
-        directions = [LineDirection(self.solid, share, stations.normal)]
+        directions = [LineDirection(self.solid, direction_lengths, stations.normal)]
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
             solid, rubs = getattr(self.shear, name), None
             if self.friction is not None:
-                slip_force = getattr(self.friction, name) * self.solid.k_inf * share
+                slip_force = getattr(self.friction, name) * self.solid.k_inf * direction_lengths
                 rubs = (slip_force, self._slip(stations))
             if isinstance(solid, Solid):
-                directions.append(LineDirection(solid, pieces, direction, rubs))
+                directions.append(LineDirection(solid, station_lengths, direction, rubs))
             else:
-                directions.append(LineDirection(self.solid, solid * share, direction, rubs))
+                directions.append(
+                    LineDirection(self.solid, solid * direction_lengths, direction, rubs)
+                )
         return tuple(directions)
 
     def _slip(self, stations: Stations) -> FloatArray:

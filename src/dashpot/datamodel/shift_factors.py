@@ -16,18 +16,18 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 # no law of free volume is trusted nearer to the glass transition, K
-ABOVE_GLASS = 10.0
+GLASS_MARGIN = 10.0
 # two temperatures within so many kelvin are one
 SAME_TEMPERATURE = 0.5
 # fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
-CONTRADICT = 3
+MIN_CONTRADICTING_TESTS = 3
 # the relaxation time, s, that is shifted by a_T however arms shift apart
-CENTRE = 0.5
+REFERENCE_TAU = 0.5
 _LN10 = float(np.log(10.0))
 # part of a step between two tests by which a rubber's shifts lie off the straight line in 1/T
-_BEND = 0.03
+_MAX_BEND = 0.03
 # of a parameter, for a slope by differences
-_STEP = 1e-6
+_DIFFERENCE_STEP = 1e-6
 # how the constant of a law is called, and its unit
 _CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
 
@@ -54,7 +54,7 @@ class Shift:
 
     @property
     def facts(self) -> tuple[ReportedValue, ReportedValue]:
-        """Both shifts as a table has them; what was held has no error."""
+        """Both shifts as rows of a table; a fixed one has no error."""
         return (
             ReportedValue("log10 a_T", self.log10_a_t, error=self.se or None),
             ReportedValue("b_T", self.b_t, error=self.b_t_se or None),
@@ -111,8 +111,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
             if values.size != rows * rows:
                 raise DataError(f"{name} has {values.size} values, expected {rows} x {rows}")
             object.__setattr__(self, name, frozen(values.reshape(rows, rows)))
-        cross = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
-        object.__setattr__(self, "cross", frozen(cross))
+        cross_covariance = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
+        object.__setattr__(self, "cross", frozen(cross_covariance))
         temperatures = [shift.temperature for shift in self.shifts]
         if temperatures != sorted(set(temperatures)) or self.law.reference not in temperatures:
             raise DataError(
@@ -130,9 +130,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
         """Constants of the shift law with their errors."""
         errors = self.law_covariance.diagonal() ** 0.5
         return tuple(
-            ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
+            ReportedValue(name, getattr(self.law, name), unit=unit, error=float(error), words=label)
             for name, error in zip(self.law_parameters, errors, strict=True)
-            for words, unit in [_CONSTANTS[name]]
+            for label, unit in [_CONSTANTS[name]]
         )
 
     @property
@@ -154,7 +154,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Only a WLF law says where the glass transition lies.
         """
         if isinstance(self.law, WLF):
-            return min(self.law.glass + ABOVE_GLASS, self.tested_range[0])
+            return min(self.law.glass + GLASS_MARGIN, self.tested_range[0])
         return self.tested_range[0] if isinstance(self.law, FreeShifts) else 0.0
 
     def shift_model(self, solid: GeneralizedMaxwell, temperature: float) -> GeneralizedMaxwell:
@@ -168,7 +168,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         if temperature < self.coldest and isinstance(self.law, WLF):
             raise DataError(
                 f"{celsius(temperature)} is below {celsius(self.coldest)}: nearer than "
-                f"{ABOVE_GLASS:g} K to the glass transition, at about {celsius(self.law.glass)} "
+                f"{GLASS_MARGIN:g} K to the glass transition, at about {celsius(self.law.glass)} "
                 "by the fitted law, the law fails: test there"
             )
         log_a, tau = float(np.log(self.law.a_t(temperature))), np.asarray(solid.tau)
@@ -179,11 +179,11 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def error(self, temperature: float) -> tuple[float, float]:
         """Return standard errors of ln a_T and of ln b_T at T, K."""
         gradient = self._gradient(temperature)
-        part = self.covariance[: len(self.shifts), : len(self.shifts)]
+        shift_covariance = self.covariance[: len(self.shifts), : len(self.shifts)]
         if self.law_parameters:
-            part = self.law_covariance
+            shift_covariance = self.law_covariance
         variance = (
-            float(propagate_covariance(gradient[None], part)[0, 0])
+            float(propagate_covariance(gradient[None], shift_covariance)[0, 0])
             + self._compute_bend_limit(temperature) ** 2
         )
         se = float(np.sqrt(max(variance, 0.0)))
@@ -200,9 +200,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
         ):
             return 0.0
         i = int(np.searchsorted(temperatures, temperature, side="right")) - 1
-        part = (temperature - temperatures[i]) / (temperatures[i + 1] - temperatures[i])
+        fraction = (temperature - temperatures[i]) / (temperatures[i + 1] - temperatures[i])
         step = self.shifts[i].log10_a_t - self.shifts[i + 1].log10_a_t
-        return float(4 * part * (1 - part) * _BEND * abs(step))
+        return float(4 * fraction * (1 - fraction) * _MAX_BEND * abs(step))
 
     def covariance_at(
         self,
@@ -237,25 +237,34 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
-        size, count = len(covariance), len(self.shifts)
+        parameter_count, count = len(covariance), len(self.shifts)
         of_a, of_b = self.error(temperature)
-        full_covariance = np.zeros((size + 3, size + 3))
-        full_covariance[:size, :size] = covariance
-        full_covariance[size, size], full_covariance[size + 1, size + 1] = of_a**2, of_b**2
-        if len(self.cross) == size + 1:
+        full_covariance = np.zeros((parameter_count + 3, parameter_count + 3))
+        full_covariance[:parameter_count, :parameter_count] = covariance
+        (
+            full_covariance[parameter_count, parameter_count],
+            full_covariance[parameter_count + 1, parameter_count + 1],
+        ) = of_a**2, of_b**2
+        if len(self.cross) == parameter_count + 1:
             temperatures = [shift.temperature for shift in self.shifts]
             weights = np.array(
                 [np.interp(temperature, temperatures, values) for values in np.eye(count)]
             )
-            other = np.column_stack(
+            cross_rows = np.column_stack(
                 (
                     self.cross[:, :count] @ weights * _LN10,
                     self.cross[:, count:-1] @ weights,
                     self.cross[:, -1],
                 )
             )
-            full_covariance[:size, size:], full_covariance[size:, :size] = other[:-1], other[:-1].T
-            full_covariance[-1, size:], full_covariance[size:, -1] = other[-1], other[-1]
+            (
+                full_covariance[:parameter_count, parameter_count:],
+                full_covariance[parameter_count:, :parameter_count],
+            ) = cross_rows[:-1], cross_rows[:-1].T
+            full_covariance[-1, parameter_count:], full_covariance[parameter_count:, -1] = (
+                cross_rows[-1],
+                cross_rows[-1],
+            )
         return full_covariance
 
     def rates(self, temperature: float) -> tuple[float, float]:
@@ -312,16 +321,16 @@ class TemperatureShifts(EqualByValue, Serialisable):
             for i, kelvin in enumerate(grid.tolist())
         )
         law, jacobian_of_law = self._law_from(temperature, shifts, scale)
-        cross = np.zeros((1, 2 * len(grid) + 1))
+        cross_covariance = np.zeros((1, 2 * len(grid) + 1))
         if len(self.cross):
-            cross[-1, -1] = self.cross[-1, -1]
+            cross_covariance[-1, -1] = self.cross[-1, -1]
         return replace(
             self,
             law=law,
             shifts=shifts,
             covariance=covariance,
             law_covariance=jacobian_of_law @ self.law_covariance @ jacobian_of_law.T,
-            cross=cross,
+            cross=cross_covariance,
             untested=tuple(
                 sorted({*grid.tolist()} - {shift.temperature for shift in self.tested_shifts})
             )
@@ -361,7 +370,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         return min(self.tested_shifts, key=lambda shift: abs(shift.temperature - temperature))
 
     def times(self, scale: FloatArray) -> TemperatureShifts:
-        """Return the shifts of a solid whose parameters are so many times those of this one."""
+        """Return the shifts of a solid whose parameters are scaled by these factors."""
         if not len(self.cross):
             return self
         return replace(self, cross=self.cross * np.append(scale, 1.0)[:, None])
@@ -381,7 +390,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
             law: Any = replace(self.law, **{name: factor * value})  # type: ignore[type-var]
             return float(law.log10_a_t(temperature))
 
-        return (evaluate_shift(1 + _STEP) - evaluate_shift(1 - _STEP)) / (2 * _STEP * value)
+        return (evaluate_shift(1 + _DIFFERENCE_STEP) - evaluate_shift(1 - _DIFFERENCE_STEP)) / (
+            2 * _DIFFERENCE_STEP * value
+        )
 
     def b_t(self, temperature: float) -> float:
         """Return factor of every stiffness at T, K: ln b straight in T between tests and beyond."""
@@ -399,7 +410,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
 
 
 def propagate_covariance(turn: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Covariance of `turn` times what has this one; where it is infinite, so is what it reaches."""
+    """Return the covariance of `turn` @ x for x of this covariance, which may be infinite."""
     unknown = np.isinf(np.diag(covariance))
     values = np.asarray(turn @ np.where(np.isfinite(covariance), covariance, 0.0) @ turn.T)
     is_affected = (turn[:, unknown] != 0).any(axis=1)
@@ -415,4 +426,4 @@ def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArr
 
 def decades(log_tau: FloatArray) -> FloatArray:
     """Decades of tau above the one that is shifted by a_T, whatever the slope."""
-    return np.asarray((log_tau - np.log(CENTRE)) / _LN10)
+    return np.asarray((log_tau - np.log(REFERENCE_TAU)) / _LN10)

@@ -13,7 +13,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 # FRFs and mode shapes.
 
 
-SAME_LINES = 1e-6
+LINE_TOLERANCE = 1e-6
 """Part of a line's frequency by which files that round it differently may differ."""
 
 
@@ -52,21 +52,21 @@ class FRFSet(EqualByValue):
                 f"{len(set(names))} different names of points for {len(self.frfs)} FRFs; "
                 "expected one name each"
             )
-        first = self.frfs[0]
+        first_frf = self.frfs[0]
         for name, frf in zip(names, self.frfs, strict=True):
-            if frf.quantity.over_base != first.quantity.over_base:
+            if frf.quantity.over_base != first_frf.quantity.over_base:
                 raise DataError(
                     f"the quantity of '{name}' is {frf.quantity}, that of '{names[0]}' "
-                    f"{first.quantity}; expected "
+                    f"{first_frf.quantity}; expected "
                     "motions over that of a base, or motions per force, at every point (Python: "
                     "frf.to('accelerance', mass=m))"
                 )
-            self._refuse_other_lines(name, frf, first)
+            self._refuse_other_lines(name, frf, first_frf)
 
-    def _refuse_other_lines(self, name: str, frf: FRF, first: FRF) -> None:
-        frequency, first_frequency = frf.frequency, first.frequency
+    def _refuse_other_lines(self, name: str, frf: FRF, first_frf: FRF) -> None:
+        frequency, first_frequency = frf.frequency, first_frf.frequency
         if len(frequency) != len(first_frequency) or not np.allclose(
-            frequency, first_frequency, rtol=SAME_LINES, atol=0
+            frequency, first_frequency, rtol=LINE_TOLERANCE, atol=0
         ):
             raise DataError(
                 f"'{name}' has {len(frequency)} lines from {frequency[0]:.6g} to "
@@ -74,7 +74,7 @@ class FRFSet(EqualByValue):
                 f"{first_frequency[0]:.6g} to {first_frequency[-1]:.6g} Hz; poles "
                 "common to several points need the same lines at each: export them alike"
             )
-        if (frf.shift, frf.record) != (first.shift, first.record):
+        if (frf.shift, frf.record) != (first_frf.shift, first_frf.record):
             raise DataError(
                 f"'{name}' has another window or another length of record than "
                 f"'{self.points[0]}'; expected the same at every point: average them alike"

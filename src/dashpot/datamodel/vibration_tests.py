@@ -168,9 +168,9 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         object.__setattr__(self, "channels", tuple(names))
         object.__setattr__(self, "starts", starts)
         first, *other_records = self.records()
-        _uniform(time[first])
+        _require_uniform_time(time[first])
         for record in other_records:
-            _uniform(time[record])
+            _require_uniform_time(time[record])
             rate, samples = _rate(time[record]), len(time[record])
             if not same_rate(self.rate, rate, min(samples, len(time[first]))):
                 raise DataError(
@@ -248,15 +248,15 @@ def _rate(time: FloatArray) -> float:
     return float((len(time) - 1) / (time[-1] - time[0]))
 
 
-def _uniform(time: FloatArray) -> None:
+def _require_uniform_time(time: FloatArray) -> None:
     steps = np.diff(time)
     if steps.size == 0:
         raise DataError(f"the record at t = {time[0]:.9g} s is one sample; leave it out")
     step = float(np.median(steps))
-    worst = int(np.argmax(np.abs(steps - step)))
+    step_index = int(np.argmax(np.abs(steps - step)))
     # a time column printed with few digits jitters by its last digit
-    if step <= 0 or abs(steps[worst] - step) > 0.2 * step:
+    if step <= 0 or abs(steps[step_index] - step) > 0.2 * step:
         raise DataError(
-            f"an impact record needs even sampling, but the step after t = {time[worst]:.9g} s is "
-            f"{steps[worst]:.6g} s where {step:.6g} s is usual; split the record there"
+            f"an impact record needs even sampling, but the step after t = {time[step_index]:.9g} "
+            f"s is {steps[step_index]:.6g} s where {step:.6g} s is usual; split the record there"
         )

@@ -493,7 +493,7 @@ class Deck:
             *([] if self.material else [f"contact length: {length_text}"]),
             *format_temperature_lines("deck header", self.temperatures),
             *self._elastic_law(),
-            *self._pedigree(),
+            *self._origin_lines(),
             self._format_valid_band(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
             *(
@@ -531,7 +531,7 @@ class Deck:
         )
         return [f"elastic law: not straight; its tangent k_inf is {stiffness_texts}", meaning]
 
-    def _pedigree(self) -> list[str]:
+    def _origin_lines(self) -> list[str]:
         """Return the header lines on the fit and its files."""
         steps = () if self.fit is None else self.fit.steps
         scaled = [step.message for step in steps if step.name in _MODEL_STEPS]

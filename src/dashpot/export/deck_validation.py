@@ -310,7 +310,7 @@ def _problems(deck: Deck) -> dict[str, str]:
 
 
 def _format_caution(fit: Fit | NonlinearFit) -> str | None:
-    """Why not every parameter of a fit is identified, or None: never of one whose verdict is "use".
+    """Return why parameters of a fit are not identified; None if its verdict is "use".
 
     What is called so may be used: an arm that single data cannot place still adds up to limits that
     hold. k_inf is no question here; what it is at most stands in the header.
@@ -338,5 +338,5 @@ def _format_caution(fit: Fit | NonlinearFit) -> str | None:
 
 
 def _dense(fit: Fit) -> bool:
-    """Return whether its arms are a table of a spectrum, of which none has an error of its own."""
+    """Return whether the arms are a dense spectrum, whose arms have no errors of their own."""
     return any(check.name == "few_arms_sufficient" and check.failed for check in fit.checks)

@@ -67,12 +67,12 @@ class SpringRow:
         """Every frame in which something acts along more than the x axis, and its rank."""
         entries = dict.fromkeys(station.frame for station in self.stations)
         rotated_frames = [
-            frame for frame in entries if self.ways > 1 or not np.allclose(frame[0], _X)
+            frame for frame in entries if self.direction_count > 1 or not np.allclose(frame[0], _X)
         ]
         return {frame: rank for rank, frame in enumerate(rotated_frames)}
 
     @cached_property
-    def ways(self) -> int:
+    def direction_count(self) -> int:
         """Number of directions of a station: 1 without lateral stiffness, else 3."""
         return 3 if any(any(station.shares[1:]) for station in self.stations) else 1
 
@@ -81,7 +81,7 @@ class SpringRow:
         return first_id + 2 * station, first_id + 2 * station + 1
 
     def format_node_numbering(self, first_id: int) -> str:
-        """Return how a header says which nodes are whose."""
+        """Return the lines of the header that explain the numbers of the nodes."""
         last = self.nodes(len(self.stations) - 1, first_id)[1]
         return (
             f"nodes {first_id} to {last}, two at each place: the first is the ground side, the "
@@ -96,7 +96,7 @@ class SpringRow:
         ]
 
 
-def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> SpringRow:
+def make_springs(deck: Deck, line: Stations | None, shear: Shear | None = None) -> SpringRow:
     """Return the springs of a deck: its solid at the origin, or its share at each station.
 
     Raises
@@ -116,7 +116,7 @@ def row_of(deck: Deck, line: Stations | None, shear: Shear | None = None) -> Spr
     # what is not pressed as stated is as it was tested: its secant
     law = None if line.compression is None else deck.elastic_law
     per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
-    directions = per_metre.ways(line)
+    directions = per_metre.list_directions(line)
     # of the solid in the header where it is that, else of a metre
     items = [isinstance(value, Solid) for value in (0.0, shear.across, shear.along)]
     shares = [

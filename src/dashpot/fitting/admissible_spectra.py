@@ -42,28 +42,28 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 #: the best of all spectra leaves no more than so many times what the fit does
-FAR = 2.0
+MAX_RESIDUAL_RATIO = 2.0
 #: of the grid before it is refined
-PER_DECADE = 16
+POINTS_PER_DECADE = 16
 # the grid ends this far, as a factor, beyond what frequencies and tests could distinguish
-BEYOND = 10.0
+GRID_MARGIN = 10.0
 # a gap of ln tau is refined by so many points, until it is as small as this
-POINTS, FINEST = 3, float(np.log(10)) / 400
-ROUNDS = 5
+REFINEMENT_POINTS, MIN_GRID_STEP = 3, float(np.log(10)) / 400
+MAX_REFINEMENTS = 5
 # refinement ends when it gains no more of the sum of squares
-GAIN = 0.05
+MIN_REFINEMENT_GAIN = 0.05
 #: what the quantile of chi-square must be multiplied by to cover what it says: 5.0 for 3.84
 CALIBRATION = 5.0 / 3.841
 # rows with no more of any unit column are rounding
 ROUNDING = 1e-9
 # a column below this part of the largest is nothing
-UNSEEN = 1e-12
+MIN_COLUMN_SHARE = 1e-12
 # a ratio is found when one more step would move its numerator by this part of a standard error
-CLOSE = 1e-3
-STEPS = 40
+RATIO_TOLERANCE = 1e-3
+MAX_RATIO_STEPS = 40
 #: a search that need not be exact ends at this gain, in standard deviations of the noise
-ROUGH = 1e-3
-REMEMBERED = 16
+ROUGH_TOLERANCE = 1e-3
+MAX_CACHED_SPECTRA = 16
 
 
 def deviance_limit(level: float, dof: float) -> float:
@@ -89,7 +89,7 @@ class SpectralData(Protocol):
         ...
 
     def rows(self, log_tau: FloatArray, *, slopes: bool) -> RelaxationRows:
-        """Everything that depends on the solid."""
+        """Rows of the design matrix, which depend on the solid."""
         ...
 
 
@@ -121,44 +121,46 @@ class AdmissibleSpectra:
         self.limit = limit
         shortest = min(test.window[0] for test in tests)
         longest = max(test.window[1] for test in tests)
-        low = np.log(min(shortest, 1 / (BEYOND * fastest)))
+        low = np.log(min(shortest, 1 / (GRID_MARGIN * fastest)))
         high = np.log(longest)
-        count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
+        count = int(np.ceil((high - low) / np.log(10) * POINTS_PER_DECADE)) + 1
         logs = np.log(np.asarray(extra, dtype=float))
         log_tau = _merge_grids(np.linspace(low, high, count), logs)
         # the fit is no bad spectrum: a plateau and its own arms
         remainder, weight = np.inf, np.zeros(len(log_tau) + 2)
         weight[0], weight[2 + np.searchsorted(log_tau, logs)] = 1.0, 1.0
-        for _ in range(ROUNDS):
-            before, remainder = remainder, self._solve_on_grid(tests, log_tau, weight)
-            finer = _refine_grid(log_tau, self.best[2:] > 0)
-            if before - remainder < GAIN or len(finer) == len(log_tau):
+        for _ in range(MAX_REFINEMENTS):
+            previous_sse, remainder = remainder, self._solve_on_grid(tests, log_tau, weight)
+            refined_grid = _refine_grid(log_tau, self.best[2:] > 0)
+            if previous_sse - remainder < MIN_REFINEMENT_GAIN or len(refined_grid) == len(log_tau):
                 break
-            weight = np.zeros(len(finer) + 2)
-            weight[:2], weight[2 + np.searchsorted(finer, log_tau)] = np.split(
+            weight = np.zeros(len(refined_grid) + 2)
+            weight[:2], weight[2 + np.searchsorted(refined_grid, log_tau)] = np.split(
                 self.best / self.scale, [2]
             )
-            log_tau = finer
+            log_tau = refined_grid
         # all of one convex set: whatever is asked next, the best of them for it is a start
-        self.met = deque([self.best], maxlen=REMEMBERED)
+        self.met = deque([self.best], maxlen=MAX_CACHED_SPECTRA)
 
     def _solve_on_grid(
         self, tests: Sequence[SpectralData], log_tau: FloatArray, start: FloatArray
     ) -> float:
-        """Take a grid, find the best spectrum on it from a start, N/m; return what it leaves."""
+        """Find the best spectrum on a grid from a start, N/m; return its residual SSE."""
         order = _spread(len(log_tau))
-        parts = []
+        all_rows = []
         for test in tests:
-            part = test.rows(log_tau[order], slopes=False)
-            arms = np.empty_like(part.arms)
-            arms[:, order] = part.arms
-            parts.append(np.column_stack((part.target, part.spring, part.dashpot, arms)))
-        rows = np.vstack(parts)
+            test_rows = test.rows(log_tau[order], slopes=False)
+            arms = np.empty_like(test_rows.arms)
+            arms[:, order] = test_rows.arms
+            all_rows.append(
+                np.column_stack((test_rows.target, test_rows.spring, test_rows.dashpot, arms))
+            )
+        rows = np.vstack(all_rows)
         self.tau = np.exp(log_tau)
         norm = np.linalg.norm(rows[:, 1:], axis=0)
         # what the record does not show at all is limited by nothing
         # (a dashpot has another unit, and a column of any size)
-        self.shown = norm > UNSEEN * np.delete(norm, 1).max()
+        self.shown = norm > MIN_COLUMN_SHARE * np.delete(norm, 1).max()
         self.scale = np.where(self.shown, norm, 1.0)
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         text = np.linalg.norm(columns, axis=1) > ROUNDING
@@ -166,18 +168,18 @@ class AdmissibleSpectra:
         # a column is asked for as a row: laid out so, none is copied for it
         self.columns = np.asfortranarray(columns[text][:, self.shown])
         self.best = np.zeros(len(norm))
-        self._ball = NonnegativeConfidenceRegion(self.columns, self.target)
-        self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
+        self._confidence_region = NonnegativeConfidenceRegion(self.columns, self.target)
+        self.best[self.shown] = self._confidence_region.least((start * self.scale)[self.shown])
         self.least = self.compute_misfit(self.best)
         self.total = self.least + residual_sse
         return self.total
 
     def reduce_grid(self, decades: float) -> AdmissibleSpectra:
-        """Return the same set on fewer relaxation times, at least so many decades apart.
+        """Return the same set on fewer relaxation times, at least `decades` apart.
 
         All that carry weight in a spectrum that was met stay, and so does the best. A search ends
-        at a gain of `ROUGH` of a standard deviation of the noise. A limit is then narrower by up to
-        a tenth of its distance from the fit, and found in a fifth of the time.
+        at a gain of `ROUGH_TOLERANCE` of a standard deviation of the noise. A limit is then
+        narrower by up to a tenth of its distance from the fit, and found in a fifth of the time.
         """
         keep: BoolArray = np.any(np.array(self.met) > 0, axis=0)
         keep[:2] = keep[-1] = True
@@ -189,8 +191,10 @@ class AdmissibleSpectra:
         spectra.tau, spectra.scale = self.tau[keep[2:]], self.scale[keep]
         spectra.columns = np.asfortranarray(self.columns[:, keep[self.shown]])
         spectra.shown, spectra.best = self.shown[keep], self.best[keep]
-        spectra._ball = NonnegativeConfidenceRegion(spectra.columns, self.target, ROUGH)
-        spectra.met = deque((values[keep] for values in self.met), maxlen=REMEMBERED)
+        spectra._confidence_region = NonnegativeConfidenceRegion(
+            spectra.columns, self.target, ROUGH_TOLERANCE
+        )
+        spectra.met = deque((values[keep] for values in self.met), maxlen=MAX_CACHED_SPECTRA)
         return spectra
 
     def validate_misfit(self, misfit: float, fixed_misfit: float) -> None:
@@ -209,7 +213,7 @@ class AdmissibleSpectra:
             If rounding has spoilt the rows.
         """
         times = (self.total + fixed_misfit) / max(misfit, 1e-300)
-        if times > FAR:
+        if times > MAX_RESIDUAL_RATIO:
             raise FitError(
                 f"the best spectrum leaves {times:.3g} times what the fit does, though the fit is "
                 "one of them: rounding has spoilt the limits of this record; thin its rows, or "
@@ -254,15 +258,19 @@ class AdmissibleSpectra:
 
     def find_extreme_spectrum(self, v: FloatArray) -> FloatArray:
         """Return the spectrum of the largest v . k, N/m, shape (m,)."""
-        target_row, on = v / self.scale, self.shown
+        target_row, is_shown = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ target_row).argmax())]
         values = np.zeros(len(target_row))
-        values[on] = self._ball.find_farthest_point(
-            target_row[on], self.least + self.limit, start[on]
+        values[is_shown] = self._confidence_region.find_farthest_point(
+            target_row[is_shown], self.least + self.limit, start[is_shown]
         )
         self.met.append(values)
         stiffness = values / self.scale
-        return stiffness if on.all() else np.where(~on & (target_row > 0), np.inf, stiffness)
+        return (
+            stiffness
+            if is_shown.all()
+            else np.where(~is_shown & (target_row > 0), np.inf, stiffness)
+        )
 
     def limit_functional(self, v: FloatArray) -> tuple[float, float]:
         """Return smallest and largest v . k that the tests do not reject."""
@@ -284,13 +292,13 @@ class AdmissibleSpectra:
         if not values:  # the record knows of no stiffness at all, and so of no ratio
             return np.inf if (numerator > 0).any() else 0.0
         ratio = max(values)
-        for _ in range(STEPS):
+        for _ in range(MAX_RATIO_STEPS):
             result = self.find_extreme_spectrum(numerator - ratio * denominator)
             if not float(denominator @ result) > 0:
                 break
             gain = float(numerator @ result) - ratio * float(denominator @ result)
             larger = float(numerator @ result) / float(denominator @ result)
-            if gain <= CLOSE * abs(larger - ratio) or larger <= ratio:
+            if gain <= RATIO_TOLERANCE * abs(larger - ratio) or larger <= ratio:
                 break
             ratio = larger
         return ratio
@@ -298,8 +306,8 @@ class AdmissibleSpectra:
 
 def _project_spectrum(v: FloatArray, spectrum: FloatArray) -> float:
     """V . k, of what v asks for."""
-    request = v != 0
-    return float(v[request] @ spectrum[request])
+    is_requested = v != 0
+    return float(v[is_requested] @ spectrum[is_requested])
 
 
 def _spread(count: int) -> IndexArray:
@@ -317,15 +325,15 @@ def _spread(count: int) -> IndexArray:
 
 def _merge_grids(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return the points of both grids; `numpy.union1d` says the same and imports masked arrays."""
-    merged = np.sort(np.concatenate((first, second)))
-    return np.asarray(merged[np.append(True, np.diff(merged) > 0)])
+    points = np.sort(np.concatenate((first, second)))
+    return np.asarray(points[np.append(True, np.diff(points) > 0)])
 
 
 def _refine_grid(log_tau: FloatArray, active: BoolArray) -> FloatArray:
     """Return the grid with points put into the gaps on both sides of every active arm."""
     gaps = np.diff(log_tau)
-    parallel = (active[1:] | active[:-1]) & (gaps > FINEST)
-    steps = np.arange(1, POINTS + 1) / (POINTS + 1)
+    parallel = (active[1:] | active[:-1]) & (gaps > MIN_GRID_STEP)
+    steps = np.arange(1, REFINEMENT_POINTS + 1) / (REFINEMENT_POINTS + 1)
     new = log_tau[:-1][parallel, None] + gaps[parallel, None] * steps
     return _merge_grids(log_tau, new.ravel())
 
@@ -443,9 +451,9 @@ def compute_upper_limit(spectra: AdmissibleSpectra, v: FloatArray) -> float:
 # what the points met and the lines that enclose them allow differs by less, relatively
 REGION_TOLERANCE = 0.01
 # directions in which the set is felt, at most
-MOST_DIRECTIONS = 40
+MAX_DIRECTIONS = 40
 # so many times the stiffness of a mass is as good as infinite
-AS_GOOD_AS_INFINITE = 1e9
+INFINITE_STIFFNESS_RATIO = 1e9
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -457,7 +465,7 @@ def compute_distance_range(
     while True:
         nearest_point, is_inside = stiffness_set.find_hull_point()
         corner = max(stiffness_set.corners(), key=abs)
-        if len(stiffness_set) >= MOST_DIRECTIONS:
+        if len(stiffness_set) >= MAX_DIRECTIONS:
             break
         gap_near = (
             0.0
@@ -465,7 +473,7 @@ def compute_distance_range(
             else 1 - stiffness_set.nearest_distance_bound / max(abs(nearest_point), 1e-300)
         )
         # a set that is one point, where the point is, has no farther one
-        gap_far = 1 - stiffness_set.far / abs(corner) if corner else 0.0
+        gap_far = 1 - stiffness_set.max_distance / abs(corner) if corner else 0.0
         if max(gap_near, gap_far) <= REGION_TOLERANCE:
             break
         stiffness_set.add_direction(-nearest_point if gap_near > gap_far else corner)
@@ -487,19 +495,19 @@ def compute_transmissibility_range(
     base = inertia + coupled
     while True:
         outer = [_find_extreme_ratio(stiffness_set.corners(), base, sign) for sign in (1, -1)]
-        inner = [_find_extreme_ratio(stiffness_set.points, base, sign) for sign in (1, -1)]
+        inner_extremes = [_find_extreme_ratio(stiffness_set.points, base, sign) for sign in (1, -1)]
         (largest, _), (smallest, _) = outer
         # where nothing limits a ratio nothing more can be felt
-        gaps = [
-            0.0 if inner[0][0] == largest else 1 - inner[0][0] / largest,
-            0.0 if inner[1][0] == smallest else 1 - smallest / inner[1][0],
+        gap_sizes = [
+            0.0 if inner_extremes[0][0] == largest else 1 - inner_extremes[0][0] / largest,
+            0.0 if inner_extremes[1][0] == smallest else 1 - smallest / inner_extremes[1][0],
         ]
-        worst_index = int(np.argmax(gaps))
-        if gaps[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MOST_DIRECTIONS:
+        worst_index = int(np.argmax(gap_sizes))
+        if gap_sizes[worst_index] <= REGION_TOLERANCE or len(stiffness_set) >= MAX_DIRECTIONS:
             return smallest, largest
         sign, disc = ((1, largest > 1), (-1, smallest < 1))[worst_index]
-        at = (inner if disc else outer)[worst_index][1]
-        stiffness_set.add_direction(complex(*(sign * _find_steepest_direction(at, base))))
+        frequency = (inner_extremes if disc else outer)[worst_index][1]
+        stiffness_set.add_direction(complex(*(sign * _find_steepest_direction(frequency, base))))
 
 
 class StiffnessSet:
@@ -529,13 +537,13 @@ class StiffnessSet:
         open_ended = np.isinf(spectrum)
         if open_ended.any():
             # as good as without end, and still a point
-            end = AS_GOOD_AS_INFINITE * self._inertia / np.hypot(storage, loss)
-            spectrum = np.where(open_ended, end, spectrum)
+            support_limit = INFINITE_STIFFNESS_RATIO * self._inertia / np.hypot(storage, loss)
+            spectrum = np.where(open_ended, support_limit, spectrum)
         farthest_point = complex(*(self._columns @ spectrum).tolist())
-        at = bisect(self._angles, angle := phase(unit))
-        self._angles.insert(at, angle)
-        self._directions.insert(at, unit)
-        self.points.insert(at, farthest_point - self._inertia)
+        place = bisect(self._angles, angle := phase(unit))
+        self._angles.insert(place, angle)
+        self._directions.insert(place, unit)
+        self.points.insert(place, farthest_point - self._inertia)
 
     @property
     def _supports(self) -> list[float]:
@@ -548,8 +556,8 @@ class StiffnessSet:
         return max(0.0, -min(self._supports))
 
     @property
-    def far(self) -> float:
-        """Some point of the set is as far."""
+    def max_distance(self) -> float:
+        """Largest distance of a point of the set from the origin."""
         return max(map(abs, self.points))
 
     def find_hull_point(self) -> tuple[complex, bool]:
@@ -565,9 +573,9 @@ class StiffnessSet:
         """Corners of the polygon that the support lines enclose, in their order."""
         lines = [*zip(self._directions, self._supports, strict=True)]
         return [
-            complex(h * v.imag - g * u.imag, g * u.real - h * v.real) / cross
+            complex(h * v.imag - g * u.imag, g * u.real - h * v.real) / cross_product
             for (u, h), (v, g) in pairwise((*lines, lines[0]))
-            if (cross := (u.conjugate() * v).imag) > 1e-9
+            if (cross_product := (u.conjugate() * v).imag) > 1e-9
         ]
 
 
@@ -579,8 +587,8 @@ def _find_nearest_point(start: complex, end: complex) -> complex:
     """Return the point nearest to the origin of the way from one to another."""
     edge = end - start
     length = _dot(edge, edge)
-    part = -_dot(start, edge) / length if length > 0 else 0.0
-    return start + min(max(part, 0.0), 1.0) * edge
+    fraction = -_dot(start, edge) / length if length > 0 else 0.0
+    return start + min(max(fraction, 0.0), 1.0) * edge
 
 
 def _find_extreme_ratio(
@@ -607,8 +615,8 @@ def _find_extreme_ratio(
         ratio = np.linalg.norm(points + np.array([offset, 0.0]), axis=1) / np.linalg.norm(
             points, axis=1
         )
-    best = int(np.argmax(sign * ratio))
-    return float(ratio[best]), points[best]
+    best_index = int(np.argmax(sign * ratio))
+    return float(ratio[best_index]), points[best_index]
 
 
 def _contains_origin(start: FloatArray, edges: FloatArray) -> bool:

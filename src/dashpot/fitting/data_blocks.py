@@ -21,9 +21,9 @@ from dashpot.fitting.nuisance_priors import (
 from dashpot.fitting.parameter_errors import Encoder, compute_residual, rounding_rms
 from dashpot.numerics.design_matrices.block import DataBlock, DelayedForce
 from dashpot.numerics.design_matrices.data_compression import uniform_step
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 from dashpot.numerics.exponential_fit import Solution, solve, solve_orders
-from dashpot.numerics.inference.correlated_noise import Noise, ResidualSeries, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, ResidualSeries, estimate_noise
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
@@ -32,23 +32,23 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # Blocks of prepared tests.
 
 
-NUISANCE = ("offset", "drift", "delay")
+NUISANCE_NAMES = ("offset", "drift", "delay")
 
 # motion after the ramp, as a part of the depth, that eq. 5 can bear
-_MOST_BY_EQ_5 = 0.05
+_MAX_HOLD_MOTION = 0.05
 # and beyond this it leads to another hold
-_ANOTHER_DEPTH = 0.25
-_FEWEST = 8
-_ROUNDED = 0.01
+_OTHER_DEPTH_MOTION = 0.25
+_MIN_SAMPLES = 8
+_ROUNDING_RATIO = 0.01
 # arms of the first solution, which shows the slope of the force
-_ROUGH = 2
+_ROUGH_ARMS = 2
 
 
 class FitSetup(NamedTuple):
     """Setup of the tests in a fit: method and nuisance terms."""
 
     method: Method
-    nuisance: tuple[str, ...] = NUISANCE
+    nuisance: tuple[str, ...] = NUISANCE_NAMES
 
     @property
     def terms(self) -> tuple[str, ...]:
@@ -56,7 +56,7 @@ class FitSetup(NamedTuple):
         return tuple(name for name in self.nuisance if name != "delay")
 
 
-def block_of(
+def build_record_block(
     test: RampHold,
     *,
     method: Method = "full",
@@ -93,10 +93,10 @@ def block_of(
     tau_range : (float, float), optional
         Relaxation times that are asked about, s, where the window of the record is not enough.
     """
-    at = "" if index is None else f"@{index}"
-    offset, drift = (f"{name}{at}" if name in terms else None for name in ("offset", "drift"))
+    suffix = "" if index is None else f"@{index}"
+    offset, drift = (f"{name}{suffix}" if name in terms else None for name in ("offset", "drift"))
     if method == "hold":
-        return hold_block(
+        return build_hold_block(
             np.maximum(test.time[test.settled_samples] - test.ramp_end, 0.0),
             test.force[test.settled_samples],
             depth=test.depth if law is None else float(law.path(test.depth)),
@@ -106,7 +106,7 @@ def block_of(
         )
     time, x, force = motion(test)
     window = slice(first_sample(test) if start is None else start, None)
-    return recorded_block(
+    return build_recorded_block(
         time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
         columns=columns, weights=weights, tau_range=tau_range,
     )  # fmt: skip
@@ -115,7 +115,7 @@ def block_of(
 def compress_tests(tests: Sequence[RampHold], design: FitSetup) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     return tuple(
-        block_of(test, method=design.method, terms=design.terms, index=i)
+        build_record_block(test, method=design.method, terms=design.terms, index=i)
         for i, test in enumerate(tests)
     )
 
@@ -136,15 +136,15 @@ def build_delay_blocks(
     stack = Stack(blocks)
     degrees_left = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rows = [*blocks, *build_prior_rows(tests, blocks, design)]
-    rough_arms = _ROUGH if log_tau_start is None else len(log_tau_start)
-    rough = solve(
+    rough_arms = _ROUGH_ARMS if log_tau_start is None else len(log_tau_start)
+    rough_solution = solve(
         rows,
         max(min(rough_arms, degrees_left), 0),
         log_tau_start=log_tau_start,
         negligible=bic_penalty_per_arm(rows),
     )
     return tuple(
-        block.with_delay(f"delay@{i}", _build_delayed_force(test, block, rough))
+        block.with_delay(f"delay@{i}", _build_delayed_force(test, block, rough_solution))
         for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
     )
 
@@ -161,7 +161,7 @@ def build_prior_rows(
     design: FitSetup,
     spreads: Sequence[float] | None = None,
 ) -> tuple[DataBlock, ...]:
-    """Return what is known of each load cell and its clock before the fit, a block per test.
+    """Return the priors of each load cell and its clock as rows, one block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; by default
     as its hold shows it (:func:`~dashpot.fitting.nuisance_priors.estimate_hold_noise`). Eq. 5 has
@@ -202,7 +202,7 @@ def first_sample(test: RampHold) -> int:
 
 def is_multi_step(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
-    return _compute_hold_travel(test) > _ANOTHER_DEPTH
+    return _compute_hold_travel(test) > _OTHER_DEPTH_MOTION
 
 
 def _compute_hold_travel(test: RampHold) -> float:
@@ -218,13 +218,13 @@ def eq5_obstacle(test: RampHold) -> str | None:
             "and hold; eq. 5 does not apply: fit ramp and hold instead, or cut the record to the "
             "test of a seal that has rested"
         )
-    if len(held_displacement) < _FEWEST:
+    if len(held_displacement) < _MIN_SAMPLES:
         return (
-            f"the hold has {len(held_displacement)} samples, and eq. 5 needs at least {_FEWEST}: "
-            "fit ramp and hold instead, or sample faster"
+            f"the hold has {len(held_displacement)} samples, and eq. 5 needs at least "
+            f"{_MIN_SAMPLES}: fit ramp and hold instead, or sample faster"
         )
     change = _compute_hold_travel(test)
-    if change > _MOST_BY_EQ_5:
+    if change > _MAX_HOLD_MOTION:
         return (
             f"the displacement moves by {100 * change:.0f} % of the depth after the first ramp, so "
             "this is no single ramp and hold; eq. 5 does not apply: fit ramp and hold instead, or "
@@ -251,17 +251,17 @@ def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def regularise_clock(time: FloatArray) -> FloatArray:
-    """Return an even clock whose stamps were rounded as the even clock it is, else `time`.
+    """Return an even clock if `time` is one but for rounding, else `time`.
 
     A text file rounds its times. Where every stamp is within a hundredth of a sample of a uniform
     grid, that grid is meant, and the fit need not treat the record as unevenly sampled.
     """
     grid = np.linspace(time[0], time[-1], len(time))
     step = (time[-1] - time[0]) / max(len(time) - 1, 1)
-    return grid if float(np.abs(time - grid).max()) <= _ROUNDED * step else time
+    return grid if float(np.abs(time - grid).max()) <= _ROUNDING_RATIO * step else time
 
 
-def solid_of(solution: Solution) -> GeneralizedMaxwell:
+def build_solid(solution: Solution) -> GeneralizedMaxwell:
     """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
     k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
@@ -276,7 +276,7 @@ def solid_of(solution: Solution) -> GeneralizedMaxwell:
 
 
 # a prior whose assumed noise is within this factor of what the fit shows weighs what it should
-_WEIGHED = (2 / 3, 3 / 2)
+_PRIOR_WEIGHT_RANGE = (2 / 3, 3 / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,7 +314,7 @@ class FitData:
 
     @property
     def full_rows(self) -> tuple[DataBlock, ...]:
-        """A row per sample, and what was known before them."""
+        """One row per sample, and the priors."""
         return (*self.samples, *self.priors)
 
     @property
@@ -328,14 +328,14 @@ class FitData:
 
     @cached_property
     def peak(self) -> float:
-        """Largest target: it sets what rounding alone leaves."""
+        """Largest target: it sets the level of rounding."""
         return max(find_largest_target(block) for block in self.samples)
 
 
-def data_of(
+def build_fit_data(
     records: Sequence[RampHold], design: FitSetup, log_tau_start: FloatArray | None = None
 ) -> FitData:
-    """Return the tests as data, with what is known of load cell and clocks.
+    """Return the tests as data, with the priors of load cells and clocks.
 
     Whose solid has relaxation times `log_tau_start` some is not searched for: they are given as ln
     tau.
@@ -377,7 +377,7 @@ class InitialFit(NamedTuple):
         return tuple(series.values for series in self.series)
 
     def get_residuals(self, solution: Solution) -> tuple[ResidualSeries, ...]:
-        """Return what a solution leaves of each record, where that is at hand; else nothing."""
+        """Return the residual of each record, if it is available; else nothing."""
         return self.series if solution is self.noise_solution else ()
 
 
@@ -390,7 +390,7 @@ def fit_all_orders(
     only_max_arms: bool = False,
     log_tau_start: FloatArray | None = None,
 ) -> InitialFit:
-    """Solve up to `max_arms` arms, with priors that weigh as the noise does that is left.
+    """Solve up to `max_arms` arms, with the weight of the priors set by the residual noise.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
     that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last, which with
@@ -416,12 +416,16 @@ def fit_all_orders(
     solutions = solve_once()
     series = tuple(ResidualSeries(compute_residual(solutions[-1], block)) for block in data.samples)
     noises = tuple(
-        noise_of(residual_series, rounding=rounding_rms(data.peak)) for residual_series in series
+        estimate_noise(residual_series, rounding=rounding_rms(data.peak))
+        for residual_series in series
     )
-    spreads = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
-    if all(_WEIGHED[0] < a / b < _WEIGHED[1] for a, b in zip(spreads, data.units, strict=False)):
+    noise_sds = [float(np.sqrt(noise.autocovariance[0] * noise.kappa)) for noise in noises]
+    if all(
+        _PRIOR_WEIGHT_RANGE[0] < a / b < _PRIOR_WEIGHT_RANGE[1]
+        for a, b in zip(noise_sds, data.units, strict=False)
+    ):
         return InitialFit(data, solutions, series, noises, solutions[-1])
-    data = data.weight_priors(spreads)
+    data = data.weight_priors(noise_sds)
     return InitialFit(data, solve_once(), series, noises, solutions[-1])
 
 

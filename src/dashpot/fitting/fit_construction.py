@@ -12,9 +12,9 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Remedy, select_fit_status, select_gravest_check
 from dashpot.base.errors import Status
 from dashpot.base.option_fields import Method
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.reported_values import NORMAL
-from dashpot.datamodel.bounds import WELL_KNOWN, EndOfHold
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, EndOfHold
 from dashpot.datamodel.checks import caution_checks, numbers_unambiguous
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
@@ -100,7 +100,7 @@ def build_fit(
     unit, elastic_law, temperatures
         As `Fit` holds them.
     """
-    evidence = replace(evidence, checks=_with_cautions(evidence.checks, provenance))
+    evidence = replace(evidence, checks=_add_cautions(evidence.checks, provenance))
     conditions = {
         Status.FEWER_ARMS: estimate.has_fewer_arms,
         Status.TAU_AT_BOUND: estimate.at_bound,
@@ -123,7 +123,7 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
 
     Where they are so at no line, a check says it; where no error is known nothing is claimed.
     """
-    if not WELL_KNOWN < fit._error_in_band[1] < np.inf:
+    if not MAX_LOSS_FACTOR_ERROR < fit._error_in_band[1] < np.inf:
         return fit
     estimate = fit.estimate
 
@@ -136,12 +136,12 @@ def _restrict_to_loss_band(fit: Fit) -> Fit:
     lines = np.geomspace(*fit.band, LINES_IN_BAND).tolist()
     band, error = find_loss_factor_band(errors, fit.band, {line: errors(line) for line in lines})
     checks = fit.checks
-    if error.max_errors[1] > WELL_KNOWN:
+    if error.max_errors[1] > MAX_LOSS_FACTOR_ERROR:
         checks = (*checks, loss_factor_determined(error))
     return replace(fit, evidence=replace(fit.evidence, band=band, checks=checks))
 
 
-def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
+def _add_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[Check, ...]:
     """Return the checks, with doubts from the files unless preparation has stated them."""
     if any(check.name == numbers_unambiguous.name for check in checks):
         return checks
@@ -151,7 +151,7 @@ def _with_cautions(checks: tuple[Check, ...], provenance: Provenance) -> tuple[C
 def estimate_without_errors(
     model: GeneralizedMaxwell, samples: int, sse: float, nuisance: tuple[Nuisance, ...]
 ) -> ParameterEstimate:
-    """Return what an optimum alone shows of its parameters: no error of any."""
+    """Return the parameters of an optimum as an estimate without errors."""
     names = parameter_names(model.arms)
     return ParameterEstimate(
         names,
@@ -162,7 +162,7 @@ def estimate_without_errors(
     )
 
 
-def nuisances(
+def list_nuisances(
     names: Sequence[str],
     value: Callable[[str], float],
     error: Callable[[str], float],
@@ -190,15 +190,17 @@ def nuisances(
     for name in labels:
         kind, _, test = name.partition("@")
         title = f"{kind} of test {int(test) + 1}" if has_several_records else kind
-        before = None if prior_sds is None else prior_sds.get(name)
-        terms.append(Nuisance(title, value(name), error(name), units[kind], before))
+        prior_sd = None if prior_sds is None else prior_sds.get(name)
+        terms.append(Nuisance(title, value(name), error(name), units[kind], prior_sd))
     return tuple(terms)
 
 
-def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
+def collect_provenance(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
     """Return where the fit of relaxation tests comes from; its piece is the deepest's."""
     deepest_test = max(tests, key=lambda test: test.depth)
-    return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest_test.specimen)
+    return Provenance(
+        method, list_sources(tests), (*list_steps(tests), *steps), deepest_test.specimen
+    )
 
 
 # Checks of every fit of relaxation tests.

@@ -75,22 +75,22 @@ class FitOptions(SolidOptions):
     def choices(self) -> dict[str, Any]:
         """Options that differ from the defaults, by name."""
         return {
-            name: item for name, item in vars(self).items() if item != getattr(FitOptions, name)
+            name: value for name, value in vars(self).items() if value != getattr(FitOptions, name)
         }
 
     @property
     def count(self) -> int | None:
-        """The number of arms asked for; None if it is left to the data."""
+        """The requested number of arms; None if the data decide."""
         return None if self.arms == "auto" else self.arms
 
     @property
     def point(self) -> int | None:
-        """The arms of an optimum that is wanted alone; None where more is."""
+        """The requested arms of a fixed-order optimum; None if the order is selected."""
         return None if self.intervals or self.family != "maxwell" else self.count
 
 
 def checked_family(family: str, arms: int | str = "auto") -> None:
-    """Refuse a family that is none, and a number of arms of a solid that has none.
+    """Refuse an unknown family, or a number of arms for a family without arms.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def require_maxwell_family(family: str) -> None:
 
 
 def refuse_shifts(subject: str, fit_options: FitOptions) -> None:
-    """Refuse what is asked of shifts where one temperature, or none, leaves nothing to shift."""
+    """Refuse options of temperature shifts if there is only one temperature."""
     options = {
         "--reference": fit_options.reference is not None,
         "--shift": fit_options.shift_law != "auto",

@@ -25,9 +25,9 @@ from dashpot.preprocessing.prepare import prepare
 Tests: TypeAlias = RampHold | RelaxationTest | Sequence[RampHold | RelaxationTest]
 """One or several tests, prepared or as they were read."""
 
-SAME_DEPTH = 0.02
+DEPTH_TOLERANCE = 0.02
 """Depths that differ by less, relative, are one."""
-BY_DEFAULT = Step("by_default", (), "prepared by default: the fit was given the record as read")
+DEFAULT_STEP = Step("by_default", (), "prepared by default: the fit was given the record as read")
 
 
 def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
@@ -45,7 +45,7 @@ def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
     return tuple(_prepare_test(test) for test in tests)
 
 
-def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
+def split_depths(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     """Return the loadings of one record that hold, one to a depth, each as a record of its own.
 
     Of several to one depth the one with the longest hold. What a later one remembers of those
@@ -69,7 +69,10 @@ def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     )
     records: list[RampHold] = []
     for ramp_hold in sorted(cycle_records, key=lambda record: -record.hold_time):
-        if all(abs(ramp_hold.depth / other.depth - 1) > SAME_DEPTH for other in records):
+        if all(
+            abs(ramp_hold.depth / earlier_record.depth - 1) > DEPTH_TOLERANCE
+            for earlier_record in records
+        ):
             records.append(ramp_hold)
     if len(records) < 2:
         return (chosen_record,)
@@ -79,7 +82,7 @@ def depths_of(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
 
 
 def _isolate_loading(record: RampHold) -> RampHold:
-    """Return a loading without its history, and the check of what that leaves out.
+    """Return a loading without its history, and the check of the error by this.
 
     Of a seal that has not recovered the way from where it was met is taken for that from first
     contact: as long, in proportion.
@@ -87,15 +90,15 @@ def _isolate_loading(record: RampHold) -> RampHold:
     if record.loading_start is None:
         return record
     contact_index = int(np.searchsorted(record.time, record.onset))
-    last = record.last_loading
-    if last.plate is None:
+    last_loading = record.last_loading
+    if last_loading.plate is None:
         ratio = float(record.force[max(contact_index - 1, 0)]) / float(record.force.max())
     else:
-        face = float(record.displacement[max(contact_index - 1, 0)])
-        ratio = face / record.depth
-        compression = np.maximum(last.plate - face, 0.0) / (1 - ratio)
-        last = replace(last, displacement=compression, plate=None)
-    return replace(last, checks=(*record.checks, earlier_loading_negligible(ratio)))
+        contact_displacement = float(record.displacement[max(contact_index - 1, 0)])
+        ratio = contact_displacement / record.depth
+        compression = np.maximum(last_loading.plate - contact_displacement, 0.0) / (1 - ratio)
+        last_loading = replace(last_loading, displacement=compression, plate=None)
+    return replace(last_loading, checks=(*record.checks, earlier_loading_negligible(ratio)))
 
 
 def _prepare_test(test: object) -> RampHold:
@@ -106,7 +109,7 @@ def _prepare_test(test: object) -> RampHold:
             f"a fit takes relaxation tests, prepared or as read, found a {type(test).__name__}"
         )
     prepared = prepare(test)
-    return replace(prepared, steps=(BY_DEFAULT, *prepared.steps))
+    return replace(prepared, steps=(DEFAULT_STEP, *prepared.steps))
 
 
 # Temperatures of tests, and the reference temperature.
@@ -116,7 +119,7 @@ def _prepare_test(test: object) -> RampHold:
 STANDARD_TEMPERATURE = 296.15
 
 
-def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
+def list_temperatures(records: Sequence[RampHold]) -> FloatArray:
     """Return the temperatures of tests, K, rising; those of one temperature as their mean.
 
     Empty unless every test has one.
@@ -136,7 +139,7 @@ def temperatures_of(records: Sequence[RampHold]) -> FloatArray:
 
 
 def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatArray:
-    """Return the temperatures of the tests, K; one or none if they are of one as far as is known.
+    """Return the temperatures of the tests, K; at most one if all have the same.
 
     `shared` is True where tests of several may be fitted: by the recorded motion, one solid.
 
@@ -148,14 +151,14 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
     values = [record.specimen.temperature for record in records]
     ramp_holds = [record for record in records if record.specimen.temperature]
     if ramp_holds and None in values:
-        first = ramp_holds[0].specimen.temperature or 0.0
+        kelvin = ramp_holds[0].specimen.temperature or 0.0
         raise FitError(
             f"test {values.index(None) + 1} of {len(values)} has no temperature, where test "
-            f"{values.index(first) + 1} is of {celsius(first)}: give one for every file, in their "
-            "order, such as --temperature 23degC --temperature 0degC, or one for all of them "
+            f"{values.index(kelvin) + 1} is of {celsius(kelvin)}: give one for every file, in "
+            "their order, such as --temperature 23degC --temperature 0degC, or one for all of them "
             "(Python: Specimen(temperature=...))"
         )
-    temperatures = temperatures_of(records)
+    temperatures = list_temperatures(records)
     if len(temperatures) < 2:
         return temperatures
     if not shared:
@@ -192,15 +195,15 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
 
 # noise correlates by 1/sqrt(n) in two records, and by 0.5 where one keeps a quarter of the other
 COPY_CORRELATION = 0.3
-_FEWEST_SAMPLES = 400
+_MIN_SAMPLES = 400
 # samples to a mean: enough to outlive interpolation between other samples
-_TO_A_MEAN = 4
-_SMOOTH = 9
+_SAMPLES_PER_MEAN = 4
+_SMOOTHING_MEANS = 9
 # a line of hum counts for no more than this many times the usual amplitude
-_CLIPPED = 3.0
-_LAGS = 3
+_MAX_LINE_RATIO = 3.0
+_MAX_LAG = 3
 # what is left of a record without noise is its course, which two tests of one seal share
-_COURSE = 3.0
+_MIN_COURSE_RATIO = 3.0
 
 
 class EndStiffness(NamedTuple):
@@ -221,8 +224,8 @@ def refuse_copies(records: Sequence[RampHold]) -> None:
         If two records are of one part of one file, hold equal samples, or scatter alike: the
         noise of two tests is not correlated, whatever the seal.
     """
-    for (i, record), (j, other) in combinations(enumerate(records, start=1), 2):
-        reason = _describe_copy(record, other)
+    for (i, record), (j, other_record) in combinations(enumerate(records, start=1), 2):
+        reason = _describe_copy(record, other_record)
         if reason:
             raise FitError(
                 f"tests {i} and {j} are one record, {reason}: counted twice it would make every "
@@ -237,7 +240,7 @@ def _describe_copy(first: RampHold, second: RampHold) -> str:
             return f"the same part of {first.source.file}"
     if np.array_equal(first.force, second.force):
         return "sample for sample"
-    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
+    if abs(first.depth / second.depth - 1) > DEPTH_TOLERANCE:
         return ""
     correlation = noise_correlation(first, second)
     return (
@@ -255,42 +258,44 @@ def noise_correlation(ramp_hold: RampHold, other_hold: RampHold) -> float:
     three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
     no noise.
     """
-    step = _TO_A_MEAN * max(ramp_hold.step, other_hold.step)
-    start = max(record.ramp_time for record in (ramp_hold, other_hold)) + _SMOOTH * step
+    step = _SAMPLES_PER_MEAN * max(ramp_hold.step, other_hold.step)
+    start = max(record.ramp_time for record in (ramp_hold, other_hold)) + _SMOOTHING_MEANS * step
     stop = min(record.hold_end - record.onset for record in (ramp_hold, other_hold))
-    if (stop - start) / step < _FEWEST_SAMPLES:
+    if (stop - start) / step < _MIN_SAMPLES:
         return 0.0
     edges = np.arange(start, stop, step)
     residuals = [_compute_means_off_course(record, edges) for record in (ramp_hold, other_hold)]
     if any(
-        part.std() > _COURSE * record.force_noise
-        for part, record in zip(residuals, (ramp_hold, other_hold), strict=True)
+        residual.std() > _MIN_COURSE_RATIO * record.force_noise
+        for residual, record in zip(residuals, (ramp_hold, other_hold), strict=True)
     ):
         return 0.0
-    first, second = (_clipped_spectrum(part) for part in residuals)
+    first, second = (_compute_clipped_spectrum(residual) for residual in residuals)
     products = np.array([first * second.conj(), np.abs(first) ** 2, np.abs(second) ** 2])
-    cross, pair, other_pairs = np.fft.irfft(products)
+    cross_correlation, pair, other_pairs = np.fft.irfft(products)
     power = float(np.sqrt(pair[0] * other_pairs[0]))
-    near_zero_lag = np.concatenate((cross[: _LAGS + 1], cross[-_LAGS:]))
+    near_zero_lag = np.concatenate(
+        (cross_correlation[: _MAX_LAG + 1], cross_correlation[-_MAX_LAG:])
+    )
     return float(near_zero_lag.max()) / power if power > 0 else 0.0
 
 
 def _compute_means_off_course(record: RampHold, edges: FloatArray) -> FloatArray:
     """Return means of the force between edges, s after the onset, less their running mean."""
     sums = np.concatenate(([0.0], np.cumsum(record.force)))
-    at = np.searchsorted(record.time - record.onset, edges)
-    means = np.diff(sums[at]) / np.maximum(np.diff(at), 1)
-    course = np.convolve(means, np.full(_SMOOTH, 1 / _SMOOTH), mode="same")
-    inner = slice(_SMOOTH, -_SMOOTH)
+    edge_indices = np.searchsorted(record.time - record.onset, edges)
+    means = np.diff(sums[edge_indices]) / np.maximum(np.diff(edge_indices), 1)
+    course = np.convolve(means, np.full(_SMOOTHING_MEANS, 1 / _SMOOTHING_MEANS), mode="same")
+    inner = slice(_SMOOTHING_MEANS, -_SMOOTHING_MEANS)
     return np.asarray(means[inner] - course[inner])
 
 
-def _clipped_spectrum(values: FloatArray) -> ComplexArray:
+def _compute_clipped_spectrum(values: FloatArray) -> ComplexArray:
     # tapered, so that a line of hum stays within a few lines
     spectrum = np.fft.rfft(values * np.hanning(len(values)))
-    size = np.abs(spectrum)
-    ceiling = _CLIPPED * median(size)
-    return np.asarray(spectrum * np.minimum(1.0, ceiling / np.maximum(size, 1e-300)))
+    magnitude = np.abs(spectrum)
+    ceiling = _MAX_LINE_RATIO * median(magnitude)
+    return np.asarray(spectrum * np.minimum(1.0, ceiling / np.maximum(magnitude, 1e-300)))
 
 
 def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
@@ -302,24 +307,24 @@ def end_stiffnesses(records: Sequence[RampHold]) -> tuple[EndStiffness, ...]:
     (:func:`~dashpot.fitting.nuisance_priors.build_load_cell_priors`).
     """
     shortest_hold = min(record.hold_time for record in records)
-    return tuple(_end_stiffness(record, shortest_hold) for record in records)
+    return tuple(_estimate_end_stiffness(record, shortest_hold) for record in records)
 
 
-def _end_stiffness(record: RampHold, time: float) -> EndStiffness:
+def _estimate_end_stiffness(record: RampHold, time: float) -> EndStiffness:
     time_since_ramp = record.time - record.ramp_end
-    last = (time_since_ramp >= 0.95 * time) & (time_since_ramp <= time)
-    last[int(np.searchsorted(time_since_ramp, time)) - 1] = True
+    is_last = (time_since_ramp >= 0.95 * time) & (time_since_ramp <= time)
+    is_last[int(np.searchsorted(time_since_ramp, time)) - 1] = True
     cell_priors = build_load_cell_priors(record)
     time_to_end = record.ramp_end + 0.975 * time - record.time[0] - cell_priors.offset_time
     force = (
-        float(record.force[last].mean())
+        float(record.force[is_last].mean())
         - cell_priors.offset.mean
         - cell_priors.drift.mean * time_to_end
     )
     relative_error = (
         cell_priors.offset.sd,
         cell_priors.drift.sd * time_to_end,
-        record.force_noise / np.sqrt(last.sum()),
+        record.force_noise / np.sqrt(is_last.sum()),
     )
     depth = float(np.hypot(record.depth_error, record.contact_error / record.depth))
     value = force / record.depth

@@ -25,17 +25,17 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.shift_factors import decades, shifted_log_tau
 from dashpot.fitting.nuisance_priors import NuisanceTerms, Prior, get_column_kind
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.inference.correlated_noise import marginal
+from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a dashpot is an arm far faster than anything in the window
-DASHPOT = 1e-3
-SOLID = ("k_inf", "b")
+DASHPOT_TAU_RATIO = 1e-3
+SOLID_PARAMETERS = ("k_inf", "b")
 # of a doubtful drift, what a baseline of 10 s and a data sheet leave
-NAMED_DRIFT = 0.2
+NAMED_DRIFT_RATIO = 0.2
 LN_10 = float(np.log(10.0))
-EXACT = Prior(0.0)
+EXACT_PRIOR = Prior(0.0)
 
 
 class ThermalShift(NamedTuple):
@@ -100,12 +100,12 @@ class UnmeasuredEffects(NamedTuple):
     fixed: FloatArray
     arms: FloatArray
 
-    def but(self, *names: str) -> UnmeasuredEffects:
+    def exclude(self, *names: str) -> UnmeasuredEffects:
         """Return the terms without these."""
         is_retained = [name not in names for name in self.names]
-        remaining = tuple(name for name in self.names if name not in names)
+        kept_names = tuple(name for name in self.names if name not in names)
         return UnmeasuredEffects(
-            remaining, self.log_tau, self.fixed[:, is_retained], self.arms[:, is_retained]
+            kept_names, self.log_tau, self.fixed[:, is_retained], self.arms[:, is_retained]
         )
 
     def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
@@ -126,7 +126,7 @@ class RelaxationRows(NamedTuple):
     dashpot: FloatArray
     arms: FloatArray
     slopes: FloatArray
-    borne: FloatArray = np.zeros((0, 0))
+    rig_rows: FloatArray = np.zeros((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +170,7 @@ class RelaxationData:
     misfit: float
     thermal_shift: ThermalShift | None = None
     unmeasured_effects: UnmeasuredEffects | None = None
-    drift: Prior = EXACT
+    drift: Prior = EXACT_PRIOR
 
     @property
     def window(self) -> tuple[float, float]:
@@ -183,8 +183,8 @@ class RelaxationData:
     def on_a_named_rig(self) -> RelaxationData:
         """The data if machine, crosshead and rest were known, the drift to a fifth of its doubt."""
         mean, sd = self.terms.priors["drift"]
-        terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT * sd))
-        effects = self.unmeasured_effects and self.unmeasured_effects.but(
+        terms = self.terms.add_terms(drift=Prior(mean, NAMED_DRIFT_RATIO * sd))
+        effects = self.unmeasured_effects and self.unmeasured_effects.exclude(
             "give", "settling", "memory"
         )
         return replace(self, unmeasured_effects=effects, terms=terms)
@@ -201,7 +201,7 @@ class RelaxationData:
 
     def build_weighted_block(self, index: int) -> DataBlock:
         """The certain block in rows of unit noise; `index` shows private columns of tests apart."""
-        names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
+        names = (n if n in SOLID_PARAMETERS else f"{n}@{index}" for n in self.certain.fixed_names)
         block = self.certain.scale_rows(self.weight, tuple(names))
         thermal_shift = self.thermal_shift
         if thermal_shift is None:
@@ -220,13 +220,13 @@ class RelaxationData:
         slopes: bool = True,
         extra_priors: Mapping[str, Prior] = MappingProxyType({}),
     ) -> RelaxationRows:
-        """Everything that depends on the solid, whitened for all that the rig adds.
+        """Rows that depend on the solid, whitened for the effects of the rig.
 
         But for what is `extra_priors`, by the kinds of its columns: a column each, times its
         standard deviation.
         """
         count, kinds = len(log_tau), [get_column_kind(name) for name in self.block.fixed_names]
-        shortest = np.log(DASHPOT * self.block.window[0])
+        shortest = np.log(DASHPOT_TAU_RATIO * self.block.window[0])
         shift = self.thermal_shift or ThermalShift()
         doubtful = shift.shift_sd > 0
         effects, span = self.unmeasured_effects, slice(count, count + self.model.arms)
@@ -251,13 +251,13 @@ class RelaxationData:
             else columns[:, :0]
         )
         b_t = float(np.exp(shift.log_b))
-        sentences = {*SOLID, *self.terms.priors, *extra_priors}
-        free = [kind not in sentences for kind in kinds]
+        sentences = {*SOLID_PARAMETERS, *self.terms.priors, *extra_priors}
+        is_free = [kind not in sentences for kind in kinds]
         differences = replace(self.terms, priors=extra_priors).build_prior_columns(
             evaluation.fixed, self.block.fixed_names
         )[0]
         all_columns = np.column_stack((columns, of_shift, of_answer * (self.delay, self.size)))
-        white = marginal(evaluation.fixed[:, free], self.weight * all_columns)
+        white = marginalise(evaluation.fixed[:, is_free], self.weight * all_columns)
         dashpot = evaluation.fixed[:, kinds.index("b")] if "b" in kinds else fast_column
         return RelaxationRows(
             target=white(self.weight * (evaluation.target - mean)),
@@ -265,7 +265,7 @@ class RelaxationData:
             dashpot=white(self.weight * shift.a_t * b_t * dashpot),
             arms=white(self.weight * b_t * evaluation.arms[:, :count]),
             slopes=white(self.weight * b_t * shift.stretch * evaluation.d_arms[:, :count]),
-            borne=white(self.weight * differences),
+            rig_rows=white(self.weight * differences),
         )
 
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
@@ -298,7 +298,7 @@ class RelaxationData:
         columns = np.column_stack((rows.spring, rows.arms[:, arms], rows.slopes[:, arms] * model.k))
         if isinstance(solid, FractionalZener):
             columns = columns @ solid.arm_gradient()
-        return np.asarray(np.column_stack((columns, rows.dashpot)).T @ rows.borne)
+        return np.asarray(np.column_stack((columns, rows.dashpot)).T @ rows.rig_rows)
 
 
 def _build_delay_columns(
@@ -311,7 +311,7 @@ def _build_delay_columns(
 
 
 def misfits(relaxations: Sequence[RelaxationData]) -> tuple[float, float]:
-    """Return what the fit leaves of some tests, and what of it no model can remove."""
+    """Return the misfit of each test, and the part that no model can remove."""
     return sum(relaxation.misfit for relaxation in relaxations), sum(
         relaxation.floor for relaxation in relaxations
     )

@@ -22,7 +22,7 @@ from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.specimen import Specimen
 from dashpot.numerics.design_matrices.block import DataBlock, prior_block
-from dashpot.numerics.inference.correlated_noise import Noise, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise
 from dashpot.signals.noise import scatter
 
 # fewest samples before contact that determine a scatter and a slope
@@ -125,7 +125,7 @@ def get_column_kind(name: str) -> str:
     return name.partition("@")[0]
 
 
-WARMING = Prior(0.0, DEFAULT_UNCERTAINTIES["warming in a chamber"].size)
+WARMING_PRIOR = Prior(0.0, DEFAULT_UNCERTAINTIES["warming in a chamber"].size)
 """Prior of the warming of the seal over its record, K, where several temperatures are tested."""
 # standard deviation of the warming of the seal about a recorded rise of temperature, K
 _WARMING_SD = 0.1
@@ -245,10 +245,12 @@ def estimate_hold_noise(record: RampHold) -> float:
 
 def _compute_hold_noise(time: FloatArray, values: FloatArray) -> Noise:
     """Return the noise of a hold about a plateau, a drift and a dozen arms fitted to it."""
-    end, sample_count = float(time[-1]), len(time)
-    arms = np.exp(-time[:, None] / np.geomspace(end / (2 * sample_count), 3 * end, _HOLD_ARMS))
+    duration, sample_count = float(time[-1]), len(time)
+    arms = np.exp(
+        -time[:, None] / np.geomspace(duration / (2 * sample_count), 3 * duration, _HOLD_ARMS)
+    )
     basis = np.linalg.qr(np.column_stack((np.ones(sample_count), time, arms)))[0]
-    return noise_of(values - basis @ (basis.T @ values), basis)
+    return estimate_noise(values - basis @ (basis.T @ values), basis)
 
 
 class ChannelZero(NamedTuple):
@@ -267,7 +269,7 @@ def estimate_channel_zero(time: FloatArray, values: FloatArray, noise: float) ->
     residual = values - values.mean()
     # a drift is no noise
     slope = _fit_slope(time, residual, 1.0).mean
-    correlated_noise = noise_of(residual - slope * (time - time.mean()))
+    correlated_noise = estimate_noise(residual - slope * (time - time.mean()))
     error = float(
         np.sqrt(correlated_noise.autocovariance[0] * correlated_noise.kappa / len(values))
     )
@@ -397,7 +399,7 @@ def _compute_reading_error(record: RampHold, noise: float) -> float:
 
 def build_recorded_warming_prior(specimen: Specimen) -> Prior:
     """Return the prior of the warming of the seal over its record, K: as recorded, if it was."""
-    return WARMING if specimen.warmed is None else Prior(specimen.warmed, _WARMING_SD)
+    return WARMING_PRIOR if specimen.warmed is None else Prior(specimen.warmed, _WARMING_SD)
 
 
 def build_warming_prior(specimen: Specimen) -> Prior:

@@ -15,7 +15,7 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.fit_diagnostics import Certificate, OrderScore
 from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Profile, Residual
 from dashpot.fitting.checks.solid import (
-    CORRELATED,
+    MIN_CORRELATED_KAPPA,
     arms_enough,
     optimum_found,
     samples_independent,
@@ -23,11 +23,11 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.data_blocks import (
     FitData,
     InitialFit,
+    build_solid,
     fit_all_orders,
     max_determinable_arms,
-    solid_of,
 )
-from dashpot.fitting.fit_construction import SolidEstimate, nuisances
+from dashpot.fitting.fit_construction import SolidEstimate, list_nuisances
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.parameter_errors import (
     Score,
@@ -44,7 +44,7 @@ from dashpot.numerics.exponential_fit import (
     Jacobian,
     Solution,
     certificate,
-    full_jacobian,
+    compute_full_jacobian,
     solve_orders,
 )
 from dashpot.numerics.inference.correlated_noise import (
@@ -111,19 +111,19 @@ def score_in_noise_metric(
     # where a further arm with k > 0 does not help, the residual is that of the last number
     refitted += [refitted[-1]] * (len(solutions) - len(refitted))
     effective = sum(noise.effective for noise in noises)
-    size = [_parameters(solution) for solution in solutions]
-    sse_falls = [before.sse - with_arm.sse for before, with_arm in pairwise(refitted)]
+    parameter_counts = [_parameters(solution) for solution in solutions]
+    sse_falls = [previous.sse - with_arm.sse for previous, with_arm in pairwise(refitted)]
     significant = [
         True,
         *(
             is_significant_fall(f, b - a)
-            for f, (a, b) in zip(sse_falls, pairwise(size), strict=True)
+            for f, (a, b) in zip(sse_falls, pairwise(parameter_counts), strict=True)
         ),
     ]
     return tuple(
         Score(solution, bic_of_deviance(best.sse, effective=effective, parameters=count), is_clear)
         for solution, best, count, is_clear in zip(
-            solutions, refitted, size, significant, strict=True
+            solutions, refitted, parameter_counts, significant, strict=True
         )
     )
 
@@ -136,13 +136,13 @@ def _parameters(solution: Solution) -> int:
 
 
 # fraction of the residual below which a step is rounding, whatever it does to tau
-_STATIONARY = 1e-6
+_STATIONARY_SHARE = 1e-6
 # fraction of the residual below which that of another spectrum shows a misfit
-_MISFIT = 0.5
+_MISFIT_SHARE = 0.5
 #: arms beyond the requested number that are tried
 EXTRA_ARMS = 2
 #: largest fraction by which a sum of squares can fall
-ALL = 1 - 1e-12
+MAX_SSE_FALL = 1 - 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class SelectedModel:
     @cached_property
     def model(self) -> GeneralizedMaxwell:
         """The arms of the optimum."""
-        return solid_of(self.solution)
+        return build_solid(self.solution)
 
     @property
     def solid(self) -> Solid:
@@ -232,7 +232,7 @@ class SelectedModel:
         return tuple(
             OrderScore(
                 score.solution.order, score.solution.sse, score.bic, score.significant,
-                solid_of(score.solution),
+                build_solid(score.solution),
             )
             for score in self.scores
         )  # fmt: skip
@@ -267,7 +267,7 @@ class SelectedModel:
             return None
         if solution.order < (self.requested_arms or 0) or solution.sse <= rounding_sse:
             return None
-        gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, ALL)))
+        gain = -solution.samples * float(np.log1p(-min(self.certificate.gap, MAX_SSE_FALL)))
         if gain < 2 * float(np.log(solution.samples)):
             return None
         larger_selection = select_order(self.data, FitOptions(max_arms=solution.order + EXTRA_ARMS))
@@ -280,7 +280,7 @@ class SelectedModel:
     def _is_wider_than_tried(self) -> bool:
         """Whether the most arms that were tried were taken, and leave a correlated residual."""
         choice, kappa = self.choice, self.estimate.kappa
-        return choice is not None and choice.capped and kappa > CORRELATED
+        return choice is not None and choice.capped and kappa > MIN_CORRELATED_KAPPA
 
     def check_arm_count(self, unit: str) -> tuple[Check, ...]:
         """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
@@ -294,7 +294,7 @@ class SelectedModel:
     def convergence_check(self) -> Check:
         """Whether no step would change more than rounding, or a bound holds the point."""
         solution = self.solution
-        is_stationary = solution.converged or solution.relative_offset < _STATIONARY
+        is_stationary = solution.converged or solution.relative_offset < _STATIONARY_SHARE
         return optimum_found(stationary=bool(is_stationary or solution.at_bound.any()))
 
     @property
@@ -318,7 +318,7 @@ class SelectedModel:
             entries["delay"] = delays[0]
         value = value or self.solution.coefficient
         error = self.estimate.standard_error
-        return nuisances(self.solution.fixed_names, value, error, unit=unit, prior_sds=entries)
+        return list_nuisances(self.solution.fixed_names, value, error, unit=unit, prior_sds=entries)
 
     def make_solid_estimate(
         self,
@@ -332,13 +332,13 @@ class SelectedModel:
         `rig_sensitivity`, shape (p, d), is the change of the parameters by one standard deviation
         of each unknown of the rig. It widens intervals; checks against the noise do not use it.
         """
-        steady = self.data.in_time and self.certificate.gap < _MISFIT
+        is_adequate = self.data.in_time and self.certificate.gap < _MISFIT_SHARE
         estimate = ParameterEstimate(
             self.parameters,
             self.covariance,
             self.estimate.dof,
             residual,
-            self.profiles(in_order_of_time=steady),
+            self.profiles(in_order_of_time=is_adequate),
             nuisance,
         )
         if rig_sensitivity is not None:
@@ -387,13 +387,13 @@ def select_order(
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: max_arms + 1], data, noises)
     is_exhausted = len(scores) - 1 < max_arms or not in_time
-    choice = _choice(
+    choice = _select_choice(
         scores, is_exhausted=is_exhausted, decisive=DECISIVE_BIC if in_time else np.inf
     )
 
     @lru_cache(maxsize=1)  # the order that the rules support is, as a rule, the one chosen
     def solve_whole_order(order: int) -> Jacobian:
-        return full_jacobian([*samples, *data.priors], scores[order].solution)
+        return compute_full_jacobian([*samples, *data.priors], scores[order].solution)
 
     # least squares is a fair judge where the noise is even to the arms that a rule supports
     supported = min(max(choice.by_bic, choice.by_significance, 1), len(scores) - 1)
@@ -411,7 +411,7 @@ def select_order(
         )
         if anew is not None:
             scores = anew
-            choice = _choice(
+            choice = _select_choice(
                 scores, is_exhausted=is_exhausted, decisive=DECISIVE_BIC, in_noise_metric=True
             )
     arm_count = choice.arms if auto else min(max_arms, len(scores) - 1)
@@ -457,7 +457,7 @@ def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> flo
     )
 
 
-def _choice(
+def _select_choice(
     scores: Sequence[Score], *, is_exhausted: bool, decisive: float, in_noise_metric: bool = False
 ) -> OrderChoice:
     return select_model_order(

@@ -17,20 +17,20 @@ from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import build_delay_prior, get_column_kind
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import compact_block
-from dashpot.numerics.exponential_fit import Jacobian, Solution, full_jacobian
+from dashpot.numerics.exponential_fit import Jacobian, Solution, compute_full_jacobian
 from dashpot.numerics.inference.correlated_noise import (
     JacobianColumns,
     Noise,
     ResidualSeries,
+    estimate_noise,
     make_directions,
     nearly_white,
     noise_gain_differs,
     noise_gain_ratio,
-    noise_of,
 )
 from dashpot.numerics.inference.model_order import bic, significant
 from dashpot.numerics.inference.profile_likelihood import WINDOW_FACTOR, Coordinate, ProfileTarget
-from dashpot.numerics.inference.profile_likelihood import profiles as walk_profiles
+from dashpot.numerics.inference.profile_likelihood import compute_profiles as walk_profiles
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 
 # over the record: a longer run of equal readings is a rest, during which the seal relaxes
-_LEAST_REST = 1.0 / 20.0
+_MIN_REST_SHARE = 1.0 / 20.0
 
 
 class Encoder(NamedTuple):
@@ -134,7 +134,7 @@ def _compute_step_rows(
     time, readings = encoder.time, encoder.readings
     starts = np.concatenate(([0], np.flatnonzero(np.diff(readings)) + 1))
     stops = np.concatenate((starts[1:], [len(readings)]))
-    is_rest = stops - starts > _LEAST_REST * len(readings)
+    is_rest = stops - starts > _MIN_REST_SHARE * len(readings)
     is_rest[0] = True  # all motion is measured from the first reading
     pulses = [
         _compute_pulse_row(columns, first_row, time, kernel, (int(a), int(b)))
@@ -313,7 +313,7 @@ def estimate_covariance(
     series : sequence of ResidualSeries, optional
         The residual of each record, if computed already.
     """
-    jacobian = jacobian or full_jacobian([*every_sample, *priors], solution)
+    jacobian = jacobian or compute_full_jacobian([*every_sample, *priors], solution)
     every_residual, every_jacobian = split_by_record(jacobian, [*every_sample, *priors])
     count = len(every_sample)
     series = series or [*map(ResidualSeries, every_residual[:count])]
@@ -351,7 +351,7 @@ def estimate_noises(
 ) -> tuple[Noise, ...]:
     """Return the noise of each record, estimated from its residuals."""
     return tuple(
-        noise_of(residual, jacobian, rounding=rounding_rms(peak))
+        estimate_noise(residual, jacobian, rounding=rounding_rms(peak))
         for residual, jacobian in zip(residuals, jacobians, strict=True)
     )
 
@@ -409,7 +409,7 @@ def score_solution(
     )
     if not solution.order:
         return Score(solution, criterion, True)
-    information = make_directions([full_jacobian([*blocks, *priors], solution).matrix])
+    information = make_directions([compute_full_jacobian([*blocks, *priors], solution).matrix])
 
     def is_significant(independent: float) -> bool:
         variance = (solution.sse + rounding_sse) / max(independent - parameters, 1.0)
@@ -428,20 +428,20 @@ def score_solution(
 
 
 def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
-    first, arms = len(solution.fixed_names), solution.order
+    fixed_count, arms = len(solution.fixed_names), solution.order
     error = np.sqrt(np.diag(covariance))
-    k, se_k = solution.arms.ravel(), error[first : first + arms]
-    return significant(k, se_k, error[first + arms :])
+    k, se_k = solution.arms.ravel(), error[fixed_count : fixed_count + arms]
+    return significant(k, se_k, error[fixed_count + arms :])
 
 
 # Profile likelihoods where standard errors are inadequate.
 
 
 # below this SE(ln tau) the likelihood is Gaussian enough for intervals
-WALD_SUFFICES = 0.05
+MAX_WALD_SE = 0.05
 # confidence level that a stored profile covers; with few effective residuals, where that needs a
 # deviance above this limit, the usual level: wider intervals are then open
-_WIDEST_LEVEL, _USUAL_LEVEL, _MOST_DEVIANCE = 0.999, 0.95, 30.0
+_WIDEST_LEVEL, _USUAL_LEVEL, _MAX_DEVIANCE = 0.999, 0.95, 30.0
 
 
 def compute_profiles(
@@ -468,7 +468,7 @@ def compute_profiles(
     uncertain_arms = [
         (number, int(j))
         for number, j in enumerate(np.flatnonzero(k > 0), start=1)
-        if not estimate.standard_error(f"ln_tau_{j + 1}") < WALD_SUFFICES
+        if not estimate.standard_error(f"ln_tau_{j + 1}") < MAX_WALD_SE
     ]
     if not uncertain_arms:
         return ()
@@ -493,7 +493,7 @@ def compute_profiles(
     widest, usual = (
         t_quantile(value, estimate.dof) ** 2 for value in (_WIDEST_LEVEL, _USUAL_LEVEL)
     )
-    limit = min(widest, max(1.1 * usual, _MOST_DEVIANCE))
+    limit = min(widest, max(1.1 * usual, _MAX_DEVIANCE))
     results = walk_profiles(stack, solution, list(targets.values()), limit=limit)
     return tuple(Profile(name, *result) for name, result in zip(targets, results, strict=True))
 
@@ -623,11 +623,17 @@ def compute_rig_sensitivity(
     shared = np.arange(total_count - parameter_count + own_count, total_count)
     column_count = total_count + sum(column.private.shape[1] for column in all_columns)
     jacobians, next_column = [], total_count
-    for i, item in enumerate(all_columns):
-        rows, own_columns = len(item.solid), slice(next_column, next_column + item.private.shape[1])
-        J = np.zeros((rows + len(item.prior), column_count))
-        J[:rows, np.r_[i * own_count : (i + 1) * own_count, shared]] = item.solid
-        J[:rows, own_columns], J[rows:, own_columns] = item.private, item.prior
+    for i, columns_of_test in enumerate(all_columns):
+        rows, own_columns = (
+            len(columns_of_test.solid),
+            slice(next_column, next_column + columns_of_test.private.shape[1]),
+        )
+        J = np.zeros((rows + len(columns_of_test.prior), column_count))
+        J[:rows, np.r_[i * own_count : (i + 1) * own_count, shared]] = columns_of_test.solid
+        J[:rows, own_columns], J[rows:, own_columns] = (
+            columns_of_test.private,
+            columns_of_test.prior,
+        )
         jacobians.append(J)
         next_column = own_columns.stop
     information = make_directions(jacobians)
@@ -665,21 +671,21 @@ def _evaluate_test_columns(data: RelaxationData, solid: Solid) -> _TestColumns:
     matrix[:, [data.block.fixed_names.index(name) for name in rows.fixed_names]] = rows.evaluate(
         np.zeros(0)
     ).fixed
-    unmeasured = np.zeros((len(columns), 0))
+    effect_columns = np.zeros((len(columns), 0))
     if rig_effects is not None:
-        unmeasured = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
+        effect_columns = rig_effects.columns(evaluation.fixed, evaluation.arms[:, len(base) :])
     if "drift" in kinds:
         # the part of the drift that the prior of the fit excludes
         remaining_drift = data.terms.priors["drift"].compute_remainder(data.drift)
         drift = replace(data.terms, priors={"drift": remaining_drift})
-        unmeasured = np.hstack(
-            (unmeasured, drift.build_prior_columns(evaluation.fixed, data.block.fixed_names)[0])
+        effect_columns = np.hstack(
+            (effect_columns, drift.build_prior_columns(evaluation.fixed, data.block.fixed_names)[0])
         )
     return _TestColumns(
         data.weight * columns,
         data.weight * evaluation.fixed[:, private],
         data.weight * matrix[:, private],
-        data.weight * unmeasured,
+        data.weight * effect_columns,
     )
 
 

@@ -18,7 +18,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import FRFBounds, StiffnessBounds
 from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.frf import Kind
-from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
+from dashpot.datamodel.parameter_estimate import ELEMENT_PARAMETERS, parameter_names
 from dashpot.numerics.quasirandom import draw_normal
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # Parameters of a fit as a vector, and the solid of a vector.
 
 
-_LEAST_PART = 0.02
+_MIN_SHARE = 0.02
 """Part of a stiffness that is left of it, however far it is moved."""
 
 
@@ -49,7 +49,7 @@ class SolidParameters(NamedTuple):
 def get_solid_parameters(fit: Fit) -> SolidParameters:
     """Return the parameters of the solid, in the order of a covariance that is of them alone."""
     solid = fit.solid
-    names: tuple[str, ...] = ELEMENT
+    names: tuple[str, ...] = ELEMENT_PARAMETERS
     if isinstance(solid, FractionalZener):
         results = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
     else:
@@ -74,17 +74,19 @@ def compute_covariance_axes(covariance: FloatArray) -> FloatArray:
 
     The sign of an axis is that of its first part that is not small: no library chooses it.
     """
-    size, turn = np.linalg.eigh(covariance)
-    rows = (turn * np.sqrt(np.maximum(size, 0.0))).T
-    parts = np.abs(turn.T)
-    first = np.argmax(parts > 0.5 * parts.max(axis=1, keepdims=True), axis=1)
-    return np.asarray(rows * np.sign(turn.T[np.arange(len(first)), first])[:, None])
+    eigenvalues, eigenvectors = np.linalg.eigh(covariance)
+    rows = (eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))).T
+    magnitudes = np.abs(eigenvectors.T)
+    first_large = np.argmax(magnitudes > 0.5 * magnitudes.max(axis=1, keepdims=True), axis=1)
+    return np.asarray(
+        rows * np.sign(eigenvectors.T[np.arange(len(first_large)), first_large])[:, None]
+    )
 
 
 def compute_covariance_root(covariance: FloatArray) -> FloatArray:
     """Return the symmetric square root of a covariance, shape (p, p), which is the only one."""
-    size, turn = np.linalg.eigh(covariance)
-    return np.asarray((turn * np.sqrt(np.maximum(size, 0.0))) @ turn.T)
+    eigenvalues, eigenvectors = np.linalg.eigh(covariance)
+    return np.asarray((eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))) @ eigenvectors.T)
 
 
 def off_by_error(fit: Fit) -> tuple[Solid, ...]:
@@ -101,12 +103,12 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
 
 
 def _build_solid(fit: Fit, values: FloatArray, sampled_values: FloatArray) -> Solid:
-    if fit.estimate.parameters == ELEMENT:
-        k_inf, k_0 = np.maximum(sampled_values[:2], _LEAST_PART * values[:2])
+    if fit.estimate.parameters == ELEMENT_PARAMETERS:
+        k_inf, k_0 = np.maximum(sampled_values[:2], _MIN_SHARE * values[:2])
         alpha = float(np.clip(sampled_values[3], 0.05, 1.0))
         return FractionalZener(float(k_0), float(k_inf), float(np.exp(sampled_values[2])), alpha)
     arms = fit.model.arms
-    k = np.maximum(sampled_values[: 1 + arms], _LEAST_PART * values[: 1 + arms]).tolist()
+    k = np.maximum(sampled_values[: 1 + arms], _MIN_SHARE * values[: 1 + arms]).tolist()
     tau = np.exp(sampled_values[1 + arms : 1 + 2 * arms])
     order = np.argsort(tau)
     return GeneralizedMaxwell(
@@ -114,13 +116,13 @@ def _build_solid(fit: Fit, values: FloatArray, sampled_values: FloatArray) -> So
     )
 
 
-DRAWS = 400
+DRAW_COUNT = 400
 # standard error of a stiffness, as a part of it, and of ln tau, where the fit knows none
-UNKNOWN = 3.0
+UNKNOWN_SD = 3.0
 # the resonance is sought within this factor of the fit's own
 SEARCH_FACTOR = 5.0
 # where the resonance may lie, to this part of a frequency
-PLACED = 1e-4
+FREQUENCY_TOLERANCE = 1e-4
 # lines of that range, over which the height of the peak is sought
 PEAK_LINES = 61
 # and other lines within this factor of it
@@ -148,7 +150,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
         Coverage.
     """
     f = _frequencies(frequency)
-    _level(level)
+    _compute_level(level)
     omega = 2 * np.pi * f
     K = fit.solid.complex_stiffness(omega=omega)
     errors = _compute_stiffness_errors(fit, omega)
@@ -263,24 +265,28 @@ def frf_band(
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        stiffness_ranges = np.transpose([predicted.reach(spectra, item) for item in omega])
+        stiffness_ranges = np.transpose(
+            [predicted.reach(spectra, angular_frequency) for angular_frequency in omega]
+        )
         return _widen_to_contain(
             stiffness_ranges, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
         )
 
-    unmeasured = limits(f)
-    peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
+    spectrum_limits = limits(f)
+    peak = _find_resonance_range(spectra, mass / seals, 2 * np.pi * resonance)
     height = None
     if peak is not None and np.isfinite(peak[1]):
         band_at_peak = limits(np.linspace(*peak, PEAK_LINES))
         is_near_peak = (f > peak[0] / LINE_FACTOR) & (f < peak[1] * LINE_FACTOR)
-        low, high = np.concatenate((band_at_peak, unmeasured[:, is_near_peak]), axis=1).max(axis=1)
+        low, high = np.concatenate((band_at_peak, spectrum_limits[:, is_near_peak]), axis=1).max(
+            axis=1
+        )
         height = (float(low), float(high))
     return FRFBounds(
         frequency=f,
         magnitude=values,
         parameter=formal,
-        unmeasured=unmeasured,
+        unmeasured=spectrum_limits,
         peak_frequency=peak,
         peak_height=height,
         kind=kind,
@@ -353,7 +359,7 @@ def _formal(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
     values = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
-    return values, _quantiles(
+    return values, _compute_quantiles(
         predicted.magnitude(_draw_stiffnesses(fit, omega), omega), values, level
     )
 
@@ -364,7 +370,7 @@ def _formal(
 def _compute_stiffness_errors(fit: Fit, omega: FloatArray) -> ComplexArray:
     """Return changes of the stiffness by independent standard errors, shape (n, parameters).
 
-    An error that is not known is :data:`UNKNOWN`.
+    An error that is not known is :data:`UNKNOWN_SD`.
     """
     solid, (names, mean, covariance) = fit.solid, get_solid_parameters(fit)
     slopes = fit.model.arm_slopes(1j * omega)[0]
@@ -376,18 +382,21 @@ def _compute_stiffness_errors(fit: Fit, omega: FloatArray) -> ComplexArray:
         sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
     is_undetermined = ~np.isfinite(np.diag(covariance))
     covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
-    covariance[is_undetermined, is_undetermined] = (UNKNOWN * sizes[is_undetermined]) ** 2
+    covariance[is_undetermined, is_undetermined] = (UNKNOWN_SD * sizes[is_undetermined]) ** 2
     return np.asarray(slopes @ compute_covariance_root(covariance))
 
 
 def _draw_stiffnesses(fit: Fit, omega: FloatArray) -> ComplexArray:
     """Return complex stiffnesses that the standard errors allow, shape (draws, n)."""
     errors = _compute_stiffness_errors(fit, omega)
-    K = fit.solid.complex_stiffness(omega=omega) + draw_normal(DRAWS, errors.shape[1]) @ errors.T
+    K = (
+        fit.solid.complex_stiffness(omega=omega)
+        + draw_normal(DRAW_COUNT, errors.shape[1]) @ errors.T
+    )
     return np.asarray(np.maximum(K.real, 0.0) + 1j * np.maximum(K.imag, 0.0))
 
 
-def _quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
+def _compute_quantiles(values: FloatArray, base: FloatArray, level: float) -> FloatArray:
     """Return limits that hold the middle `level` of the draws, and the fit itself; shape (2, n)."""
     low, high = (interpolate_quantile(values, q) for q in ((1 - level) / 2, (1 + level) / 2))
     return np.array([np.minimum(low, base), np.maximum(high, base)])
@@ -402,7 +411,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     from dashpot.fitting.marginal_relaxation import misfits
     from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 
-    _level(level)
+    _compute_level(level)
     records = ramp_holds(tests)
     if not records:
         raise DataError("no relaxation test: the unresolved arms are those that such a test misses")
@@ -436,7 +445,7 @@ def _widen_to_contain(limits: FloatArray, values: FloatArray) -> FloatArray:
     return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
 
 
-def _resonance(
+def _find_resonance_range(
     spectra: AdmissibleSpectra, share: float, value: float
 ) -> tuple[float, float] | None:
     r"""Frequencies, Hz, at which :math:`K' = m\omega^2/n` for some spectrum; `share` is m/n.
@@ -454,28 +463,28 @@ def _resonance(
     low, high = value / SEARCH_FACTOR, value * SEARCH_FACTOR
     if excess(1, low) < 0 or excess(-1, high) > 0:
         return None
-    resonance_limits = [_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
+    resonance_limits = [_find_crossing(partial(excess, sign), low, high) for sign in (-1, 1)]
     return resonance_limits[0] / (2 * np.pi), resonance_limits[1] / (2 * np.pi)
 
 
-def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
+def _find_crossing(excess: Callable[[float], float], low: float, high: float) -> float:
     """Return the zero of a falling function: `low` if it begins below, inf if it ends above."""
     at_low, at_high = excess(low), excess(high)
     if at_low <= 0:
         return low
     if at_high > 0:
         return np.inf
-    while high / low - 1 > PLACED:
+    while high / low - 1 > FREQUENCY_TOLERANCE:
         # between the middle, which never fails, and a straight line, which is quick
         middle = float(np.sqrt(low * high))
         line = low * (high / low) ** (at_low / (at_low - at_high))
-        for at in (line, middle):
-            if low < at < high:
-                value = excess(at)
+        for trial_frequency in (line, middle):
+            if low < trial_frequency < high:
+                value = excess(trial_frequency)
                 if value > 0:
-                    low, at_low = at, value
+                    low, at_low = trial_frequency, value
                 else:
-                    high, at_high = at, value
+                    high, at_high = trial_frequency, value
     return float(np.sqrt(low * high))
 
 
@@ -489,6 +498,6 @@ def _frequencies(frequency: npt.ArrayLike) -> FloatArray:
     return f
 
 
-def _level(level: float) -> None:
+def _compute_level(level: float) -> None:
     if not 0 < level < 1:
         raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")

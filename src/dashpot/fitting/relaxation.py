@@ -37,23 +37,23 @@ from dashpot.fitting.checks.solid import (
     valid_band_exists,
 )
 from dashpot.fitting.data_blocks import (
-    NUISANCE,
+    NUISANCE_NAMES,
     FitSetup,
     InitialFit,
+    build_fit_data,
+    build_solid,
     compress_tests,
-    data_of,
     eq5_obstacle,
     fit_all_orders,
-    solid_of,
 )
 from dashpot.fitting.fit_construction import (
     NO_EVIDENCE,
     Residuals,
     SolidEstimate,
     build_fit,
+    collect_provenance,
     estimate_without_errors,
-    nuisances,
-    provenance_of,
+    list_nuisances,
     run_relaxation_checks,
 )
 from dashpot.fitting.fit_options import (
@@ -66,9 +66,9 @@ from dashpot.fitting.fit_options import (
 from dashpot.fitting.fractional_model.family_selection import (
     FamilySelection,
     FractionalFit,
-    chosen_family,
+    add_linear_alternative,
     describe_fit,
-    with_linear_fractional,
+    select_family,
 )
 from dashpot.fitting.input_tests import (
     Tests,
@@ -98,7 +98,7 @@ from dashpot.fitting.parameter_errors import (
 from dashpot.fitting.relaxation_likelihood import build_fitted_data, build_hold_data
 from dashpot.fitting.valid_band import find_hold_band, find_informed_band
 from dashpot.numerics.exponential_fit import solve
-from dashpot.preprocessing.signal_conditioning import Filter, filter_of, filter_record
+from dashpot.preprocessing.signal_conditioning import Filter, filter_record, get_record_filter
 from dashpot.registry import require_handler
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -121,11 +121,11 @@ def check_filter_bias(test: RampHold) -> Check:
     test : RampHold
         Filtered, with the record before the filter in ``unfiltered``.
     """
-    unfiltered, filter_ = test.unfiltered, filter_of(test)
+    unfiltered, filter_ = test.unfiltered, get_record_filter(test)
     if unfiltered is None or filter_ is None:
         return checks.filter_bias(None)
     try:
-        model = select_order(data_of([unfiltered], FitSetup("full")), FitOptions()).model
+        model = select_order(build_fit_data([unfiltered], FitSetup("full")), FitOptions()).model
         noise_free = replace(
             unfiltered,
             force=model.force(unfiltered.time, unfiltered.displacement),
@@ -165,9 +165,10 @@ def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, 
     refusal = eq5_obstacle(record) if method == "hold" else None
     if refusal is not None:
         raise FitError(refusal)
-    model = solid_of(
+    model = build_solid(
         solve(
-            compress_tests([record], FitSetup(method, NUISANCE if method == "full" else ())), arms
+            compress_tests([record], FitSetup(method, NUISANCE_NAMES if method == "full" else ())),
+            arms,
         )
     )
     parameters = {"k_inf": model.k_inf}
@@ -190,7 +191,7 @@ def fit(
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
     thorough: bool = False,
-    nuisance: Sequence[str] = NUISANCE,
+    nuisance: Sequence[str] = NUISANCE_NAMES,
     max_arms: int = 6,
     law: RampLawOption = "auto",
     family: FamilyOption = "maxwell",
@@ -310,7 +311,7 @@ def fit(
 
 
 def build_setup(
-    records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE
+    records: Sequence[RampHold], options: FitOptions, nuisance: Sequence[str] = NUISANCE_NAMES
 ) -> FitSetup:
     """Return the setup of the fit; its options are checked.
 
@@ -322,12 +323,12 @@ def build_setup(
     _refuse_method(records, options.method)
     refuse_law(options)
     refuse_family(options)
-    unknown = [name for name in nuisance if name not in NUISANCE]
+    unknown = [name for name in nuisance if name not in NUISANCE_NAMES]
     if isinstance(nuisance, str) or unknown:
         raise FitError(
-            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
+            f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE_NAMES)}"
         )
-    return FitSetup(options.method, tuple(name for name in NUISANCE if name in nuisance))
+    return FitSetup(options.method, tuple(name for name in NUISANCE_NAMES if name in nuisance))
 
 
 def _refuse_method(records: Sequence[RampHold], method: str) -> None:
@@ -355,8 +356,8 @@ def _record_law_option(fit: Fit, law: RampLawOption) -> Fit:
     """Return a fit whose last step names the requested elastic law, if any."""
     if law == "auto" or not fit.steps or fit.steps[-1].name != "fit":
         return fit
-    *earlier_steps, last = fit.steps
-    step = replace(last, parameters=(*last.parameters, ("elastic", law)))
+    *earlier_steps, last_step = fit.steps
+    step = replace(last_step, parameters=(*last_step.parameters, ("elastic", law)))
     return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 
@@ -379,13 +380,13 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
             return (
                 fit
                 if fractional_fit is None
-                else with_linear_fractional(fit, ramp_law.residuals, fractional_fit)
+                else add_linear_alternative(fit, ramp_law.residuals, fractional_fit)
             )
     if options.point is not None:
         initial_fit = initial_fit or fit_all_orders(motion.data, options.point, only_max_arms=True)
         return build_point_fit(motion, initial_fit, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
-    family_selection = chosen_family(selected, options.family, fractional_fit)
+    family_selection = select_family(selected, options.family, fractional_fit)
     if setup.method == "hold":
         depth_errors = [record.depth_error for record in records]
         family_selection = replace(
@@ -409,8 +410,8 @@ def build_point_fit(
     """Return a fit with the optimum alone, without errors or checks."""
     records = motion.holds.records
     solution = initial_fit.solutions[: arms + 1][-1]
-    model = solid_of(solution)
-    terms = nuisances(
+    model = build_solid(solution)
+    terms = list_nuisances(
         solution.fixed_names, motion.coefficients(solution.coefficient), lambda _: np.inf
     )
     return build_fit(
@@ -421,7 +422,7 @@ def build_point_fit(
             at_bound=bool(solution.at_bound.any()),
         ),
         NO_EVIDENCE,
-        provenance_of(setup.method, records, *motion.steps),
+        collect_provenance(setup.method, records, *motion.steps),
         elastic_law=ElasticLaw.linear(model.k_inf, max(record.depth for record in records)),
     )
 
@@ -480,7 +481,7 @@ def _build_linear_fit(
             alternative=alternative,
             band_error=band_error,
         ),
-        provenance_of(
+        collect_provenance(
             setup.method, records, *steps, _make_fit_step(records, selection, setup, options)
         ),
         elastic_law=ElasticLaw.linear(

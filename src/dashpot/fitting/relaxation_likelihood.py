@@ -15,9 +15,9 @@ from dashpot.datamodel.fit import Fit, get_fewest_arms_model
 from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
-from dashpot.fitting.data_blocks import block_of, first_sample, motion
+from dashpot.fitting.data_blocks import build_record_block, first_sample, motion
 from dashpot.fitting.marginal_relaxation import (
-    DASHPOT,
+    DASHPOT_TAU_RATIO,
     LN_10,
     RelaxationData,
     ThermalShift,
@@ -36,7 +36,11 @@ from dashpot.fitting.nuisance_priors import (
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
 from dashpot.numerics.design_matrices.recorded_motion import MAX_SLOWNESS, window_of
-from dashpot.preprocessing.denoising import between_samples, denoise_displacement, rests
+from dashpot.preprocessing.denoising import (
+    denoise_displacement,
+    estimate_interpolation_noise,
+    find_rests,
+)
 from dashpot.signals.disturbances import (
     build_earlier_press,
     build_folded_mains,
@@ -47,9 +51,9 @@ from dashpot.signals.disturbances import (
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
-_CELL = ("offset", "drift")
+_LOAD_CELL_TERMS = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
-LEAST_TAU = 1e-6
+MIN_TAU = 1e-6
 # readings that stand for a while on the way, at most
 MAX_PAUSES = 8
 # the rate of a force is that of the arms slower than so many samples
@@ -68,7 +72,7 @@ HUM_RATIO = 20.0
 # slower noise counts where its power is so much larger: by chance it never is
 SLOW_NOISE_RATIO = 2.0
 # standard errors of a shift within which other spectra may move it, and never less than this, ln
-_FREE_SE, _LEAST_SHIFT = 5.0, 0.007
+_FREE_SE, _MIN_SHIFT = 5.0, 0.007
 # standard errors of a slope from which on arms do shift apart
 _SIGNIFICANT_SE = 3.0
 # another temperature may change every stiffness by so much more than b_T
@@ -117,13 +121,15 @@ def build_relaxation_data(
         return _shift_to_reference(test, fit, single_fit, for_limits=for_limits)
     model, solid = get_fewest_arms_model(fit), get_fewest_arms_model(single_fit or fit)
     if fit.method == "hold":
-        hold_residual = _compute_arm_residual(solid, block_of(test, method="hold", terms=_CELL))
+        hold_residual = _compute_arm_residual(
+            solid, build_record_block(test, method="hold", terms=_LOAD_CELL_TERMS)
+        )
         return build_hold_data(test, model, hold_residual, for_limits=for_limits)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
     (time, x, _), magnitude = motion(test), denoise_displacement(test)[1]
-    magnitude = np.hypot(magnitude, between_samples(test, time, x, magnitude))
+    magnitude = np.hypot(magnitude, estimate_interpolation_noise(test, time, x, magnitude))
     if law is not None:
         x, magnitude = law.path(x), magnitude * law.factor(x)
     effect_columns = {
@@ -143,15 +149,17 @@ def build_relaxation_data(
     if delay:
         effect_columns |= _build_delay_columns(test, model, time, x, delay=delay)
     columns = {name: column for name, (column, _) in effect_columns.items()}
-    data_block = block_of(test, terms=_CELL, law=law, tau_range=_get_tau_range(test, 1.0))
+    data_block = build_record_block(
+        test, terms=_LOAD_CELL_TERMS, law=law, tau_range=_get_tau_range(test, 1.0)
+    )
     residual = _compute_arm_residual(solid, data_block)
     power = max(estimate_noise_power(residual), data_block.rounding_floor)
     sample_weights = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
     relaxation_data = _weight_block(
         test,
-        block_of(
+        build_record_block(
             test,
-            terms=_CELL,
+            terms=_LOAD_CELL_TERMS,
             law=law,
             columns=columns,
             weights=sample_weights,
@@ -212,7 +220,7 @@ def _keep_slow_arms(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell
 
 
 def _compute_law_deviation(law: ElasticLaw | None) -> float:
-    """Return what the size of a vibration's force is not known to, where a gentle law bends.
+    """Return the relative error of the vibration stiffness by a slightly nonlinear law.
 
     About the depth it is the tangent's, about the middle of the way the secant's.
     """
@@ -222,7 +230,7 @@ def _compute_law_deviation(law: ElasticLaw | None) -> float:
 def _shift_to_reference(
     test: RampHold, fit: Fit, single_fit: Fit | None, *, for_limits: bool
 ) -> RelaxationData:
-    """Return a test of several temperatures: what it says of the solid at their reference.
+    """Return a test at another temperature as data of the reference temperature.
 
     Its shifts are as free as other spectra may want them, within what the line through the fit
     bears; its stiffnesses may differ by a gain.
@@ -247,7 +255,7 @@ def _shift_to_reference(
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
         shifts.slope if abs(shifts.slope) > _SIGNIFICANT_SE * slope_sd else 0.0,
-        0.0 if at_reference else max(_FREE_SE * shift.se * LN_10, _LEAST_SHIFT),
+        0.0 if at_reference else max(_FREE_SE * shift.se * LN_10, _MIN_SHIFT),
         0.0 if at_reference else _FREE_SE * slope_sd,
     )
     return build_relaxation_data(
@@ -269,7 +277,7 @@ def build_hold_data(
     for_limits: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
-    block = block_of(test, method="hold", terms=_CELL, law=law)
+    block = build_record_block(test, method="hold", terms=_LOAD_CELL_TERMS, law=law)
     reference_time = float(test.ramp_end - test.time[0])
     depth = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
@@ -305,10 +313,10 @@ def build_fitted_data(
     What the encoder leaves unknown of the depth scales the force; what it leaves unknown of the
     ramp's corners is not in it, so it serves no question about fast arms.
     """
-    size = float(np.hypot(test.depth_error, test.contact_error / test.depth))
-    size = float(np.hypot(size, estimate_set_sd(test, model)))
+    depth_sd = float(np.hypot(test.depth_error, test.contact_error / test.depth))
+    depth_sd = float(np.hypot(depth_sd, estimate_set_sd(test, model)))
     time, x, _ = motion(test)
-    relaxation_data = _weight_block(test, block, block, model, residual, size=size)
+    relaxation_data = _weight_block(test, block, block, model, residual, size=depth_sd)
     relaxation_data = _add_rig_columns(
         relaxation_data, test, (time, x), start=float(time[first_sample(test)])
     )
@@ -329,7 +337,9 @@ def _add_rig_columns(
     The motion that is answered is `time_and_motion`, s and m; the rows begin at `start`, s, and
     their drift counts from `reference_time`, s, all from the first sample on.
     """
-    time, x = (part[select_motion_samples(test, time_and_motion[0])] for part in time_and_motion)
+    time, x = (
+        values[select_motion_samples(test, time_and_motion[0])] for values in time_and_motion
+    )
     rig_effects = compute_unmeasured_effects(test, time, x, data.model)
     tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, DOUBT_TIMES)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - reference_time}
@@ -405,7 +415,7 @@ def _weight_block(
 
 
 def _compute_arm_residual(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
-    """Return what the arms of a solid leave of a record, their stiffnesses free."""
+    """Return the residual of a record for these relaxation times, stiffnesses free."""
     rows = block.exact.evaluate(np.log(model.tau), derivative=False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
     return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
@@ -415,7 +425,9 @@ def _get_tau_range(test: RampHold, a_t: float) -> tuple[float, float]:
     """Relaxation times that are asked about where the solid is `a_t` times slower, s."""
     time = motion(test)[0]
     low, high = window_of(time, uniform_step(time))
-    return min(DASHPOT * low, LEAST_TAU) * min(a_t, 1.0), MAX_SLOWNESS * high * max(a_t, 1.0)
+    return min(DASHPOT_TAU_RATIO * low, MIN_TAU) * min(a_t, 1.0), MAX_SLOWNESS * high * max(
+        a_t, 1.0
+    )
 
 
 def _list_motion_errors(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:
@@ -502,13 +514,13 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
     late_samples = np.searchsorted(
         time, corner + np.geomspace(test.ramp_time, time[-1], DOUBT_SAMPLES)
     )
-    early = np.arange(
+    early_samples = np.arange(
         test.start, ramp_stop, max((ramp_stop - test.start) // (3 * DOUBT_SAMPLES), 1)
     )
     # of earlier loadings the solid remembers the way, whose corners count
     history_samples = np.arange(0, test.start, max(test.start // MAX_HISTORY_SAMPLES, 1))
     indices = np.concatenate(
-        (history_samples, early, np.minimum(late_samples, len(time) - 1), [len(time) - 1])
+        (history_samples, early_samples, np.minimum(late_samples, len(time) - 1), [len(time) - 1])
     )
     indices.sort()
     return np.asarray(indices[np.append(True, np.diff(indices) > 0)])
@@ -516,7 +528,7 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
 
 def _select_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     """Return the first and the last reading that stand, and the longest of those between them."""
-    all_rests = rests(clock, test.displacement[: len(clock)], test.encoder_step)
+    all_rests = find_rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first_rest, last_rest = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(all_rests) > 1:
         first_rest, last_rest = all_rests[0], all_rests[-1]

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import FloatArray, find_true_runs
-from dashpot.datamodel.bounds import WELL_KNOWN, BandError
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.log_tau_descent import Stack
@@ -49,7 +49,7 @@ def find_loss_factor_band(
         One of these lines, Hz.
     """
     frequencies, all_errors = np.array(list(lines)), dict(lines)
-    is_known = np.array([error[1] for error in lines.values()]) <= WELL_KNOWN
+    is_known = np.array([error[1] for error in lines.values()]) <= MAX_LOSS_FACTOR_ERROR
     if is_known.all() or not is_known.any():
         return band, _build_band_error(all_errors)
     known_runs = find_true_runs(is_known).tolist()
@@ -61,10 +61,10 @@ def find_loss_factor_band(
             return band, _build_band_error(all_errors)
     first, last = max(known_runs, key=lambda run: frequencies[run[1]] / frequencies[run[0]])
     band_ends = []
-    for inside_index, outside in ((first, first - 1), (last, last + 1)):
+    for inside_index, outside_index in ((first, first - 1), (last, last + 1)):
         end = float(frequencies[inside_index])
-        if 0 <= outside < len(frequencies):
-            end = _find_band_end(errors, all_errors, end, float(frequencies[outside]))
+        if 0 <= outside_index < len(frequencies):
+            end = _find_band_end(errors, all_errors, end, float(frequencies[outside_index]))
         band_ends.append(end)
     low, high = band_ends
     return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
@@ -76,22 +76,24 @@ def _find_band_end(
     known_line: float,
     unknown_line: float,
 ) -> float:
-    """Return the last frequency with a known loss factor, between a known and an unknown one."""
+    """Return the last frequency at which the loss factor is known well enough."""
     for iteration in range(MAX_END_LINES):
         known_error, unknown_error = all_errors[known_line][1], all_errors[unknown_line][1]
         exponent = 0.5
-        if 0 < known_error < WELL_KNOWN < unknown_error < np.inf:
-            exponent = float(np.log(WELL_KNOWN / known_error) / np.log(unknown_error / known_error))
+        if 0 < known_error < MAX_LOSS_FACTOR_ERROR < unknown_error < np.inf:
+            exponent = float(
+                np.log(MAX_LOSS_FACTOR_ERROR / known_error) / np.log(unknown_error / known_error)
+            )
         # the error rises faster than this power law towards the end: the crossing lies farther out
         exponent = min(max(exponent, 0.5 if iteration else 0.1), 0.98)
-        middle = known_line * (unknown_line / known_line) ** exponent
-        all_errors[middle] = errors(middle)
-        if all_errors[middle][1] <= WELL_KNOWN:
-            known_line = middle
+        trial_frequency = known_line * (unknown_line / known_line) ** exponent
+        all_errors[trial_frequency] = errors(trial_frequency)
+        if all_errors[trial_frequency][1] <= MAX_LOSS_FACTOR_ERROR:
+            known_line = trial_frequency
         else:
-            unknown_line = middle
+            unknown_line = trial_frequency
         if (
-            all_errors[known_line][1] > END_ERROR_RATIO * WELL_KNOWN
+            all_errors[known_line][1] > END_ERROR_RATIO * MAX_LOSS_FACTOR_ERROR
             or abs(np.log(unknown_line / known_line)) < END_TOLERANCE
         ):
             break
@@ -244,7 +246,7 @@ def find_hold_band(
     frequencies = np.geomspace(*band, HOLD_LINES)
     K = solid.complex_stiffness(omega=2 * np.pi * frequencies)
     loss_factor = K.imag / K.real
-    if all(error > WELL_KNOWN for _, error in end_errors):
+    if all(error > MAX_LOSS_FACTOR_ERROR for _, error in end_errors):
         # the loss factor is known best where it is largest
         candidate_lines = [*np.argsort(-loss_factor).tolist()]
     else:
@@ -253,7 +255,7 @@ def find_hold_band(
     for index in candidate_lines:
         if 0 < index < len(frequencies) - 1:
             lines[float(frequencies[index])] = errors_within(float(frequencies[index]))
-            if lines[float(frequencies[index])][1] <= WELL_KNOWN:
+            if lines[float(frequencies[index])][1] <= MAX_LOSS_FACTOR_ERROR:
                 break
     lines = dict(sorted(lines.items()))
     return find_loss_factor_band(errors_within, band, lines)

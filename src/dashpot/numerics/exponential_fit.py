@@ -12,7 +12,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, FrozenArrays
 from dashpot.base.errors import FitError
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.least_squares import FINISHED, LocalOptimum
+from dashpot.numerics.least_squares import FINAL_TOLERANCE, LocalOptimum
 from dashpot.numerics.log_tau_descent import (
     Grid,
     Stack,
@@ -20,14 +20,14 @@ from dashpot.numerics.log_tau_descent import (
     descend,
     draw_quasirandom_starts,
     find_best_pair,
+    find_best_point,
     find_best_triple,
+    find_peaks,
     is_inside_window,
     make_insertion_starts,
     make_partition_starts,
-    peaks_of,
-    point_at,
     relative_offset,
-    single,
+    solve_at,
 )
 
 # Optima for 0, 1, 2, ... arms, each started from the previous one.
@@ -40,7 +40,7 @@ EXTRA_STARTS = 16
 MAX_LN_TAU_SD = 0.1
 #: numbers of arms for which every set of points of a grid is tried, and the points of that grid
 GRID_SEARCH: dict[int, tuple[Callable[[Grid], FloatArray | None], int]] = {
-    1: (single, 48),
+    1: (find_best_point, 48),
     2: (find_best_pair, 48),
     3: (find_best_triple, 94),
 }
@@ -75,7 +75,7 @@ class ArmInsertion:
     @cached_property
     def peaks(self) -> tuple[FloatArray, FloatArray]:
         """Positions and weights of the spectrum's peaks."""
-        return peaks_of(self.grid)
+        return find_peaks(self.grid)
 
     def leap(self, arms: int) -> bool:
         """Go straight to `arms` if that leaves no doubt, as two that start as neighbours would."""
@@ -86,14 +86,14 @@ class ArmInsertion:
             self.best.append(optimum)
         return optimum is not None
 
-    def as_good_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
+    def accept_optimum_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
         """Go to the optimum next to `log_tau` if no spectrum gains `negligible` noise variances."""
         local = descend(self.stack, log_tau)
         nonnegative_mask = self._get_nonnegative_mask(len(log_tau))
         if local is None or (local.point.beta[nonnegative_mask] <= 0).any():
             return False
         self.best.append(local)
-        if not self._leaves_less_than(negligible):
+        if not self._gains_little(negligible):
             self.best.pop()
         return bool(self.best)
 
@@ -105,14 +105,14 @@ class ArmInsertion:
         not the best of all sets, also an SSE well above that of the best positive spectrum.
         A well-determined optimum that started from the best of the whole grid has no rival.
         """
-        local = self._attempt(arms)
+        local = self._find_grid_optimum(arms)
         if local is None:
             return None
         point = local.point
         dof = self.stack.samples - len(point.beta) - arms
         if (
             not local.converged
-            or point.sse <= 100 * self.stack.nothing
+            or point.sse <= 100 * self.stack.rounding_sse
             or dof < 10
             or (point.beta[self.stack.get_nonnegative_mask(arms, signed=False)] <= 0).any()
             or not is_inside_window(point.log_tau, self.stack.bounds)
@@ -129,10 +129,10 @@ class ArmInsertion:
             return None
         return local
 
-    def _attempt(self, arms: int) -> LocalOptimum[StackTrial] | None:
+    def _find_grid_optimum(self, arms: int) -> LocalOptimum[StackTrial] | None:
         """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
         if arms not in self._attempts:
-            start = self._first_start(arms)
+            start = self._find_first_start(arms)
             self._attempts[arms] = (
                 None
                 if start is None
@@ -147,13 +147,13 @@ class ArmInsertion:
 
     def _has_separated_start(self, arms: int) -> bool:
         """Return whether the best set of grid points has no two that are neighbours."""
-        start, (low, high) = self._first_start(arms), self.stack.bounds
+        start, (low, high) = self._find_first_start(arms), self.stack.bounds
         if start is None or arms not in GRID_SEARCH:
             return start is not None
         step = (high - low) / (GRID_SEARCH[arms][1] - 1)
         return bool((np.diff(start) > 1.5 * step).all())
 
-    def _first_start(self, arms: int) -> FloatArray | None:
+    def _find_first_start(self, arms: int) -> FloatArray | None:
         if self.thorough or self.signed or len(self.stack.groups) > 1:
             return None
         if arms not in self._starts_found:
@@ -175,36 +175,42 @@ class ArmInsertion:
         first such order is the last.
         """
         if not self.best:
-            self.best.append(LocalOptimum(_without_arms(self.stack, signed=self.signed), 1, True))
+            self.best.append(
+                LocalOptimum(_solve_without_arms(self.stack, signed=self.signed), 1, True)
+            )
         while self.largest_order < arms:
-            last, count = self.best[-1].point, self.largest_order + 1
-            if last.sse <= self.stack.nothing:
+            last_point, count = self.best[-1].point, self.largest_order + 1
+            if last_point.sse <= self.stack.rounding_sse:
                 return
-            gains_little = self._leaves_less_than(negligible)
+            gains_little = self._gains_little(negligible)
             if gains_little:
-                optimum = self._best_with(count, starts=self._insert_arm(count=1))
+                optimum = self._find_best_optimum(count, starts=self._insert_arm(count=1))
             else:
-                optimum = self._find_certain_optimum(count) or self._best_with(count)
-            attainable_gain = last.sse - 1e-10 * (self.stack.floor + last.sse) - self.stack.nothing
+                optimum = self._find_certain_optimum(count) or self._find_best_optimum(count)
+            attainable_gain = (
+                last_point.sse
+                - 1e-10 * (self.stack.floor + last_point.sse)
+                - self.stack.rounding_sse
+            )
             if optimum is None or optimum.point.sse >= attainable_gain:
                 return
             self.best.append(optimum)
             if gains_little and not every_order:
                 return
 
-    def _leaves_less_than(self, negligible: float) -> bool:
+    def _gains_little(self, negligible: float) -> bool:
         """Return whether no positive spectrum gains so many noise variances on the last order."""
         if self.signed or self.thorough or negligible <= 0:
             return False
-        last = self.best[-1].point
-        dof = max(self.stack.samples - len(last.beta) - len(last.log_tau), 1)
-        variance_limit = negligible * (self.stack.floor + last.sse) / dof
+        last_point = self.best[-1].point
+        dof = max(self.stack.samples - len(last_point.beta) - len(last_point.log_tau), 1)
+        variance_limit = negligible * (self.stack.floor + last_point.sse) / dof
         return bool(
-            last.sse - self.grid.residual_sse < variance_limit
-            and last.sse - self._any() < variance_limit
+            last_point.sse - self.grid.residual_sse < variance_limit
+            and last_point.sse - self._compute_best_sse() < variance_limit
         )
 
-    def _any(self) -> float:
+    def _compute_best_sse(self) -> float:
         """Return the SSE of the best positive spectrum on the grid and beside the last arms."""
         point = self.best[-1].point
         log_tau = np.concatenate((point.log_tau, self.grid.log_tau))
@@ -215,16 +221,18 @@ class ArmInsertion:
             self.stack, log_tau=log_tau, is_free=is_free, likely_positive=is_current_arm
         ).residual_sse
 
-    def _best_with(
+    def _find_best_optimum(
         self, arms: int, *, starts: list[FloatArray] | None = None
     ) -> LocalOptimum[StackTrial] | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""
         restricted = self._get_nonnegative_mask(arms)
         if starts is None:
-            allowed = self._optima(self._starts(arms), self._attempt(arms), restricted)
+            allowed = self._find_optima(
+                self._list_starts(arms), self._find_grid_optimum(arms), restricted
+            )
         else:
             allowed = self._descend_restricted(starts, restricted)
-        full_optima = [local for local in allowed if _carries(local.point, self.stack)]
+        full_optima = [local for local in allowed if _has_active_arms(local.point, self.stack)]
         if not full_optima:
             return None
         winner = min(full_optima, key=lambda local: local.point.sse)
@@ -233,9 +241,9 @@ class ArmInsertion:
             winner.point.log_tau,
             (),
             restricted=restricted if bound else None,
-            step_tolerance=FINISHED,
+            step_tolerance=FINAL_TOLERANCE,
         )
-        if polished is None or not _carries(polished.point, self.stack):
+        if polished is None or not _has_active_arms(polished.point, self.stack):
             return winner
         # at the bound a restricted polish may leave the rounding of a zero, which is no sign
         if not bound and (polished.point.beta[restricted] < 0).any():
@@ -246,7 +254,7 @@ class ArmInsertion:
         """Return the coefficients that must not be negative."""
         return self.stack.get_nonnegative_mask(arms, signed=self.signed)
 
-    def _starts(self, arms: int) -> list[FloatArray]:
+    def _list_starts(self, arms: int) -> list[FloatArray]:
         starts = self._insert_arm(count=2)
         if not self.signed:
             starts = make_partition_starts(self.grid, *self.peaks, arms) + starts
@@ -259,7 +267,7 @@ class ArmInsertion:
             self.grid, self.best[-1].point, signed=self.signed, count=count
         )
 
-    def _optima(
+    def _find_optima(
         self,
         starts: Sequence[FloatArray],
         first: LocalOptimum[StackTrial] | None,
@@ -310,25 +318,25 @@ class ArmInsertion:
             expected_positive=expected_positive,
             rivals=rivals,
             step_tolerance=step_tolerance,
-            cost_tolerance=0.0 if step_tolerance == FINISHED else FLAT_DEVIANCE,
+            cost_tolerance=0.0 if step_tolerance == FINAL_TOLERANCE else FLAT_DEVIANCE,
         )
 
 
-def _carries(point: StackTrial, stack: Stack) -> bool:
+def _has_active_arms(point: StackTrial, stack: Stack) -> bool:
     """Return whether every arm carries something in some group."""
     arms = len(point.log_tau)
     k = point.beta[len(stack.names) :].reshape(len(stack.groups), arms)
     return bool((k != 0).any(axis=0).all())
 
 
-def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
+def _solve_without_arms(stack: Stack, *, signed: bool) -> StackTrial:
     nothing = np.zeros(0)
     if not stack.names:
         target = stack.evaluate(nothing, derivative=False).target
         no_arms = np.zeros((0, 0))
         return StackTrial(nothing, nothing, float(target @ target), nothing, no_arms, no_arms)
     restricted = None if signed else stack.get_nonnegative_mask(0, signed=False)
-    point = point_at(stack, nothing, restricted=restricted)
+    point = solve_at(stack, nothing, restricted=restricted)
     if point.sse == np.inf:
         raise FitError(
             "the columns that do not relax are not independent in this data; "
@@ -340,7 +348,7 @@ def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
 # Exponential sum of a stack of blocks, without starting values.
 
 
-RESOLVED = 1e-9
+MIN_RESOLVED_SHARE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -484,7 +492,7 @@ def solve(
     if (
         near_log_tau is not None
         and arms
-        and chain.as_good_near(near_log_tau, negligible=negligible)
+        and chain.accept_optimum_near(near_log_tau, negligible=negligible)
     ):
         return _make_solution(chain, -1, requested=arms)
     if chain.leap(arms):
@@ -523,24 +531,24 @@ def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solut
         yield _make_solution(chain, arms, requested=arms)
 
 
-def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
+def compute_full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     r"""Residual and derivative of the model by all parameters, linear ones and ln tau.
 
     The inverse of J'J times the noise variance is the covariance for white noise.
     """
     stack, arms, q = Stack(blocks), solution.order, len(solution.fixed_names)
-    parts = [block.evaluate(solution.log_tau) for block in blocks]
-    target = np.concatenate([part.target for part in parts])
+    rows_of_blocks = [block.evaluate(solution.log_tau) for block in blocks]
+    target = np.concatenate([block_rows.target for block_rows in rows_of_blocks])
     first, by_tau = 0, q + solution.arms.size
     # columns stand as contiguous rows, turned
     matrix = np.zeros((by_tau + arms, len(target)))
-    for block, part in zip(blocks, parts, strict=True):
-        rows = slice(first, first + len(part.target))
+    for block, block_rows in zip(blocks, rows_of_blocks, strict=True):
+        rows = slice(first, first + len(block_rows.target))
         index = solution.groups.index(block.arm_group)
-        for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
+        for name, column in zip(block.fixed_names, block_rows.fixed.T, strict=True):
             matrix[stack.names.index(name), rows] = column
-        matrix[q + index * arms : q + (index + 1) * arms, rows] = part.arms.T
-        np.multiply(solution.arms[index][:, None], part.d_arms.T, out=matrix[by_tau:, rows])
+        matrix[q + index * arms : q + (index + 1) * arms, rows] = block_rows.arms.T
+        np.multiply(solution.arms[index][:, None], block_rows.d_arms.T, out=matrix[by_tau:, rows])
         first = rows.stop
     names = list(solution.fixed_names)
     for group in solution.groups:
@@ -594,14 +602,14 @@ def _resolve_exactly(
     stack: Stack, local: LocalOptimum[StackTrial]
 ) -> tuple[Stack, LocalOptimum[StackTrial]]:
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
-    if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
+    if stack.floor + local.point.sse > MIN_RESOLVED_SHARE * (stack.floor + stack.energy):
         return stack, local
-    exact = Stack([block.exact for block in stack.blocks])
+    exact_stack = Stack([block.exact for block in stack.blocks])
     is_zero = local.point.beta == 0
     if not len(local.point.log_tau) or is_zero.any():
         return stack, local
-    finer = descend(exact, local.point.log_tau)
-    return (stack, local) if finer is None else (exact, finer)
+    exact_optimum = descend(exact_stack, local.point.log_tau)
+    return (stack, local) if exact_optimum is None else (exact_stack, exact_optimum)
 
 
 def _solution(
@@ -638,8 +646,8 @@ def _solution(
 
 CERTIFICATE_GRID = 96
 CERTIFICATE_ROUNDS = 3
-ONE_ARM = 0.1
-CERTAIN = 1e-6
+MERGE_DISTANCE = 0.1
+CERTAIN_GAP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -679,7 +687,7 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     # k_inf resting at zero is no free direction: its column then is not swept out
     is_free = ~(stack.get_nonnegative_mask(0, signed=False) & (solution.fixed == 0))
     grid, support = np.linspace(*stack.bounds, CERTIFICATE_GRID), solution.log_tau
-    best, remainder, dual_gradient, best_log_tau = np.inf, 0.0, -np.inf, 0.0
+    best_sse, remainder, dual_gradient, best_log_tau = np.inf, 0.0, -np.inf, 0.0
     for round_ in range(CERTIFICATE_ROUNDS):
         log_tau = np.concatenate((solution.log_tau, grid))
         is_support = np.append(np.ones(solution.order, bool), np.isin(grid, support))
@@ -695,19 +703,21 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
                 float(group_gradient.max()),
                 float(log_tau[np.argmax(group_gradient)]),
             )
-        best = min(best, offered.residual_sse)
+        best_sse = min(best_sse, offered.residual_sse)
         weight = offered.spectrum.sum(axis=0)
         support = log_tau[weight > 0]
         grid = _make_refined_grid(support, round_, stack.bounds)
     sse = stack.floor + remainder
     # of a gap that is seen a few digits will do
-    cost_tolerance = 1e-3 * max(CERTAIN, (remainder - best) / sse if sse > 0 else 0.0)
-    best = min(best, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
-    gap = 0.0 if remainder <= stack.nothing else max(0.0, remainder - best) / sse
-    optimal = gap <= CERTAIN
+    cost_tolerance = 1e-3 * max(CERTAIN_GAP, (remainder - best_sse) / sse if sse > 0 else 0.0)
+    best_sse = min(best_sse, _compute_merged_sse(stack, log_tau, weight, cost_tolerance))
+    optimality_gap = (
+        0.0 if remainder <= stack.rounding_sse else max(0.0, remainder - best_sse) / sse
+    )
+    optimal = optimality_gap <= CERTAIN_GAP
     return OptimalityCertificate(
         optimal=optimal,
-        gap=float(gap),
+        gap=float(optimality_gap),
         dual_gradient=float(dual_gradient / np.sqrt(sse)) if sse > 0 else 0.0,
         tau=None if optimal else float(np.exp(best_log_tau)),
     )
@@ -731,7 +741,7 @@ def _compute_merged_sse(
     order = order[np.argsort(grid[order], kind="stable")]
     if not len(order):
         return np.inf
-    runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > ONE_ARM) + 1)
+    runs = np.split(order, np.flatnonzero(np.diff(grid[order]) > MERGE_DISTANCE) + 1)
     start = np.array([weight[run] @ grid[run] / weight[run].sum() for run in runs])
     restricted = stack.get_nonnegative_mask(len(start), signed=False)
     local = descend(stack, start, restricted=restricted, cost_tolerance=cost_tolerance)

@@ -51,12 +51,12 @@ def find_root_by_newton(
     for _ in range(max_steps):
         if np.abs(r).max() <= 1e-12 * size:
             return x
-        full_step, share = step(x, r), 1.0
+        full_step, step_fraction = step(x, r), 1.0
         trial = x - full_step
         remainder = residual(trial)
-        while share > 1e-4 and np.abs(remainder).max() >= np.abs(r).max():
-            share /= 2
-            trial = x - share * full_step
+        while step_fraction > 1e-4 and np.abs(remainder).max() >= np.abs(r).max():
+            step_fraction /= 2
+            trial = x - step_fraction * full_step
             remainder = residual(trial)
         x, r = trial, remainder
     return x if np.abs(r).max() <= 1e-9 * size else None

@@ -21,19 +21,19 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 
 LONGEST_STEP = 1.5
-TAIL = 1e-5
+TAIL_CHANGE = 1e-5
 NEAR_OPTIMUM = 0.1
 #: steps shorter than this change the gradient by rounding only
 ROUNDING = 1e-7
 #: Gauss-Newton that converges creeps when a step is more than this part of the last
 SLOW_RATE = 1e-3
-FINISHED = 1e-11
+FINAL_TOLERANCE = 1e-11
 #: so short a step changes the linear parameters in proportion, to rounding
-LINEAR = 1e-6
+LINEAR_STEP = 1e-6
 #: what then may be left of theta
 THETA_TOLERANCE = 1e-9
 #: what carries less, as a part, has faded: its steps are damped as if it carried that
-FADED = 1e-12
+FADED_SHARE = 1e-12
 #: after a step that was refused none goes farther than this part of it
 STEP_REDUCTION = 0.5
 #: after one, damping falls to this part a step, and not at all where a step gained less than this
@@ -42,9 +42,9 @@ EASED, GAINED = 0.5, 0.75
 #: what was learned of the Hessian is dropped where the fall that it foretells is so far off
 MAX_PREDICTION_ERROR = 0.25
 #: a step so little damped promises what there is to gain
-DAMPED = 1e-3
+SMALL_DAMPING = 1e-3
 #: and by how much, in parts of it, the SSE may fall
-UNCHANGED = 1e-12
+SSE_TOLERANCE = 1e-12
 #: so many steps with a coefficient of the wrong sign lead to none of the right one
 MAX_WRONG_SIGN_STEPS = 12
 
@@ -102,15 +102,15 @@ class LocalOptimum(NamedTuple, Generic[T]):
 
 def is_step_acceptable(new: Any, old: Any, change: Any, rounding: Any) -> Any:
     """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
-    return (new < old) | ((change < TAIL) & (new <= old * (1 + 1e-8) + rounding))
+    return (new < old) | ((change < TAIL_CHANGE) & (new <= old * (1 + 1e-8) + rounding))
 
 
 def has_converged(change: Any, last: Any, expected_fall: Any, sse: Any) -> Any:
     """Return whether the last undamped steps leave next to no change of theta and of the SSE."""
     return (
-        (change <= LINEAR)
+        (change <= LINEAR_STEP)
         & (change * change <= THETA_TOLERANCE * last)
-        & (expected_fall <= UNCHANGED * sse)
+        & (expected_fall <= SSE_TOLERANCE * sse)
     )
 
 
@@ -120,7 +120,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     *,
     expected_positive: BoolArray | None = None,
     is_known_optimum: Callable[[FloatArray], bool] | None = None,
-    step_tolerance: float = FINISHED,
+    step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
     damping: float = 1e-3,
     limit: int = 60,
@@ -152,58 +152,64 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     if current.sse == np.inf:
         return None
     hessian_correction: FloatArray | None = None
-    last, wrong, refused_change, is_cautious = np.inf, 0, np.inf, False
+    last, wrong_steps, refused_change, is_cautious = np.inf, 0, np.inf, False
     for count in range(2, limit + 2):
-        trial = _trial(current, hessian_correction, damping, bounds)
+        trial = _compute_trial(current, hessian_correction, damping, bounds)
         step = trial - current.theta
         change = max(map(abs, step.tolist()), default=0.0)
         # much the step that was refused
-        while TAIL < STEP_REDUCTION * refused_change < change:
+        while TAIL_CHANGE < STEP_REDUCTION * refused_change < change:
             damping *= 10
-            trial = _trial(current, hessian_correction, damping, bounds)
+            trial = _compute_trial(current, hessian_correction, damping, bounds)
             step = trial - current.theta
             change = max(map(abs, step.tolist()), default=0.0)
         refused_change = np.inf
         expected_fall, sse = abs(float(current.gradient @ step)), fixed_cost + current.sse
-        if change <= step_tolerance or (expected_fall < cost_tolerance * sse and damping <= DAMPED):
+        if change <= step_tolerance or (
+            expected_fall < cost_tolerance * sse and damping <= SMALL_DAMPING
+        ):
             return LocalOptimum(current, count, True)
-        if damping < LINEAR and has_converged(change, last, expected_fall, sse):
+        if damping < LINEAR_STEP and has_converged(change, last, expected_fall, sse):
             return LocalOptimum(current.ahead(step), count, True)
         new = at(trial, current)
-        if current.sse < new.sse < np.inf and change >= TAIL:
+        if current.sse < new.sse < np.inf and change >= TAIL_CHANGE:
             # along a valley that bends the step ends on its side: from there to its floor
-            floored = at(_trial(new, None, damping, bounds), new)
+            floored = at(_compute_trial(new, None, damping, bounds), new)
             if floored.sse < current.sse:
                 new, step = floored, floored.theta - current.theta
                 change = max(map(abs, step.tolist()))
         if is_step_acceptable(new.sse, current.sse, change, rounding):
             promised = -float(step @ (2 * current.gradient + current.curvature @ step))
-            short = is_cautious and current.sse - new.sse < GAINED * promised
-            is_reliable = change < TAIL or _foretold(hessian_correction, current, new, step)
+            is_short = is_cautious and current.sse - new.sse < GAINED * promised
+            is_reliable = change < TAIL_CHANGE or _is_predicted(
+                hessian_correction, current, new, step
+            )
             hessian_correction = (
                 _update_hessian_correction(hessian_correction, current, new, change, last)
                 if is_reliable
                 else None
             )
             last, current = change, new
-            wrong = (
-                wrong + 1
+            wrong_steps = (
+                wrong_steps + 1
                 if expected_positive is not None and (current.beta[expected_positive] < 0).any()
                 else 0
             )
-            damping *= (1.0 if short else EASED if is_cautious else 0.1) * (change >= TAIL)
-        elif (change < TAIL and damping == 0.0) or expected_fall <= UNCHANGED * sse:
+            damping *= (1.0 if is_short else EASED if is_cautious else 0.1) * (
+                change >= TAIL_CHANGE
+            )
+        elif (change < TAIL_CHANGE and damping == 0.0) or expected_fall <= SSE_TOLERANCE * sse:
             return LocalOptimum(current, count, True)
         else:
             damping, refused_change, is_cautious = 10 * max(damping, 1e-6), change, True
-        if current.sse <= rounding or damping > 1e9 or wrong > MAX_WRONG_SIGN_STEPS:
+        if current.sse <= rounding or damping > 1e9 or wrong_steps > MAX_WRONG_SIGN_STEPS:
             return LocalOptimum(current, count, current.sse <= rounding)
         if is_known_optimum is not None and is_known_optimum(current.theta):
             return None
     return LocalOptimum(current, limit, False)
 
 
-def _foretold(
+def _is_predicted(
     hessian_correction: FloatArray | None, old: Trial, new: Trial, step: FloatArray
 ) -> bool:
     """Whether what was learned of the Hessian foretells by how much a step lowers the SSE."""
@@ -232,33 +238,33 @@ def _update_hessian_correction(
     return update if hessian_correction is None else hessian_correction + update
 
 
-def _trial(
+def _compute_trial(
     point: Trial,
     hessian_correction: FloatArray | None,
     damping: float,
     bounds: tuple[list[float], list[float]],
 ) -> FloatArray:
     """Return the end of the damped step; parameters at a bound or without effect are held."""
-    gradient, curvature, at = point.gradient, point.curvature, point.theta
+    gradient, curvature, theta = point.gradient, point.curvature, point.theta
     scale = curvature.diagonal()
     # an estimate that would turn the step uphill is no Hessian
     if hessian_correction is not None:
         hessian = curvature + hessian_correction
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
-    ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
-    if _is_within_bounds(at, bounds, allow_ends=False) and all(scale.tolist()):
+    ridge = max(damping, 1e-15) * np.maximum(scale, FADED_SHARE * scale.max(initial=0.0))
+    if _is_within_bounds(theta, bounds, allow_ends=False) and all(scale.tolist()):
         step = _solve_damped_step(curvature, gradient, ridge)
     else:
         low, high = map(np.array, bounds)
-        at_bounds = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
+        at_bounds = ((theta <= low) & (gradient > 0)) | ((theta >= high) & (gradient < 0))
         index = np.flatnonzero((scale > 0) & ~at_bounds)
         step = np.zeros(len(gradient))
-        part = curvature[index[:, None], index]
-        step[index] = _solve_damped_step(part, gradient[index], ridge[index])
+        active_curvature = curvature[index[:, None], index]
+        step[index] = _solve_damped_step(active_curvature, gradient[index], ridge[index])
     longest = max(map(abs, step.tolist()), default=0.0)
     step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
-    trial = at + step
+    trial = theta + step
     return trial if _is_within_bounds(trial, bounds, allow_ends=True) else np.clip(trial, *bounds)
 
 
@@ -388,7 +394,7 @@ class Problem:
         *,
         max_steps: int = 100,
         rough: int = 0,
-        step_tolerance: float = FINISHED,
+        step_tolerance: float = FINAL_TOLERANCE,
         cost_tolerance: float = 0.0,
     ) -> Optimum | None:
         """Return the best of the descents from some starts; None if the model is nowhere there.
@@ -432,7 +438,7 @@ class Problem:
         *,
         same_distance: float = 0.0,
         max_steps: int = 100,
-        step_tolerance: float = FINISHED,
+        step_tolerance: float = FINAL_TOLERANCE,
         cost_tolerance: float = 0.0,
     ) -> list[Optimum]:
         """Return where descents from some starts end, as :meth:`solve` asks of them.
@@ -459,7 +465,7 @@ class Problem:
 
     def fix_parameter(self, index: int, value: float) -> Problem:
         """Return the problem with one theta held."""
-        rest = [parameter for i, parameter in enumerate(self.parameters) if i != index]
+        other_parameters = [parameter for i, parameter in enumerate(self.parameters) if i != index]
 
         def model(theta: FloatArray) -> Rows:
             rows = self.model(np.insert(theta, index, value))
@@ -467,7 +473,7 @@ class Problem:
                 return rows
             return rows._replace(slope=lambda beta: np.delete(slope(beta), index, axis=1))
 
-        return replace(self, model=model, parameters=rest, gauge=None)
+        return replace(self, model=model, parameters=other_parameters, gauge=None)
 
     def _run_descent(
         self,
@@ -480,14 +486,14 @@ class Problem:
         """Return the optimum of a descent from one start, in scaled parameters; None if known."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
-        first = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
+        first_trial = self._evaluate_trial(np.clip(np.asarray(start) / scale, low, high), None)
         objective = Objective(
-            lambda theta, last: first if last is None else self._evaluate_trial(theta, last),
-            low, high, rounding=first.rounding,
+            lambda theta, last: first_trial if last is None else self._evaluate_trial(theta, last),
+            low, high, rounding=first_trial.rounding,
         )  # fmt: skip
         return descend(
             objective,
-            first.theta,
+            first_trial.theta,
             is_known_optimum=is_known_optimum,
             limit=max_steps,
             step_tolerance=step_tolerance,
@@ -514,7 +520,7 @@ class _AtTheta:
     def __init__(self, theta: FloatArray, scale: FloatArray, optimum: Optimum | None) -> None:
         self.theta, self.scale, self.found = theta, scale, optimum
         self.sse = np.inf if optimum is None else optimum.cost
-        self.rounding = 0.0 if optimum is None else optimum.nothing
+        self.rounding = 0.0 if optimum is None else optimum.rounding_sse
 
     @property
     def optimum(self) -> Optimum:
@@ -585,7 +591,7 @@ class Optimum:
         return float(self.residual @ self.residual)
 
     @property
-    def nothing(self) -> float:
+    def rounding_sse(self) -> float:
         """Sum of squares that rounding leaves."""
         return _ROUNDING_POWER * float(self.rows.y @ self.rows.y)
 
@@ -647,13 +653,13 @@ class Optimum:
         if self.rows.slope is not None and len(self.theta):
             return np.asarray(self.rows.slope(self.beta))
         slopes = np.empty((len(self.all_residuals), len(self.theta)))
-        for i, (step_down, up) in enumerate(self.steps[: len(self.theta)]):
+        for i, (step_down, step_up) in enumerate(self.steps[: len(self.theta)]):
             if central:
                 slopes[:, i] = (
-                    self._evaluate_shifted(i, up) - self._evaluate_shifted(i, step_down)
-                ) / (up - step_down)
+                    self._evaluate_shifted(i, step_up) - self._evaluate_shifted(i, step_down)
+                ) / (step_up - step_down)
             else:
-                change = up if up > -step_down else step_down
+                change = step_up if step_up > -step_down else step_down
                 slopes[:, i] = (self._evaluate_shifted(i, change) + self.all_residuals) / change
         return slopes
 
@@ -669,7 +675,7 @@ def require_optimum(
     *,
     max_steps: int = 100,
     rough: int = 0,
-    step_tolerance: float = FINISHED,
+    step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
 ) -> Optimum:
     """Return the optimum, as :meth:`Problem.solve`; it must be there.

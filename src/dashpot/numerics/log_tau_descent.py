@@ -12,9 +12,9 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
-from dashpot.numerics.least_squares import FINISHED, LocalOptimum, Objective, triangle
+from dashpot.numerics.least_squares import FINAL_TOLERANCE, LocalOptimum, Objective, triangle
 from dashpot.numerics.least_squares import descend as descend_problem
-from dashpot.numerics.nonnegative_least_squares import nonnegative, nonnegative_columns
+from dashpot.numerics.nonnegative_least_squares import nonnegative_columns, solve_nonnegative
 from dashpot.numerics.quasirandom import fill_unit_cube
 
 # Descent in ln tau, linear parameters solved exactly.
@@ -68,7 +68,7 @@ class Stack:
         self.known = sum(block.samples for block in blocks) - self.samples
         shortest, longest = zip(*(block.window for block in blocks), strict=True)
         self.bounds = (float(np.log(min(shortest))), float(np.log(max(longest))))
-        #: how often :func:`point_at` was asked
+        #: how often :func:`solve_at` was asked
         self.trials = 0
         #: stacks of equal sampling have equal columns
         self.sampling = blocks[0].sampling if len(blocks) == 1 else None
@@ -89,9 +89,9 @@ class Stack:
         return float(sum(block.energy for block in self.blocks))
 
     @property
-    def nothing(self) -> float:
+    def rounding_sse(self) -> float:
         """Sum of squares that a finished descent leaves of exact data."""
-        return max(self.rounding_floor, FINISHED**2 * self.energy)
+        return max(self.rounding_floor, FINAL_TOLERANCE**2 * self.energy)
 
     def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
         """Return which linear parameters must not be negative, shape (p,)."""
@@ -101,20 +101,27 @@ class Stack:
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
         """Return the stacked design matrix, slopes if asked for, and target."""
-        parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
+        rows_of_blocks = [block.evaluate(log_tau, derivative) for block in self.blocks]
         arms, q = len(log_tau), len(self.names)
         column_count = arms * len(self.groups)
         slopes = column_count if derivative else 0
-        columns = np.zeros((q + column_count + slopes + 1, sum(len(part.target) for part in parts)))
+        columns = np.zeros(
+            (
+                q + column_count + slopes + 1,
+                sum(len(block_rows.target) for block_rows in rows_of_blocks),
+            )
+        )
         first = 0
-        for (indices, group), part in zip(self._places, parts, strict=True):
-            rows = slice(first, first + len(part.target))
-            at = q + group * arms
-            columns[indices, rows] = part.fixed.T
-            columns[at : at + arms, rows] = part.arms.T
+        for (indices, group), block_rows in zip(self._places, rows_of_blocks, strict=True):
+            rows = slice(first, first + len(block_rows.target))
+            slope_column = q + group * arms
+            columns[indices, rows] = block_rows.fixed.T
+            columns[slope_column : slope_column + arms, rows] = block_rows.arms.T
             if derivative:
-                columns[at + column_count : at + column_count + arms, rows] = part.d_arms.T
-            columns[-1, rows] = part.target
+                columns[slope_column + column_count : slope_column + column_count + arms, rows] = (
+                    block_rows.d_arms.T
+                )
+            columns[-1, rows] = block_rows.target
             first = rows.stop
         return StackRows(columns, q + column_count)
 
@@ -179,20 +186,20 @@ class StackTrial(NamedTuple):
             beta, coefficients, inverse_rows = (
                 _spread(active, values) for values in (beta, coefficients, inverse)
             )
-        residual, outside = factor[..., p:, -1], factor[..., p:, p:-1]
+        residual, upper_block = factor[..., p:, -1], factor[..., p:, p:-1]
         k = beta[..., fixed:]
-        outward = (residual[..., None, :] @ outside)[..., 0, :]
+        outward = (residual[..., None, :] @ upper_block)[..., 0, :]
         projected = inverse_rows[..., fixed:, :] * outward[..., None]
         scale = k[..., None, :]
-        outside, coefficients = outside * scale, coefficients * scale
+        upper_block, coefficients = upper_block * scale, coefficients * scale
         gradient = -k * outward
         if k.shape[-1] > arms:
             gradient = gradient.reshape(-1, arms).sum(axis=0)
             projected = projected.reshape(-1, arms, p).sum(axis=0)
-            outside = outside.reshape(len(outside), -1, arms).sum(axis=1)
+            upper_block = upper_block.reshape(len(upper_block), -1, arms).sum(axis=1)
             coefficients = coefficients.reshape(len(coefficients), -1, arms).sum(axis=1)
         transposed = projected.swapaxes(-1, -2)
-        curvature = outside.swapaxes(-1, -2) @ outside + projected @ transposed
+        curvature = upper_block.swapaxes(-1, -2) @ upper_block + projected @ transposed
         # a Python number is compared faster
         sse = np.vecdot(residual, residual) if residual.ndim > 1 else float(residual @ residual)
         return cls(
@@ -206,15 +213,15 @@ class StackTrial(NamedTuple):
 
     def take(self, index: IndexArray | BoolArray) -> StackTrial:
         """Copies of some records."""
-        return StackTrial(*(part[index] for part in self))
+        return StackTrial(*(array[index] for array in self))
 
     def put(self, index: IndexArray, new: StackTrial) -> None:
         """Write some records anew."""
-        for old, updated in zip(self, new, strict=True):
-            old[index] = updated
+        for record, updated in zip(self, new, strict=True):
+            record[index] = updated
 
 
-def point_at(
+def solve_at(
     stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None
 ) -> StackTrial:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
@@ -224,10 +231,10 @@ def point_at(
     """
     stack.trials += 1
     rows = stack.evaluate(log_tau)
-    free = _point(log_tau, rows)
+    point = _point(log_tau, rows)
     # the free optimum, where it is allowed
-    if restricted is None or (free.sse < np.inf and (free.beta[restricted] > 0).all()):
-        return free
+    if restricted is None or (point.sse < np.inf and (point.beta[restricted] > 0).all()):
+        return point
     return _point(log_tau, rows, nonnegative_columns(rows.phi, rows.target, restricted))
 
 
@@ -265,7 +272,7 @@ def descend(
     restricted: BoolArray | None = None,
     expected_positive: BoolArray | None = None,
     rivals: Sequence[FloatArray] = (),
-    step_tolerance: float = FINISHED,
+    step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
     damping: float = 1e-3,
 ) -> LocalOptimum[StackTrial] | None:
@@ -277,7 +284,7 @@ def descend(
     """
     low, high = (np.full(len(start), end) for end in stack.bounds)
     objective = Objective(
-        lambda log_tau, _: point_at(stack, log_tau, restricted=restricted),
+        lambda log_tau, _: solve_at(stack, log_tau, restricted=restricted),
         low, high, stack.floor, stack.rounding_floor,
     )  # fmt: skip
     return descend_problem(
@@ -318,10 +325,10 @@ def relative_offset(point: StackTrial, sse: float) -> float:
 # Starting points: peaks of the best positive spectrum, and of the dual gradient.
 
 
-GRID = 72
+GRID_POINTS = 72
 #: triples are first looked for among every so-many-th point
-COARSE = 3
-MOST_PEAKS = 9
+COARSE_STRIDE = 3
+MAX_PEAKS = 9
 #: samplings whose lattices are kept
 MAX_CACHED = 8
 
@@ -405,7 +412,7 @@ class Grid:
     def __init__(
         self,
         stack: Stack,
-        size: int = GRID,
+        size: int = GRID_POINTS,
         *,
         log_tau: FloatArray | None = None,
         is_free: BoolArray | None = None,
@@ -431,14 +438,14 @@ class Grid:
     def spectrum(self) -> FloatArray:
         """Best non-negative spectrum on the grid, in unit columns, shape (G, m)."""
         likely_positive = None if self.near is None else np.tile(self.near, self.groups)
-        values = nonnegative(self.gram, self.moment, likely_positive)
+        values = solve_nonnegative(self.gram, self.moment, likely_positive)
         return np.asarray(values.reshape(self.groups, -1))
 
     @cached_property
     def residual_sse(self) -> float:
         """Sum of squares that the best spectrum leaves."""
-        rest = self.aim - self.columns @ self.spectrum.ravel()
-        return float(rest @ rest)
+        residual = self.aim - self.columns @ self.spectrum.ravel()
+        return float(residual @ residual)
 
     def dual_gradient(self, point: StackTrial, *, signed: bool) -> FloatArray:
         r"""Return the gain of one more arm at each grid point, shape (m,).
@@ -459,10 +466,12 @@ class Grid:
         )
         if signed:
             return np.asarray(np.sqrt((dual_gradient * dual_gradient).sum(axis=0)))
-        push = np.maximum(dual_gradient, 0.0)
+        positive_gradient = np.maximum(dual_gradient, 0.0)
         return np.asarray(
             np.where(
-                push.any(axis=0), np.sqrt((push * push).sum(axis=0)), dual_gradient.max(axis=0)
+                positive_gradient.any(axis=0),
+                np.sqrt((positive_gradient * positive_gradient).sum(axis=0)),
+                dual_gradient.max(axis=0),
             )
         )
 
@@ -483,10 +492,10 @@ class Grid:
         return columns, rows.target - phi @ point.beta, phi
 
 
-def single(grid: Grid) -> FloatArray | None:
+def find_best_point(grid: Grid) -> FloatArray | None:
     """Return the grid point whose column, with a positive coefficient, fits best; for one group."""
-    best = int(np.argmax(grid.moment))
-    return grid.log_tau[best : best + 1] if grid.moment[best] > 0 else None
+    best_index = int(np.argmax(grid.moment))
+    return grid.log_tau[best_index : best_index + 1] if grid.moment[best_index] > 0 else None
 
 
 def find_best_pair(grid: Grid) -> FloatArray | None:
@@ -513,22 +522,26 @@ def find_best_pair(grid: Grid) -> FloatArray | None:
         return None
     i, j = sorted(divmod(best, len(m)))
     step = grid.log_tau[1] - grid.log_tau[0]
-    return np.asarray(grid.log_tau[[i, j]] + step * _vertex(gain, i, j))
+    return np.asarray(grid.log_tau[[i, j]] + step * _find_vertex(gain, i, j))
 
 
-def _vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
+def _find_vertex(gain: FloatArray, i: int, j: int) -> FloatArray:
     """Return the maximum of the parabola through a largest value and its eight neighbours."""
     no_shift = np.zeros(2)
     if not 0 < i < j - 2 < len(gain) - 3:
         return no_shift
     (a, b, c), (d, e, f), (g, h, k) = gain[i - 1 : i + 2, j - 1 : j + 2].tolist()
-    curvature_down, curvature_across, mixed = b - 2 * e + h, d - 2 * e + f, (a - c - g + k) / 4
-    determinant = curvature_down * curvature_across - mixed * mixed
+    curvature_down, curvature_across, mixed_derivative = (
+        b - 2 * e + h,
+        d - 2 * e + f,
+        (a - c - g + k) / 4,
+    )
+    determinant = curvature_down * curvature_across - mixed_derivative * mixed_derivative
     if min(a, b, c, d, f, g, h, k) <= 0 or curvature_down >= 0 or determinant <= 0:
         return no_shift
     by_row, by_column = (h - b) / 2, (f - d) / 2
-    row = (mixed * by_column - curvature_across * by_row) / determinant
-    column = (mixed * by_row - curvature_down * by_column) / determinant
+    row = (mixed_derivative * by_column - curvature_across * by_row) / determinant
+    column = (mixed_derivative * by_row - curvature_down * by_column) / determinant
     return np.array([max(-1.0, min(1.0, row)), max(-1.0, min(1.0, column))])
 
 
@@ -538,17 +551,19 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
     Of every third point, all triples; then around the best of them, the points between.
     """
     last = len(grid.log_tau) - 1
-    sets = _triples(1 + last // COARSE)
-    gain = _triple_gain(grid, sets)
-    best = int(np.argmax(gain))
-    if gain[best] <= 0:
+    sets = _list_triples(1 + last // COARSE_STRIDE)
+    gain = _compute_triple_gain(grid, sets)
+    best_index = int(np.argmax(gain))
+    if gain[best_index] <= 0:
         return None
-    around = np.indices((2 * COARSE - 1,) * 3).reshape(3, -1) - (COARSE - 1)
-    finer = np.clip(around + np.array([[values[best]] for values in sets]), 0, last)
-    return np.asarray(grid.log_tau[finer[:, int(np.argmax(_triple_gain(grid, finer)))]])
+    offsets = np.indices((2 * COARSE_STRIDE - 1,) * 3).reshape(3, -1) - (COARSE_STRIDE - 1)
+    finer_triples = np.clip(offsets + np.array([[values[best_index]] for values in sets]), 0, last)
+    return np.asarray(
+        grid.log_tau[finer_triples[:, int(np.argmax(_compute_triple_gain(grid, finer_triples)))]]
+    )
 
 
-def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
+def _compute_triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
     """Return what triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
 
     Zero where a coefficient would not be positive, or two points are one.
@@ -568,10 +583,10 @@ def _triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
 
 
 @lru_cache(maxsize=2)
-def _triples(size: int) -> IndexArray:
-    """Return all i < j < k below size, three rows, every COARSE-th point of a grid."""
+def _list_triples(size: int) -> IndexArray:
+    """Return all i < j < k below size, three rows, with a stride of COARSE_STRIDE."""
     i = np.arange(size)
-    return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
+    return COARSE_STRIDE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 
 
 def make_insertion_starts(
@@ -579,15 +594,17 @@ def make_insertion_starts(
 ) -> list[FloatArray]:
     """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
     dual_gradient = grid.dual_gradient(point, signed=signed)
-    padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
+    padded_gradient = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))
     peaks = np.flatnonzero(
-        (dual_gradient >= padded[:-2]) & (dual_gradient > padded[2:]) & (dual_gradient > 0)
+        (dual_gradient >= padded_gradient[:-2])
+        & (dual_gradient > padded_gradient[2:])
+        & (dual_gradient > 0)
     )
-    best = peaks[np.argsort(-dual_gradient[peaks], kind="stable")][:count]
-    return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in best]
+    highest_peaks = peaks[np.argsort(-dual_gradient[peaks], kind="stable")][:count]
+    return [np.sort(np.append(point.log_tau, grid.log_tau[i])) for i in highest_peaks]
 
 
-def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
+def find_peaks(grid: Grid) -> tuple[FloatArray, FloatArray]:
     """Positions in ln tau and weights of the spectrum's peaks, neighbours merged."""
     weight = grid.spectrum.sum(axis=0)
     support = np.flatnonzero(weight > 1e-9 * weight.max(initial=0.0))
@@ -596,7 +613,7 @@ def peaks_of(grid: Grid) -> tuple[FloatArray, FloatArray]:
     runs = np.split(support, np.flatnonzero(np.diff(support) > 1) + 1)
     mass = np.array([weight[run].sum() for run in runs])
     log_tau_peaks = np.array([weight[run] @ grid.log_tau[run] for run in runs]) / mass
-    keep = np.sort(np.argsort(-mass, kind="stable")[:MOST_PEAKS])
+    keep = np.sort(np.argsort(-mass, kind="stable")[:MAX_PEAKS])
     return log_tau_peaks[keep], mass[keep]
 
 
@@ -612,8 +629,8 @@ def make_partition_starts(
     total = np.concatenate(([0.0], np.cumsum(mass)))
     step = grid.log_tau[1] - grid.log_tau[0]
     for cuts in combinations(range(1, m), arms - 1):
-        edge = np.array((0, *cuts, m))
-        start = np.diff(weighted_sums[edge]) / np.diff(total[edge])
+        group_edges = np.array((0, *cuts, m))
+        start = np.diff(weighted_sums[group_edges]) / np.diff(total[group_edges])
         candidates.setdefault(tuple(np.rint((start - grid.log_tau[0]) / step).astype(int)), start)
     for indices in combinations(range(m), arms):
         start = log_tau[list(indices)]

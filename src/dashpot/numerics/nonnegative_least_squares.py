@@ -59,13 +59,13 @@ def solve_linear(
     basis : callable
         ``basis()``, orthonormal, shape (n, r): found when asked for.
     """
-    size = np.sqrt(np.einsum("ij,ij->j", A, A))
-    size[size == 0] = 1.0
-    unit, is_nonnegative = A / size, np.zeros(A.shape[1], dtype=bool) | positive
+    column_norms = np.sqrt(np.einsum("ij,ij->j", A, A))
+    column_norms[column_norms == 0] = 1.0
+    unit, is_nonnegative = A / column_norms, np.zeros(A.shape[1], dtype=bool) | positive
     if int(is_nonnegative.sum()) > MANY_COLUMNS:
         beta = _solve_mixed_sign(unit, y, is_nonnegative, likely_positive)
-        carries = (beta > 0) | ~is_nonnegative
-        return beta / size, lambda: _solve_unit_columns(unit[:, carries], y)[1]
+        is_positive = (beta > 0) | ~is_nonnegative
+        return beta / column_norms, lambda: _solve_unit_columns(unit[:, is_positive], y)[1]
     is_used, beta, has_searched = (
         np.ones(len(is_nonnegative), dtype=bool),
         np.zeros(len(is_nonnegative)),
@@ -74,12 +74,14 @@ def solve_linear(
     while True:
         beta[:] = 0.0
         beta[is_used], basis = _solve_unit_columns(unit[:, is_used], y)
-        wrong = (beta < 0) & is_nonnegative
-        if not wrong.any():
+        is_negative = (beta < 0) & is_nonnegative
+        if not is_negative.any():
             break
-        is_used = is_used & ~wrong if has_searched else nonnegative_columns(unit, y, is_nonnegative)
+        is_used = (
+            is_used & ~is_negative if has_searched else nonnegative_columns(unit, y, is_nonnegative)
+        )
         has_searched = True
-    return beta / size, lambda: basis
+    return beta / column_norms, lambda: basis
 
 
 def _solve_mixed_sign(
@@ -87,12 +89,12 @@ def _solve_mixed_sign(
 ) -> FloatArray:
     """Return the beta of many columns that must not be negative, the free ones taken off."""
     if is_nonnegative.all():
-        return nonnegative(unit.T @ unit, unit.T @ y, likely_positive)
+        return solve_nonnegative(unit.T @ unit, unit.T @ y, likely_positive)
     Q, factor = np.linalg.qr(unit[:, ~is_nonnegative])
     A, beta = unit[:, is_nonnegative], np.zeros(len(is_nonnegative))
     columns_in_free, target_in_free = Q.T @ A, Q.T @ y
     A, residual = A - Q @ columns_in_free, y - Q @ target_in_free
-    beta[is_nonnegative] = nonnegative(
+    beta[is_nonnegative] = solve_nonnegative(
         A.T @ A,
         A.T @ residual,
         None if likely_positive is None else likely_positive[is_nonnegative],
@@ -116,7 +118,7 @@ def _solve_unit_columns(A: FloatArray, y: FloatArray) -> tuple[FloatArray, Float
     return beta, basis
 
 
-def nonnegative(
+def solve_nonnegative(
     gram: FloatArray, moment: FloatArray, likely_positive: BoolArray | None = None
 ) -> FloatArray:
     """Return the x >= 0 that minimises x'Gx/2 - m'x, shape (n,).
@@ -136,41 +138,41 @@ def nonnegative(
     regularised = gram + 1e-14 * float(np.trace(gram)) / max(count, 1) * np.eye(count)
     zero_slope = ZERO_SLOPE * float(np.abs(moment).max(initial=0.0))
 
-    def solve_free_coefficients(free: BoolArray) -> FloatArray:
+    def solve_free_coefficients(is_free: BoolArray) -> FloatArray:
         """Return the minimum over the free coefficients, of either sign, the others zero."""
-        index = np.flatnonzero(free)
+        index = np.flatnonzero(is_free)
         x = np.zeros(count)
         x[index] = np.linalg.solve(regularised[index[:, None], index], moment[index])
         return x
 
-    free: BoolArray = moment > 0 if likely_positive is None else likely_positive.copy()
+    is_free: BoolArray = moment > 0 if likely_positive is None else likely_positive.copy()
     for _ in range(ITERATIONS if likely_positive is None else 0):
-        x = solve_free_coefficients(free)
-        is_wrong = np.where(free, x < 0, moment - gram @ x > zero_slope)
+        x = solve_free_coefficients(is_free)
+        is_wrong = np.where(is_free, x < 0, moment - gram @ x > zero_slope)
         if not is_wrong.any():
             return x
-        free = free ^ is_wrong
-    x = solve_free_coefficients(free)
-    while (x[free] <= 0).any():
-        free = free & (x > 0)
-        x = solve_free_coefficients(free)
+        is_free = is_free ^ is_wrong
+    x = solve_free_coefficients(is_free)
+    while (x[is_free] <= 0).any():
+        is_free = is_free & (x > 0)
+        x = solve_free_coefficients(is_free)
     for _ in range(3 * count):
-        slope = np.where(free, -np.inf, moment - gram @ x)
+        slope = np.where(is_free, -np.inf, moment - gram @ x)
         entering = int(np.argmax(slope))
         if slope[entering] <= zero_slope:
             break
-        free[entering] = True
-        trial = solve_free_coefficients(free)
-        while (is_falling := free & (trial <= 0)).any():
+        is_free[entering] = True
+        trial = solve_free_coefficients(is_free)
+        while (is_falling := is_free & (trial <= 0)).any():
             # walk towards the trial until the first coefficient reaches zero
-            share = float(
+            step_fraction = float(
                 (x[is_falling] / np.maximum(x[is_falling] - trial[is_falling], 1e-300)).min()
             )
-            x = x + share * (trial - x)
+            x = x + step_fraction * (trial - x)
             leaving = is_falling & (x <= 1e-14 * np.abs(x).max(initial=0.0))
             x[leaving] = 0.0
-            free &= ~leaving
-            trial = solve_free_coefficients(free)
+            is_free &= ~leaving
+            trial = solve_free_coefficients(is_free)
         x = trial
     return x
 
@@ -297,8 +299,8 @@ class NonnegativeConfidenceRegion:
     def __init__(self, columns: FloatArray, target: FloatArray, least_gain: float = 0.0) -> None:
         # a column is a row: so they are picked and factored
         self._rows, self._target = np.ascontiguousarray(columns.T), target
-        self._nothing = max(ZERO_GAIN * sqrt(target @ target), least_gain)
-        self._met: OrderedDict[bytes, ActiveSet] = OrderedDict()
+        self._least_gain = max(ZERO_GAIN * sqrt(target @ target), least_gain)
+        self._cached_faces: OrderedDict[bytes, ActiveSet] = OrderedDict()
 
     def least(self, start: FloatArray | None = None) -> FloatArray:
         """Return the s >= 0 that minimises |A s - y|, shape (m,).
@@ -346,7 +348,7 @@ class NonnegativeConfidenceRegion:
             active = face.active
             farthest_point, multiplier, residual = face.find_farthest_point(objective, squared)
             if len(active) and farthest_point.min() <= 0:
-                s[active], mask = _as_far_as_allowed(s[active], farthest_point)
+                s[active], mask = _clip_step(s[active], farthest_point)
                 # rounding let it enter: it would leave at once for ever
                 if entered >= 0 and s[entered] == 0.0:
                     barred.append(entered)
@@ -355,10 +357,10 @@ class NonnegativeConfidenceRegion:
                 )
                 continue
             s[active] = farthest_point
-            gain = self._gain(residual, objective, multiplier)
+            gain = self._compute_gain(residual, objective, multiplier)
             gain[active] = gain[barred] = -np.inf
             entered = int(gain.argmax())
-            if not gain[entered] > self._nothing:
+            if not gain[entered] > self._least_gain:
                 break
             if len(active) == len(self._target):
                 raise FitError(
@@ -375,7 +377,7 @@ class NonnegativeConfidenceRegion:
             )
         return s
 
-    def _gain(
+    def _compute_gain(
         self, residual: FloatArray, objective: FloatArray | None, multiplier: float
     ) -> FloatArray:
         """Return what each column would add; any of the aim is a gain to a face that has none."""
@@ -387,13 +389,13 @@ class NonnegativeConfidenceRegion:
     def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
         """Return the face of these columns, factored where it was not met before."""
         key = np.sort(active).tobytes()
-        face = self._met.get(key)
+        face = self._cached_faces.get(key)
         if face is not None:
-            self._met.move_to_end(key)
+            self._cached_faces.move_to_end(key)
             return face
-        face = self._met[key] = factored()
-        if len(self._met) > MAX_CACHED_FACES:
-            self._met.popitem(last=False)
+        face = self._cached_faces[key] = factored()
+        if len(self._cached_faces) > MAX_CACHED_FACES:
+            self._cached_faces.popitem(last=False)
         return face
 
     def _get_face(self, active: IndexArray) -> ActiveSet:
@@ -401,13 +403,15 @@ class NonnegativeConfidenceRegion:
 
     def _build_face(self, active: IndexArray) -> ActiveSet:
         basis, factor = np.linalg.qr(self._rows[active].T)
-        return self._face(active, np.ascontiguousarray(basis.T), factor)
+        return self._compute_face(active, np.ascontiguousarray(basis.T), factor)
 
-    def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
+    def _compute_face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
         coefficients: FloatArray = basis @ self._target
-        rest: FloatArray = self._target - coefficients @ basis
+        residual: FloatArray = self._target - coefficients @ basis
         inverse = np.asarray(np.linalg.inv(factor))
-        return ActiveSet(active, basis, factor, inverse, coefficients, rest, float(rest @ rest))
+        return ActiveSet(
+            active, basis, factor, inverse, coefficients, residual, float(residual @ residual)
+        )
 
     def _remove_columns(self, face: ActiveSet, mask: BoolArray) -> ActiveSet:
         """Return a face with fewer columns."""
@@ -421,23 +425,23 @@ class NonnegativeConfidenceRegion:
             reflected = factor - np.multiply.outer(mirror, mirror @ factor)
             if reflected[-1] @ reflected[-1] <= DEPENDENCE_TOLERANCE:
                 basis = face.basis - np.multiply.outer(mirror, mirror @ face.basis)
-                return self._face(active, basis[:-1], reflected[:-1])
-        turn, factor = np.linalg.qr(factor)
-        return self._face(active, turn.T @ face.basis, factor)
+                return self._compute_face(active, basis[:-1], reflected[:-1])
+        rotation, factor = np.linalg.qr(factor)
+        return self._compute_face(active, rotation.T @ face.basis, factor)
 
     def _append_column(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
         """Return a face with one column more, the last."""
         column, count = self._rows[active[-1]], len(face.active)
         first_projection = face.basis @ column
-        new = column - first_projection @ face.basis
-        second_projection = face.basis @ new
-        new -= second_projection @ face.basis
-        length = sqrt(new @ new)
+        unit_column = column - first_projection @ face.basis
+        second_projection = face.basis @ unit_column
+        unit_column -= second_projection @ face.basis
+        length = sqrt(unit_column @ unit_column)
         if not length > DEPENDENT_DIRECTION:
             return self._build_face(active)
-        new /= length
-        basis = np.empty((count + 1, len(new)))
-        basis[:-1], basis[-1] = face.basis, new
+        unit_column /= length
+        basis = np.empty((count + 1, len(unit_column)))
+        basis[:-1], basis[-1] = face.basis, unit_column
         factor, inverse = np.zeros((2, count + 1, count + 1))
         factor[:-1, :-1], factor[:-1, -1], factor[-1, -1] = (
             face.factor,
@@ -446,16 +450,20 @@ class NonnegativeConfidenceRegion:
         )
         inverse[:-1, :-1], inverse[-1, -1] = face.inverse, 1 / length
         inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
-        coefficient = float(new @ face.rest)
-        rest = face.rest - coefficient * new
+        coefficient = float(unit_column @ face.rest)
+        residual = face.rest - coefficient * unit_column
         extended = np.concatenate((face.along, [coefficient]))
-        return ActiveSet(active, basis, factor, inverse, extended, rest, float(rest @ rest))
+        return ActiveSet(
+            active, basis, factor, inverse, extended, residual, float(residual @ residual)
+        )
 
 
-def _as_far_as_allowed(s: FloatArray, target_point: FloatArray) -> tuple[FloatArray, BoolArray]:
+def _clip_step(s: FloatArray, target_point: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Return the point towards `target_point` where a coefficient first vanishes, and the rest."""
     pairs = zip(s.tolist(), target_point.tolist(), strict=True)  # so few are faster one by one
-    shares = [(old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in pairs]
-    smallest_share = min(shares)
-    mask = np.array(shares) > smallest_share
+    fractions = [
+        (old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in pairs
+    ]
+    smallest_share = min(fractions)
+    mask = np.array(fractions) > smallest_share
     return np.where(mask, s + smallest_share * (target_point - s), 0.0), mask

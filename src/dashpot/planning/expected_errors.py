@@ -426,8 +426,10 @@ def half_sine(duration: float, frequency: float) -> Pulse:
     def find_fall(decibel: float) -> float:
         low, high = 0.0, zero
         for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if level(middle) > 10 ** (-decibel / 20) else (low, middle)
+            midpoint = (low + high) / 2
+            low, high = (
+                (midpoint, high) if level(midpoint) > 10 ** (-decibel / 20) else (low, midpoint)
+            )
         return low
 
     tiny = float(np.finfo(float).tiny)

@@ -43,7 +43,7 @@ from dashpot.vibration.mass_on_seals import mass_for_peak
 # Advice on a planned test, as text.
 
 
-LEAST_GAIN = 0.9
+MIN_GAIN = 0.9
 """A repeat is advised if it lowers the standard deviation below this part of that without it."""
 
 
@@ -114,7 +114,7 @@ def _format_cold_advice(
     )
     temperatures = format_temperatures(expected.repeated)
     before = format_relative_sd(without_repeats.loss_factor_sd)
-    if expected.loss_factor_sd > LEAST_GAIN * without_repeats.loss_factor_sd:
+    if expected.loss_factor_sd > MIN_GAIN * without_repeats.loss_factor_sd:
         hint = "" if min(expected.repeated) < test_temperature else " Test in the cold instead."
         sd_after = f"{format_relative_sd(expected.loss_factor_sd)} instead of {before}"
         return [
@@ -243,7 +243,7 @@ HAMMER_SPAN = 3.5
 LINE_STEP = 0.1
 # default temperature of a repeat, a refrigerator, K; it is tried if so much colder than the test
 USUAL_COLD = 273.15
-LEAST_COOLING = 10.0
+MIN_COOLING = 10.0
 
 
 @dataclass(frozen=True)
@@ -307,7 +307,7 @@ class Plan(HasChecks, Serialisable):
         return f"this test would give the loss factor at {self.at:g} Hz to {sd}"
 
     def __str__(self) -> str:
-        head = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
+        header = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
         rows = [
             f"{e.method:<8}{e.ramp_time:>10.3g}{e.hold_time:>10.3g}"
             f"{format_percent(e.storage_sd, 'unknown'):>12}"
@@ -319,7 +319,7 @@ class Plan(HasChecks, Serialisable):
             f"expected standard deviation at {self.at:g} Hz; full: fit of ramp and hold, "
             "joint: with a hammer test"
         )
-        return "\n".join([title, head, *rows, *self._arm_table, self.end.message, *self.advice])
+        return "\n".join([title, header, *rows, *self._arm_table, self.end.message, *self.advice])
 
     @property
     def _arm_table(self) -> list[str]:
@@ -332,7 +332,7 @@ class Plan(HasChecks, Serialisable):
         )
         names = ("k", "tau", "b")
         titles = (*names, *(f"{name} *" for name in names))
-        head = f"{'arm, s':<10}{''.join(f'{title:>12}' for title in titles)}"
+        header = f"{'arm, s':<10}{''.join(f'{title:>12}' for title in titles)}"
         rows = []
         for arm in self.arms:
             group = [
@@ -340,7 +340,7 @@ class Plan(HasChecks, Serialisable):
             ]
             cells = (f"{format_percent(half_width, 'unknown'):>12}" for half_width in group)
             rows.append(f"{arm.tau:<10.3g}{''.join(cells)}")
-        return [title, head, *rows, starred]
+        return [title, header, *rows, starred]
 
 
 def plan(
@@ -464,7 +464,7 @@ def _build_alternatives(
 def _list_cold_repeats(test_temperature: float, law: TemperatureLaw) -> list[tuple[Repeat]]:
     """Return the repeat in a refrigerator, if it is colder and within the range of the law."""
     plan_repeats = find_handler("plan repeats", "temperatures")
-    if plan_repeats is None or test_temperature < USUAL_COLD + LEAST_COOLING:
+    if plan_repeats is None or test_temperature < USUAL_COLD + MIN_COOLING:
         return []
     try:
         return [plan_repeats([USUAL_COLD], test_temperature, law)]

@@ -88,13 +88,13 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
     dense_already = len(frf.frequency) > 2000 or len(frf.frequency) < 2
     if frf.averages > 0 or dense_already or bool((frf.value == 0).any()):
         return frf.frequency, frf.value
-    size = np.abs(frf.value)
-    parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
+    magnitude = np.abs(frf.value)
+    parts = np.where(np.maximum(magnitude[:-1], magnitude[1:]) > 0.2 * magnitude.max(), 24, 2)
     parts = np.where(np.diff(frf.frequency) < _CLOSE_LINES * frf.frequency[1:], 1, parts)
     start = np.repeat(np.arange(len(parts)), parts)
     part_index = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
     positions = np.append(start + part_index / np.repeat(parts, parts), len(parts))
-    lines = np.arange(len(size))
+    lines = np.arange(len(magnitude))
     inverse = 1 / frf.value
     real, imag = (np.interp(positions, lines, part) for part in (inverse.real, inverse.imag))
     return np.interp(positions, lines, frf.frequency), np.asarray(1 / (real + 1j * imag))
@@ -102,17 +102,17 @@ def smooth(frf: FRF) -> tuple[FloatArray, ComplexArray]:
 
 def half_power(value: ComplexArray) -> list[int]:
     """Return the lines nearest to the half-power points on either side of the largest magnitude."""
-    size = np.abs(value)
-    peak = int(np.argmax(size))
-    target = size[peak] / np.sqrt(2)
+    magnitude = np.abs(value)
+    peak = int(np.argmax(magnitude))
+    target = magnitude[peak] / np.sqrt(2)
     indices = []
-    for side_indices in (np.arange(peak, -1, -1), np.arange(peak, len(size))):
-        indices_below = np.flatnonzero(size[side_indices] < target)
+    for side_indices in (np.arange(peak, -1, -1), np.arange(peak, len(magnitude))):
+        indices_below = np.flatnonzero(magnitude[side_indices] < target)
         if indices_below.size:
             pair = side_indices[
                 max(indices_below[0] - 1, 1) : indices_below[0] + 1
             ]  # never the peak itself
-            indices.append(int(pair[np.argmin(np.abs(size[pair] - target))]))
+            indices.append(int(pair[np.argmin(np.abs(magnitude[pair] - target))]))
     return sorted(indices)
 
 
@@ -130,13 +130,13 @@ DISPLAY_UNITS = {
 INTERVAL, BOUND = "95 % interval of the parameters", "95 % bounds over all spectra"
 
 # a magnitude axis ends that far above the median line at most
-HIGHEST = 1e4
+MAX_MAGNITUDE_RATIO = 1e4
 
 # px: a joint solid shows on both sides of the measured line that it lies under
-UNDER = 7.0
+JOINT_LINE_WIDTH = 7.0
 
 # about a peak, as factors of its frequency
-VIEW = (0.48, 2.3)
+VIEW_FACTORS = (0.48, 2.3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,8 +245,8 @@ def _peak_inside(frf: FRF) -> tuple[float, float] | None:
     """Return frequency and height of the peak of an accelerance; None where an end is as high."""
     if frf.quantity is not Kind.ACCELERANCE:
         return None
-    top = int(np.argmax(np.abs(frf.value)))
-    if not 0 < top < len(frf.frequency) - 1:
+    peak_index = int(np.argmax(np.abs(frf.value)))
+    if not 0 < peak_index < len(frf.frequency) - 1:
         return None
     return _peak_of(frf)
 
@@ -412,7 +412,7 @@ def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
     peaks = [curve.peak[0] for curve in curves if curve.peak is not None]
     first = min(curve.frf.frequency[curve.frf.frequency > 0][0] for curve in curves)
     last = max(curve.frf.frequency[-1] for curve in curves)
-    return (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
+    return (max(VIEW_FACTORS[0] * min(peaks), first), min(VIEW_FACTORS[1] * max(peaks), last))
 
 
 def curves_of(
@@ -458,8 +458,11 @@ def magnitude_panel(
     ]
     all_sizes = np.concatenate(sizes)
     # neither a few vanishing lines nor a resonance without damping can stretch the axis
-    highest = min(float(all_sizes.max()), HIGHEST * float(np.median(all_sizes)))
-    limits = [0.6 * max(float(np.percentile(all_sizes, 1)), highest / HIGHEST), 1.9 * highest]
+    highest = min(float(all_sizes.max()), MAX_MAGNITUDE_RATIO * float(np.median(all_sizes)))
+    limits = [
+        0.6 * max(float(np.percentile(all_sizes, 1)), highest / MAX_MAGNITUDE_RATIO),
+        1.9 * highest,
+    ]
     marks: list[Mark] = []
     for limit in prediction_bands:
         own_curve = next((curve for curve in curves if curve.pen is limit.pen), predicted)
@@ -475,7 +478,7 @@ def magnitude_panel(
             marks.append(_scatter(item, scale))
     for item in _sort_by_layer(curves):
         at, value = smoothed[id(item)]
-        pen = replace(item.pen, width=UNDER) if item.pen is JOINT else item.pen
+        pen = replace(item.pen, width=JOINT_LINE_WIDTH) if item.pen is JOINT else item.pen
         marks.append(Line(at, scale * np.abs(value), pen, item.label))
     if tagged:
         marks += [replace(peak, y=min(peak.y, limits[1])) for peak in _peaks(curves, unit)]

@@ -44,10 +44,10 @@ TINT_OF_HATCH = 0.1
 STRAIGHT_TOLERANCE = 0.03
 """A point so near to the line between its neighbours is left out, px; at most eight times so."""
 
-MARGIN, BETWEEN = 12.0, 20.0
+MARGIN, PANEL_SPACING = 12.0, 20.0
 """About a file's drawing, and between its strips, px."""
 
-LEADING = 14.0
+LINE_SPACING = 14.0
 """Line spacing of a tag, px."""
 
 SWATCH = 34.0
@@ -202,10 +202,10 @@ def arrange_sheet(picture: Picture) -> Sheet:
     """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
     for columns, panel_groups in picture.strip_rows:
-        strip_width = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
+        strip_width = (picture.width - 2 * MARGIN - PANEL_SPACING * (columns - 1)) / columns
         row = [lay_out(group, strip_width) for group in panel_groups]
         strips += [
-            PlacedStrip(MARGIN + i * (strip_width + BETWEEN), y, layout)
+            PlacedStrip(MARGIN + i * (strip_width + PANEL_SPACING), y, layout)
             for i, layout in enumerate(row)
         ]
         y += max(layout.height for layout in row)
@@ -231,8 +231,8 @@ def _equalise_scales(panel: Panel, width: float) -> Panel:
     unit = max((x1 - x0) / width, (y1 - y0) / panel.height)
 
     def widen_limits(low: float, high: float, length: float) -> tuple[float, float]:
-        middle, half_range = (low + high) / 2, unit * length / 2
-        return middle - half_range, middle + half_range
+        midpoint, half_range = (low + high) / 2, unit * length / 2
+        return midpoint - half_range, midpoint + half_range
 
     return replace(
         panel,
@@ -537,9 +537,9 @@ def _place_tag_lines(
     def words(spot: _Spot) -> list[Word]:
         # what stands above its point ends there
         x, y, anchor = spot
-        y -= LEADING * (len(lines) - 1) * (y < near_spots[0][1])
+        y -= LINE_SPACING * (len(lines) - 1) * (y < near_spots[0][1])
         return [
-            Word(x, y + LEADING * i, line, tag.colour, tag.bold, anchor, halo=True)
+            Word(x, y + LINE_SPACING * i, line, tag.colour, tag.bold, anchor, halo=True)
             for i, line in enumerate(lines)
         ]
 

@@ -12,7 +12,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.plot import frf_figure, relaxation
 from dashpot.plot.picture import Picture
-from dashpot.plot.plotted_data import stamp, unit_of
+from dashpot.plot.plotted_data import select_plot_unit, stamp
 from dashpot.vibration.comparison.comparison_result import Comparison
 
 
@@ -63,9 +63,9 @@ def hero(study: Story) -> Picture:
     """
     test, c = study.prepared, study.comparison
     plotted_fits = relaxation.make_plotted_fits(study.fit, study.alternatives, test)
-    word, factor = unit_of(test.displacement, "m")
+    unit_name, factor = select_plot_unit(test.displacement, "m")
     title = (
-        f"Relaxation test: {factor * test.depth:.3g} {word} in {test.ramp_time:.3g} s, "
+        f"Relaxation test: {factor * test.depth:.3g} {unit_name} in {test.ramp_time:.3g} s, "
         f"held {test.hold_time:.3g} s"
     )
     chosen_fit = next(plotted_fit for plotted_fit in plotted_fits if plotted_fit.fit is study.fit)
@@ -80,7 +80,10 @@ def hero(study: Story) -> Picture:
         sources += c.measured.source
         failed = study.joint is not None and study.joint.verdict.use == "do not use"
         curves = frf_figure.curves_of(c, study.joint_comparison, failed=failed)
-        view = (frf_figure.VIEW[0] * c.measured_hz, frf_figure.VIEW[1] * c.measured_hz)
+        view = (
+            frf_figure.VIEW_FACTORS[0] * c.measured_hz,
+            frf_figure.VIEW_FACTORS[1] * c.measured_hz,
+        )
         bounds = frf_figure.make_prediction_bands(study.frf_band)[:1]
         upper = frf_figure.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
         mass = "" if study.mass is None else f"{format_quantity(study.mass, 'g')} on "

@@ -21,7 +21,7 @@ _SMALL = 3
 """Small multiples beside each other in it."""
 _DRAWINGS = 2
 """Drawings of a thing, which have no axes to read."""
-SLIDE, LEAST_STRIP = 640.0, 300.0
+SLIDE, MIN_STRIP = 640.0, 300.0
 """px of a slide, and of each of the strips that stand side by side on one."""
 
 
@@ -274,7 +274,7 @@ class Picture:
         """
         if size == "column":
             return replace(self, width=COLUMN, columns=1)
-        return replace(self, width=max(SLIDE, LEAST_STRIP * self.columns))
+        return replace(self, width=max(SLIDE, MIN_STRIP * self.columns))
 
     @property
     def key(self) -> tuple[Keyed, ...]:

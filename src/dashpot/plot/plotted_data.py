@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base import number_format
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.number_format import format_with_error
-from dashpot.base.provenance import Source, sources_of
+from dashpot.base.provenance import Source, list_sources
 from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -116,7 +116,7 @@ def _is_simulated(specimen: Specimen | None) -> bool:
 
 def format_test_stamp(test: RampHold | RelaxationTest) -> str:
     """Return the stamp of one test of a specimen."""
-    return stamp(sources_of([test]), test.specimen)
+    return stamp(list_sources([test]), test.specimen)
 
 
 def format_fit_stamp(fit: Fit) -> str:
@@ -129,7 +129,7 @@ def format_frf_stamp(frf: FRF) -> str:
     return stamp(frf.source)
 
 
-def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
+def select_plot_unit(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
     """Return the word and the factor in which values, SI, read best: N, mN..., mm, µm...
 
     A seal stays in N and mm; the cantilever of a microscope is in nN and nm.

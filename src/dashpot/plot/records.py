@@ -190,7 +190,7 @@ def _answers(impact: ImpactTest, plotted_hits: Sequence[PlottedHit]) -> list[Pan
 # Columns of a file as read.
 
 
-MOST_COLUMNS = 6
+MAX_COLUMNS = 6
 """Columns that are drawn."""
 
 RUNNING_ROLES = ("time", "frequency")
@@ -223,7 +223,7 @@ def columns(
     values = np.zeros((0, 0)) if values is None else values
     filled = np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
     running_column = next((i for i in filled if roles[i] in RUNNING_ROLES), None)
-    shown_columns = [i for i in filled if i != running_column][:MOST_COLUMNS]
+    shown_columns = [i for i in filled if i != running_column][:MAX_COLUMNS]
     if not shown_columns:
         raise DataError("the file has no column of numbers to draw")
     x, word = np.arange(1.0, len(values) + 1), "row of those drawn"

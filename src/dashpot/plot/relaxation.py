@@ -33,7 +33,7 @@ from dashpot.plot.plotted_data import (
     downsample_to_means,
     format_fit_stamp,
     format_test_stamp,
-    unit_of,
+    select_plot_unit,
 )
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.registry import find_handler
@@ -51,8 +51,8 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
     Left the ramp on linear time, right the hold on log time from first contact, so that neither
     is a sliver of the other; displacement above, force below.
     """
-    length, to_length = unit_of(prepared.displacement, "m")
-    force, to_force = unit_of(prepared.force, "N")
+    length, to_length = select_plot_unit(prepared.displacement, "m")
+    force, to_force = select_plot_unit(prepared.force, "N")
     rows = (
         (to_length * prepared.displacement, f"compression, {length}"),
         (to_force * prepared.force, f"force, {force}"),
@@ -161,7 +161,7 @@ def force_panel(
 ) -> Panel:
     """Return force with the fitted curves over it, on log time."""
     start, end = _log_start(prepared), _end(prepared)
-    unit, scale = unit_of(prepared.force, "N")
+    unit, scale = select_plot_unit(prepared.force, "N")
 
     def line(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> Line:
         is_drawn = (t >= start) & (t <= end)
@@ -195,7 +195,7 @@ def residual_panel(
     start = None if axis is None else time_origin + axis.limits[0]
     time, residual = curve.residual(prepared, start)
     time = time - time_origin
-    unit, scale = unit_of(residual, "N")
+    unit, scale = select_plot_unit(residual, "N")
     drawn_residual = scale * residual
     x, mean = downsample_to_means(time, drawn_residual, log=True)
     low, high = _ranges(time, drawn_residual, x)
@@ -208,9 +208,9 @@ def residual_panel(
     # of a fit to several tests the residual has no unit
     of_force = curve.fit.method in get_choice_values(Method)
     size = curve.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
-    word, factor = unit_of(np.array([size]), "N")
+    unit_name, factor = select_plot_unit(np.array([size]), "N")
     label = f"residual of {get_model_label(curve.fit)}, {unit}"
-    rms = f"rms {round_to_error(factor * size)} {word}"
+    rms = f"rms {round_to_error(factor * size)} {unit_name}"
     horizontal = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
     vertical = Scale(label, compute_padded_limits(low, high, margin=0.08))
     return Panel(horizontal, vertical, tuple(marks), height=90, note=rms)

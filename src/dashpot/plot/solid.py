@@ -224,8 +224,11 @@ def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
     high = float(np.max((plotted.value + error)[shown_lines]))
     if plotted.name != "storage" and not plotted.good[1] > 2 * plotted.good[0]:
         # a lightly damped part is usable at its peak only: leave space for what is not
-        middle = float(np.median(plotted.value[shown_lines]))
-        low, high = min(low, -0.5 * abs(middle)), max(high, middle + 1.5 * abs(middle))
+        median_value = float(np.median(plotted.value[shown_lines]))
+        low, high = (
+            min(low, -0.5 * abs(median_value)),
+            max(high, median_value + 1.5 * abs(median_value)),
+        )
     margin = 0.1 * (high - low)
     return low - margin, high + margin
 

@@ -145,7 +145,7 @@ def _pen(pen: Pen) -> str:
     return f'stroke="var(--{pen.colour})" stroke-width="{pen.width:g}"{dashes}{opacity_attribute}'
 
 
-STEADY = 'vector-effect="non-scaling-stroke"'
+FIXED_STROKE = 'vector-effect="non-scaling-stroke"'
 
 
 def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
@@ -154,7 +154,7 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
             return ""
         read = f' data-name="{_text(mark.name)}"' if mark.name else ""
         read += f' data-edge="{mark.edge}"' if mark.edge else ""
-        return f'<path{read} d="{_path(mark.parts)}" fill="none" {_pen(mark.pen)} {STEADY}/>'
+        return f'<path{read} d="{_path(mark.parts)}" fill="none" {_pen(mark.pen)} {FIXED_STROKE}/>'
     if isinstance(mark, Fill):
         d = _path(mark.parts, closed=True)
         plain_path = f'<path d="{d}" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
@@ -167,7 +167,7 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
     def round_(size: float, colour: str, text: str = "") -> str:
         return (
             f'<path{text} d="{d}" fill="none" stroke="var(--{colour})" stroke-width="{size:g}" '
-            f'stroke-linecap="round" {STEADY}/>'
+            f'stroke-linecap="round" {FIXED_STROKE}/>'
         )
 
     filled = round_(mark.size, mark.colour, read)

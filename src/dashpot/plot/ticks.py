@@ -135,5 +135,5 @@ def _round(values: Sequence[float], decimals: int, step: float) -> bool:
 def _power(value: float) -> str:
     power = math.floor(math.log10(value) + 1e-9)
     mantissa = value / 10.0**power
-    head = "" if abs(mantissa - 1) < 1e-6 else f"{mantissa:.3g}·"
-    return f"{head}10{str(power).translate(SUPERSCRIPTS)}"
+    header = "" if abs(mantissa - 1) < 1e-6 else f"{mantissa:.3g}·"
+    return f"{header}10{str(power).translate(SUPERSCRIPTS)}"

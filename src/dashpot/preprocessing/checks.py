@@ -15,51 +15,51 @@ from dashpot.base.number_format import round_to_error
 from dashpot.base.plain_text import decapitalise_sentence
 from dashpot.base.provenance import Source
 from dashpot.base.units import celsius, format_quantity
-from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING, RampHold, quantum
+from dashpot.datamodel.relaxation import MAX_CREEP, SETTLING_SHARE, RampHold, find_quantum
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preprocessing.denoising import (
     CORNERS,
-    LOST_FORCE,
-    bends,
-    but_corners,
+    MIN_LOST_FORCE,
+    compute_interpolation_bends,
+    compute_largest_bend,
     denoise_displacement,
 )
 from dashpot.preprocessing.history import EarlierLoadings
 from dashpot.signals.clock import NEIGHBOUR_STEPS, find_clock_jumps, has_few_pauses
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three, spikes
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
-from dashpot.signals.stuck_channel import BEFORE, FEWEST, find_stuck_runs
+from dashpot.signals.stuck_channel import MIN_SAMPLES, SAMPLES_BEFORE, find_stuck_runs
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
-LAW = "by physics; a tenth for noise and drift"
+LIMIT_REASON = "by physics; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
-LATE_START = 0.2
+GROSS_PRELOAD = 0.2
 # what a smaller one still relaxes is in the limits, and no law bends by so much of its depth
 LARGE_PRELOAD = 0.1
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
-FLAT_SAMPLES = 5.0
-MAX_UNRESOLVED = 0.125
+MIN_FLAT_SAMPLES = 5.0
+MAX_UNRESOLVED_ERROR = 0.125
 # K that a temperature may be misread by, and that a chamber may drift over a record
-MAX_MISREAD, MAX_WARMED = 1.0, 1.0
+MAX_TEMPERATURE_ERROR, MAX_TEMPERATURE_DRIFT = 1.0, 1.0
 # a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
 # 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
-GROSSLY = 2.0
+GROSS_FACTOR = 2.0
 # of a hold: a channel that stood still, and a force that did so for too long
-MAX_FROZEN, GROSSLY_FROZEN = 0.005, 0.1
+MAX_FROZEN_SHARE, GROSS_FROZEN_SHARE = 0.005, 0.1
 # of the depth: a plate that moved; of the hold: in which it is braked
 MOVED_SHARE, BRAKED_SHARE = 1e-3, 0.05
 # bends of a motion that steps, at least
-TO_AND_FRO = 8
+MIN_STEPPED_BENDS = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
-MAX_PAUSE, MAX_LEAP = 0.25, 1e-3
+MAX_PAUSE, MAX_CLOCK_JUMP = 0.25, 1e-3
 # of the force of earlier loadings, and of the depth, that their memory may be off by
-MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
+MAX_HISTORY_MISFIT, MAX_FACE_ERROR = 0.03, 0.01
 # of the depth, which the plate may have moved by between rows that are missing
-MAX_PAST_JUMP = 0.1
+MAX_HISTORY_JUMP = 0.1
 # of the depth; m/N, the give of a soft machine with its load cell
 MAX_DEFLECTION, USUAL_COMPLIANCE = 0.025, 5e-5
 MACHINE_NAME = compile_on_use(
@@ -68,7 +68,9 @@ MACHINE_NAME = compile_on_use(
     "|ストローク|横梁|活塞|크로스헤드"
 )
 """Names of a displacement of crosshead, piston or grips, as test machines export it."""
-JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
+JUMP_MESSAGE = (
+    "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
+)
 
 
 class ClockedTest(Protocol):
@@ -94,7 +96,9 @@ class ClockedTest(Protocol):
 # -- what the file says of the temperature --------------------------------------------------------
 
 
-@criterion("K apart", "|x| <=", MAX_MISREAD, "simulation: no other check shows an error of 1 K")
+@criterion(
+    "K apart", "|x| <=", MAX_TEMPERATURE_ERROR, "simulation: no other check shows an error of 1 K"
+)
 def temperature_as_stated(specimen: Specimen) -> Finding:
     """The given temperature agrees with the one in the file."""
     measured, stated = (specimen.temperature or 0.0, specimen.stated_temperature or 0.0)
@@ -106,7 +110,7 @@ def temperature_as_stated(specimen: Specimen) -> Finding:
     )
 
 
-@criterion("K over the record", "|x| <=", MAX_WARMED, "our choice: chambers hold 0.5 K")
+@criterion("K over the record", "|x| <=", MAX_TEMPERATURE_DRIFT, "our choice: chambers hold 0.5 K")
 def temperature_held(specimen: Specimen) -> Finding:
     """The recorded temperature was constant during the test."""
     warmed = specimen.warmed or 0.0
@@ -174,32 +178,32 @@ def contact_found(touch: Touch, depth: float, *, is_given: bool) -> Finding:
     "<=",
     MAX_PRELOAD,
     grade="note",
-    other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
+    other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {GROSS_PRELOAD} of a plate that moves",
 )
 def preload_absent(carried: float, loading_rise: float, *, moving: bool = False) -> Finding:
     """The force before the ramp is close to zero."""
-    share = abs(carried) / loading_rise
+    preload_ratio = abs(carried) / loading_rise
     message = "There is no preload before the ramp"
     if carried:
         message = (
             f"The load cell reads {carried:.3g} N as the ramp starts, "
-            f"{round_to_error(100 * share, digits=2)} % of the rise"
+            f"{round_to_error(100 * preload_ratio, digits=2)} % of the rise"
         )
-    is_late = moving and share > LATE_START
+    is_late = moving and preload_ratio > GROSS_PRELOAD
     return Finding(
         message,
-        share,
+        preload_ratio,
         "The plate moves already at the first sample. The record begins within its ramp, or the "
         "load cell was not tared"
         if is_late
         else "If this is the cell's offset, the tare is right. If the seal was pressed, the "
         "stiffnesses are those about that preload",
         "Record from a second before the ramp." if is_late else "Tare in air, or start from rest.",
-        grade="stop" if is_late else "limit" if share > LARGE_PRELOAD else None,
+        grade="stop" if is_late else "limit" if preload_ratio > LARGE_PRELOAD else None,
     )
 
 
-@criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LAW, grade="stop")
+@criterion("its change in the hold / its rise in the ramp", "<=", 1.1, LIMIT_REASON, grade="stop")
 def ramp_recorded(loading_rise: float, change: float) -> Finding:
     """The record begins before its ramp."""
     return Finding(
@@ -261,7 +265,10 @@ def single_loading(
 
 
 @criterion(
-    "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
+    "their misfit / their force",
+    "<=",
+    MAX_HISTORY_MISFIT,
+    "simulation: conditioned seals that soften",
 )
 def history_explained(
     earlier_loadings: EarlierLoadings, *, broken: bool, was_pressed: bool = False
@@ -287,7 +294,10 @@ def history_explained(
 
 
 @criterion(
-    "surface less expected position / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays"
+    "surface less expected position / depth",
+    "|x| <=",
+    MAX_FACE_ERROR,
+    "simulation: a set that stays",
 )
 def face_recovered(
     measured_position: float, expected: float, *, error: float, depth: float
@@ -331,7 +341,7 @@ def history_checks(
     """Return the checks of what came before the loading that is fitted."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
-    is_jump = np.abs(change) > MAX_PAST_JUMP * record.depth
+    is_jump = np.abs(change) > MAX_HISTORY_JUMP * record.depth
     broken = bool(np.any(is_jump & (pauses > 5 * median(np.diff(record.time)))))
     all_checks = [history_explained(earlier_loadings, broken=broken, was_pressed=was_pressed)]
     plate, face = record.plate, record.displacement[stop:corner]
@@ -353,10 +363,10 @@ def overshoot_small(test: RampHold, *, ramp_count: int) -> Finding:
     if ramp_count > 1:
         return Finding("With several ramps an overshoot is not checked")
     highest = float(median_of_three(test.displacement).max()) - 3 * test.displacement_noise
-    share = max(highest / test.depth - 1, 0.0)
+    overshoot_ratio = max(highest / test.depth - 1, 0.0)
     return Finding(
-        f"The plate overshoots the held depth by {100 * share:.2g} %",
-        share,
+        f"The plate overshoots the held depth by {100 * overshoot_ratio:.2g} %",
+        overshoot_ratio,
         "The fit of ramp and hold follows it. The fit of the hold alone (eq. 5) does not, and a "
         "seal pressed deeper is softer",
         "Slow the last part of the ramp.",
@@ -368,14 +378,14 @@ def samples_unbroken(test: RampHold) -> Finding:
     """No samples are missing where the force changes fastest."""
     early = (test.time >= test.onset) & (test.time <= test.ramp_end + test.ramp_time)
     pauses = np.diff(test.time[early])
-    worst = float(pauses.max(initial=0.0))
-    share = worst / test.ramp_time
+    pause = float(pauses.max(initial=0.0))
+    ratio = pause / test.ramp_time
     return Finding(
-        f"The longest pause between samples, up to one ramp time after the ramp, is {worst:.3g} s",
-        share,
-        f"It is {100 * share:.0f} % of the ramp. The motion in the pause is taken as straight",
+        f"The longest pause between samples, up to one ramp time after the ramp, is {pause:.3g} s",
+        ratio,
+        f"It is {100 * ratio:.0f} % of the ramp. The motion in the pause is taken as straight",
         "Restore the missing rows, or sample faster.",
-        always_passes=worst <= 3 * (median(pauses) if pauses.size else 0.0),
+        always_passes=pause <= 3 * (median(pauses) if pauses.size else 0.0),
     )
 
 
@@ -384,8 +394,8 @@ def samples_unbroken(test: RampHold) -> Finding:
     "<=",
     MAX_PAUSE,
     "our choice; or 3 times the pauses beside it, or 5 % of the rest",
-    other_grade=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all "
-    "the rest",
+    other_grade=f"at most {MAX_CLOCK_JUMP} for a leap of an even clock; stop if it is longer than "
+    "all the rest",
 )
 def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     """The clock has no jump.
@@ -399,53 +409,58 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
     pauses = np.diff(used_time)
     # a load that is a step has no ramp
     shortest = test.ramp_time or NEIGHBOUR_STEPS * median(pauses)
-    jump = _leap_of(test.time if time is None else time, test.onset, shortest)
+    jump = _find_clock_jump(test.time if time is None else time, test.onset, shortest)
     if jump is not None:
         return jump
     time_since_onset = np.maximum(used_time[:-1] - test.onset, shortest)
-    worst = int(np.argmax(pauses / time_since_onset))
-    longest, rest = float(pauses[worst]), float(used_time[-1] - used_time[0] - pauses[worst])
+    at_pause = int(np.argmax(pauses / time_since_onset))
+    longest, other_time = (
+        float(pauses[at_pause]),
+        float(used_time[-1] - used_time[0] - pauses[at_pause]),
+    )
     nearby_pauses = np.delete(
-        pauses[max(worst - NEIGHBOUR_STEPS, 0) : worst + NEIGHBOUR_STEPS + 1],
-        min(worst, NEIGHBOUR_STEPS),
+        pauses[max(at_pause - NEIGHBOUR_STEPS, 0) : at_pause + NEIGHBOUR_STEPS + 1],
+        min(at_pause, NEIGHBOUR_STEPS),
     )
     return Finding(
-        f"The longest relative pause is {longest:.3g} s, {time_since_onset[worst]:.3g} s after "
+        f"The longest relative pause is {longest:.3g} s, {time_since_onset[at_pause]:.3g} s after "
         "onset",
-        float(longest / time_since_onset[worst]),
-        JUMPED,
+        float(longest / time_since_onset[at_pause]),
+        JUMP_MESSAGE,
         Remedy(
             "Cut the record before the pause, or correct its clock.", "time-limits", "hold-end=..."
         ),
         # two leaps side by side do not excuse each other
         always_passes=longest <= 3 * float(np.sort(nearby_pauses)[-NEIGHBOUR_STEPS // 2])
-        or longest <= 0.05 * rest,
-        grade="stop" if longest > rest else None,
+        or longest <= 0.05 * other_time,
+        grade="stop" if longest > other_time else None,
     )
 
 
-def _leap_of(time: FloatArray, onset: float, shortest: float) -> Finding | None:
+def _find_clock_jump(time: FloatArray, onset: float, shortest: float) -> Finding | None:
     """The leap of an even clock that is longest for its place, if any is long."""
-    leaps = find_clock_jumps(time)
-    if not leaps or not has_few_pauses(time):
+    jumps = find_clock_jumps(time)
+    if not jumps or not has_few_pauses(time):
         return None
-    shares = [jump.step / max(abs(time[jump.at] - onset), shortest) for jump in leaps]
-    worst = int(np.argmax(shares))
-    if shares[worst] <= MAX_LEAP:
+    step_ratios = [jump.step / max(abs(time[jump.at] - onset), shortest) for jump in jumps]
+    jump_index = int(np.argmax(step_ratios))
+    if step_ratios[jump_index] <= MAX_CLOCK_JUMP:
         return None
-    longest_leap, leap_time = leaps[worst], float(time[leaps[worst].at] - onset)
-    before = leap_time < 0
+    longest_leap, leap_time = jumps[jump_index], float(time[jumps[jump_index].at] - onset)
+    is_before_contact = leap_time < 0
     return Finding(
         f"The clock goes on by {longest_leap.step:.3g} s where its steps are "
         f"{longest_leap.expected_step:.3g} s, {abs(leap_time):.3g} s "
-        f"{'before' if before else 'after'} onset",
-        shares[worst],
-        "The clock jumped, or the record was interrupted" if before else JUMPED,
+        f"{'before' if is_before_contact else 'after'} onset",
+        step_ratios[jump_index],
+        "The clock jumped, or the record was interrupted" if is_before_contact else JUMP_MESSAGE,
         Remedy("Leave out the rows before it, or correct its clock.")
-        if before
+        if is_before_contact
         else Remedy("Cut the record there, or correct its clock.", "time-limits", "hold-end=..."),
-        limit=MAX_LEAP,
-        grade="stop" if not before and 2 * longest_leap.step > time[-1] - onset else None,
+        limit=MAX_CLOCK_JUMP,
+        grade="stop"
+        if not is_before_contact and 2 * longest_leap.step > time[-1] - onset
+        else None,
     )
 
 
@@ -469,9 +484,9 @@ def spikes_absent(test: RampHold) -> Finding:
 @criterion(
     "part of the hold",
     "<=",
-    MAX_FROZEN,
+    MAX_FROZEN_SHARE,
     "our choice: a shorter stretch changes no stiffness",
-    other_grade=f"stop if the force stands for more than {GROSSLY_FROZEN}",
+    other_grade=f"stop if the force stands for more than {GROSS_FROZEN_SHARE}",
 )
 def readings_not_repeated(test: RampHold, force: FloatArray, displacement: FloatArray) -> Finding:
     """Both channels have a new reading in each row of the hold.
@@ -485,13 +500,13 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     """
     hold, time = test.hold, test.time[test.hold]
     f, x = force[hold], displacement[hold]
-    if len(f) < FEWEST:
+    if len(f) < MIN_SAMPLES:
         return Finding("The hold has too few samples to show whether a channel stands still")
-    step = np.abs(x[BEFORE:] - x[:-BEFORE])
+    step = np.abs(x[SAMPLES_BEFORE:] - x[:-SAMPLES_BEFORE])
     is_moving = step > max(MOVED_SHARE * test.depth, 6 * test.displacement_noise)
-    is_at_rest = ~np.concatenate((is_moving, np.zeros(BEFORE, dtype=bool)))
-    is_at_rest[BEFORE:] &= ~is_moving
-    is_at_rest &= time > test.ramp_end + SETTLING * test.ramp_time
+    is_at_rest = ~np.concatenate((is_moving, np.zeros(SAMPLES_BEFORE, dtype=bool)))
+    is_at_rest[SAMPLES_BEFORE:] &= ~is_moving
+    is_at_rest &= time > test.ramp_end + SETTLING_SHARE * test.ramp_time
     onset_index, ramp = np.searchsorted(test.time, (test.onset, test.ramp_end)).tolist()
     # a part that is pressed falls, on either side of zero; a plate that moves on loads it again
     sign = 1.0 if (f - f.mean()) @ test.force[hold] >= 0 else -1.0
@@ -514,7 +529,7 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     channel, runs_of_it = (
         ("force", stuck_runs) if of_force >= of_plate else ("displacement", still_runs)
     )
-    share = max(of_force, of_plate)
+    repeated_fraction = max(of_force, of_plate)
     if not len(runs_of_it):
         return Finding("No channel repeats one value while it should scatter or change", 0.0)
     first, last = runs_of_it[np.argmax(np.diff(runs_of_it)[:, 0])]
@@ -523,21 +538,21 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     return Finding(
         f"The {channel} has one and the same value for {last - first + 1} samples, from "
         f"{time[first]:.4g} to {time[last]:.4g} s{others_text}",
-        share,
+        repeated_fraction,
         f"Its other samples rule that out: the channel was not read for "
-        f"{100 * share:.2g} % of the hold",
+        f"{100 * repeated_fraction:.2g} % of the hold",
         Remedy("Cut the record before that, or repeat the test.", "time-limits", "hold-end=..."),
-        grade="stop" if of_force > GROSSLY_FROZEN else None,
+        grade="stop" if of_force > GROSS_FROZEN_SHARE else None,
     )
 
 
 @criterion(
     "force lost / noise",
     "<=",
-    MAX_UNRESOLVED,
+    MAX_UNRESOLVED_ERROR,
     "our choice: 1 noise SD over the samples of a step",
     grade="note",
-    other_grade=f"limit beyond {GROSSLY:g}",
+    other_grade=f"limit beyond {GROSS_FACTOR:g}",
 )
 def motion_resolved(test: RampHold) -> Finding:
     r"""The sampling rate resolves the motion of the plate.
@@ -551,23 +566,28 @@ def motion_resolved(test: RampHold) -> Finding:
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("The ramp has too few samples to show how its motion bends between them")
-    motion_errors = bends(ramp, time, x, residual)
+    motion_errors = compute_interpolation_bends(ramp, time, x, residual)
     is_compressed = x > 0.2 * test.depth
     stiffness = float(((force[is_compressed] - test.preload) / x[is_compressed]).max(initial=0.0))
-    worst = but_corners(np.abs(motion_errors)) * stiffness
-    value = worst / max(test.force_noise, 1e-3 * float(force.max()))
-    needed_rate = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
+    force_errors = compute_largest_bend(np.abs(motion_errors)) * stiffness
+    value = force_errors / max(test.force_noise, 1e-3 * float(force.max()))
+    needed_rate = np.sqrt(value / MAX_UNRESOLVED_ERROR) / median(np.diff(time))
     # a motor bends to and fro all along the ramp, a servo swings a few times
-    seen_errors = motion_errors[np.abs(motion_errors) * stiffness * value > LOST_FORCE * worst]
-    steps_on = value > LOST_FORCE and np.count_nonzero(np.diff(np.sign(seen_errors))) >= TO_AND_FRO
+    seen_errors = motion_errors[
+        np.abs(motion_errors) * stiffness * value > MIN_LOST_FORCE * force_errors
+    ]
+    steps_on = (
+        value > MIN_LOST_FORCE
+        and np.count_nonzero(np.diff(np.sign(seen_errors))) >= MIN_STEPPED_BENDS
+    )
     return Finding(
         "Between two samples the displacement departs from a straight line by a force of "
-        f"{format_quantity(worst, 'mN', '.2g')}",
+        f"{format_quantity(force_errors, 'mN', '.2g')}",
         value,
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
         f"Sample at {round_to_error(needed_rate, digits=2)} Hz or faster.",
         always_fails=bool(steps_on),
-        grade="limit" if value > GROSSLY else None,
+        grade="limit" if value > GROSS_FACTOR else None,
     )
 
 
@@ -575,18 +595,22 @@ def motion_resolved(test: RampHold) -> Finding:
 def motion_measured(test: RampHold) -> Finding:
     """The displacement of the hold is measured, so that creep of the crosshead would show."""
     force, change = test.force[test.hold], test.changed_readings
-    part, middle = max(len(force) // 20, 1), len(force) // 2
+    tenth_length, half_length = max(len(force) // 20, 1), len(force) // 2
     if change:
         return Finding("The displacement of the hold is measured, not commanded", float(change))
-    force_fall = float(force[middle : middle + part].mean() - force[-part:].mean())
-    creep = 1e-3 * abs(float(force[-part:].mean()))
-    share = f" ({100 * creep / force_fall:.2g} % of its fall)" if force_fall > creep else ""
-    step = f", or its step of {format_quantity(test.encoder_step, 'um', '.3g')} hides the change"
+    force_fall = float(
+        force[half_length : half_length + tenth_length].mean() - force[-tenth_length:].mean()
+    )
+    creep = 1e-3 * abs(float(force[-tenth_length:].mean()))
+    note = f" ({100 * creep / force_fall:.2g} % of its fall)" if force_fall > creep else ""
+    step_note = (
+        f", or its step of {format_quantity(test.encoder_step, 'um', '.3g')} hides the change"
+    )
     return Finding(
         "The displacement does not change in the hold: it is the commanded one"
-        f"{step if test.encoder_step else ''}. A crosshead that crept by 0.1 % of the depth would "
-        f"change the force by {format_quantity(creep, 'mN', '.2g')}{share} over the last half of "
-        "the hold",
+        f"{step_note if test.encoder_step else ''}. A crosshead that crept by 0.1 % of the depth "
+        f"would change the force by {format_quantity(creep, 'mN', '.2g')}{note} over the last half "
+        "of the hold",
         remedy="Measure the displacement at the seal.",
     )
 
@@ -599,11 +623,11 @@ def motion_measured(test: RampHold) -> Finding:
 )
 def machine_deflection_small(stiffness: float, remedy: Remedy | str) -> Finding:
     """The displacement of a crosshead or piston has little deflection of the machine in it."""
-    share = USUAL_COMPLIANCE * stiffness
+    deflection_ratio = USUAL_COMPLIANCE * stiffness
     return Finding(
         "The displacement is that of a crosshead or piston: a compliance of 50 um/N would be "
-        f"{100 * share:.2g} % of it",
-        share,
+        f"{100 * deflection_ratio:.2g} % of it",
+        deflection_ratio,
         "The stiffness is then too low. Press steel on steel; 0 if it is measured at the seal",
         remedy,
     )
@@ -656,10 +680,10 @@ def columns_plausible(test: RampHold) -> Finding:
 @criterion("peak / full scale", ">=", 0.05, grade="note")
 def load_cell_range_used(peak: float, full_scale: float) -> Finding:
     """The force uses enough of the range of the load cell."""
-    share = peak / full_scale
+    used_fraction = peak / full_scale
     return Finding(
-        f"The peak force is {100 * share:.2g} % of the load cell's {full_scale:g} N",
-        share,
+        f"The peak force is {100 * used_fraction:.2g} % of the load cell's {full_scale:g} N",
+        used_fraction,
         "A smaller load cell would drift and scatter less",
         "Use a smaller load cell.",
     )
@@ -678,47 +702,51 @@ def check_records(
     stillness_checks = [hold_is_still(test, method=method) for test in tests]
     pairs = zip(tests, solids or [None] * len(tests), strict=True)
     relaxes = [force_relaxes(test, solid) for test, solid in pairs]
-    before, later_checks, last = zip(*map(_as_recorded, tests), strict=True)
+    loading, later_checks, of_last = zip(*map(_check_record, tests), strict=True)
     columns = (
-        *zip(*before, strict=True), stillness_checks, *zip(*later_checks, strict=True), relaxes,
-        *zip(*last, strict=True),
+        *zip(*loading, strict=True), stillness_checks, *zip(*later_checks, strict=True), relaxes,
+        *zip(*of_last, strict=True),
     )  # fmt: skip
     return tuple(map(select_gravest_check, columns))
 
 
 @cache_on_record
-def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
+def _check_record(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
     """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
-    last = test.last_loading
-    before = force_not_clipped(last), force_resolved(last.reading), depth_resolved(test)
+    last_loading = test.last_loading
+    loading_checks = (
+        force_not_clipped(last_loading),
+        force_resolved(last_loading.reading),
+        depth_resolved(test),
+    )
     later_checks = hold_outlasts_ramp(test), ramp_sampled(test)
-    return before, later_checks, (strain_small(test),)
+    return loading_checks, later_checks, (strain_small(test),)
 
 
 @criterion(
     "samples at the peak",
     "<",
-    FLAT_SAMPLES,
+    MIN_FLAT_SAMPLES,
     "our choice; or a rest or noise explains it",
     grade="stop",
 )
 def force_not_clipped(test: RampHold) -> Finding:
     """The force is not clipped at its peak."""
-    top, count, first, last = _flat_top(test.reading)
+    highest_force, count, first, last = _flat_top(test.reading)
     change = float(np.ptp(test.displacement[first : last + 1]))
-    is_long = last - first >= FLAT_SAMPLES - 1
+    is_long = last - first >= MIN_FLAT_SAMPLES - 1
     # of most records no more need be known
-    step = quantum(test.reading) if is_long else 0.0
+    step = find_quantum(test.reading) if is_long else 0.0
     # over so far the force climbs by three quanta even at half its mean rate
     climb = 6 * step * test.depth / max(float(np.ptp(test.force)), 1e-300)
     distance_limit = max(0.02 * test.depth, climb, 4 * test.displacement_noise)
     too_even = last - first >= 9 and 0 < step < 2 * test.force_noise
     return Finding(
-        f"The force peaks at {top:.4g} N without a flat top",
+        f"The force peaks at {highest_force:.4g} N without a flat top",
         float(count),
-        failure=f"The force is clipped at {top:.4g} N. {count} samples have this value while the "
-        f"compression grows by {100 * change / test.depth:.0f} % of the depth, so every stiffness "
-        "is too low",
+        failure=f"The force is clipped at {highest_force:.4g} N. {count} samples have this value "
+        f"while the compression grows by {100 * change / test.depth:.0f} % of the depth, so every "
+        "stiffness is too low",
         remedy="Use a larger range of the sensor, or press less deep.",
         always_passes=not (is_long and (change > distance_limit or too_even)),
     )
@@ -733,7 +761,7 @@ def force_not_clipped(test: RampHold) -> Finding:
 )
 def force_resolved(force: FloatArray, loading_rise: float | None = None) -> Finding:
     """The force is many times the resolution of the load cell."""
-    step = quantum(force)
+    step = find_quantum(force)
     if step == 0.0:
         return Finding("The force shows no quantisation")
     quanta = (float(np.ptp(force)) if loading_rise is None else loading_rise) / step
@@ -749,7 +777,7 @@ def force_resolved(force: FloatArray, loading_rise: float | None = None) -> Find
 def refuse_unresolved(location: str, loading_rise: float, force: FloatArray) -> None:
     """Raise DataError if the force, as recorded, rises by a few steps of the sensor only."""
     if force_resolved(force, loading_rise).failed:
-        step = quantum(force)
+        step = find_quantum(force)
         raise DataError(
             f"{location}: not fitted. The force rises by "
             f"{format_quantity(loading_rise, 'mN', '.3g')}, {loading_rise / step:.0f} steps of the "
@@ -768,22 +796,22 @@ def refuse_saturated(location: str, test: RampHold) -> None:
         raise DataError(
             f"{location}: {decapitalise_sentence(plausibility_check.message_with_remedy)}"
         )
-    top, _, first, last = _flat_top(test.force)
+    highest_force, _, first, last = _flat_top(test.force)
     raise DataError(
-        f"{location}: not fitted. The force is clipped at {top:.4g} N above the tare from "
-        f"{test.time[first]:.3g} to {test.time[last]:.3g} s ({last - first + 1} samples). A fit "
-        "through it would be wrong. Choose a larger load-cell range or a smaller compression, and "
-        "repeat the test."
+        f"{location}: not fitted. The force is clipped at {highest_force:.4g} N above the tare "
+        f"from {test.time[first]:.3g} to {test.time[last]:.3g} s ({last - first + 1} samples). A "
+        "fit through it would be wrong. Choose a larger load-cell range or a smaller compression, "
+        "and repeat the test."
     )
 
 
 def _flat_top(force: FloatArray) -> tuple[float, int, int, int]:
     """Return the highest force, how often it is read, and its longest run: first and last."""
-    top = float(force.max())
-    at_top = force >= top - 1e-9 * abs(top)
+    highest_force = float(force.max())
+    at_top = force >= highest_force - 1e-9 * abs(highest_force)
     runs = find_true_runs(at_top)
     first, last = runs[np.argmax(runs[:, 1] - runs[:, 0])].tolist()
-    return top, int(np.count_nonzero(at_top)), first, last
+    return highest_force, int(np.count_nonzero(at_top)), first, last
 
 
 @criterion(

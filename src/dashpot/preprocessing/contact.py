@@ -20,7 +20,7 @@ from dashpot.solids.maxwell import arm_response
 # samples: fewer have no scatter to speak of
 MIN_BASELINE = 5.0
 # readings of which all trials are one array
-AT_ONCE = 1 << 12
+READINGS_PER_BATCH = 1 << 12
 
 
 class Baseline(NamedTuple):
@@ -55,15 +55,15 @@ class Baseline(NamedTuple):
 
 def estimate_baseline(time: FloatArray, force: FloatArray) -> Baseline:
     """Return the baseline of the force from samples before contact, at least one."""
-    middle, level = float(time.mean()), float(force.mean())
-    t = time - middle
+    mean_time, mean_force = float(time.mean()), float(force.mean())
+    t = time - mean_time
     power = float(t @ t)
     sloped = len(force) >= MIN_BASELINE and power > 0
     slope = float(t @ force) / power if sloped else 0.0
     free = len(force) - 2 * sloped
-    noise = float(np.sqrt(np.sum((force - level - slope * t) ** 2) / free))
+    noise = float(np.sqrt(np.sum((force - mean_force - slope * t) ** 2) / free))
     error = noise / power**0.5 if sloped else np.inf
-    return Baseline(len(force), float(np.ptp(time)), level, noise, slope, error, middle)
+    return Baseline(len(force), float(np.ptp(time)), mean_force, noise, slope, error, mean_time)
 
 
 def subtract_tare(
@@ -175,7 +175,9 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
     best = low
     for _ in range(3):
         trials = np.linspace(low, high, 41)
-        trial_groups = np.array_split(trials, min(1 + len(reading) // AT_ONCE, len(trials)))
+        trial_groups = np.array_split(
+            trials, min(1 + len(reading) // READINGS_PER_BATCH, len(trials))
+        )
         sums = np.concatenate(
             [_compute_misfits(reading, mean, count, values, within_sse) for values in trial_groups]
         )
@@ -188,8 +190,10 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
 def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
     """Return what is fitted to the force, shape (trials, n, 3)."""
     compression = np.maximum(x - contact[:, None], 0.0)
-    part = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
-    return np.stack((np.ones_like(part), part, part**2), axis=2)
+    relative_compression = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
+    return np.stack(
+        (np.ones_like(relative_compression), relative_compression, relative_compression**2), axis=2
+    )
 
 
 def _compute_misfits(
@@ -275,10 +279,10 @@ def find_first_contact(
     contact = find_contact(displacement, force, noise=noise)
     if contact is None or (not rested and contact.sample < 20):
         return Touch(rest_position, 0.0)
-    gap = contact.displacement - rest_position
-    if not max(least_gap, 3 * contact.standard_error) < gap < 0.9 * (level - rest_position):
+    air_gap = contact.displacement - rest_position
+    if not max(least_gap, 3 * contact.standard_error) < air_gap < 0.9 * (level - rest_position):
         return Touch(rest_position, 0.0)
-    return Touch(contact.displacement, gap, contact.standard_error)
+    return Touch(contact.displacement, air_gap, contact.standard_error)
 
 
 # Delay of the force: by an air gap or by its clock.
@@ -290,15 +294,15 @@ def find_first_contact(
 
 
 # number of trial delays, up to so many standard deviations of the clocks
-DELAYS_TRIED, MOST_DELAY_SD = 13, 4.0
+TRIAL_DELAY_COUNT, MAX_DELAY_SD = 13, 4.0
 # number of successive worse delays after which the search ends
-WORSE_IN_A_ROW = 2
+MAX_WORSE_DELAYS = 2
 # arms, from this part of the ramp to so many times it, and no faster than so many samples
 DELAY_ARMS, FASTEST_ARM, SLOWEST_ARM, SAMPLES_PER_ARM = 6, 0.02, 3.0, 2.0
 # rows near either corner of the ramp, and over all of it
 CORNER_ROWS = 100
 # rows that could show a delay beside its arms
-FEWEST_DELAY_ROWS = 4 * DELAY_ARMS
+MIN_DELAY_ROWS = 4 * DELAY_ARMS
 # span after the ramp that is fitted, over its duration
 SPAN_AFTER_RAMP = 0.5
 
@@ -335,8 +339,8 @@ def estimate_contact_delay(
     DelayEstimate
         No delay, with a deviance of 0, where the ramp has too few rows to show one.
     """
-    rows = _select_delay_rows(time, corners, MOST_DELAY_SD * delay_sd)
-    if len(rows) < FEWEST_DELAY_ROWS:
+    rows = _select_delay_rows(time, corners, MAX_DELAY_SD * delay_sd)
+    if len(rows) < MIN_DELAY_ROWS:
         return DelayEstimate(0.0, 0.0)
     ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
     fastest = max(FASTEST_ARM * ramp, SAMPLES_PER_ARM * step)
@@ -344,14 +348,14 @@ def estimate_contact_delay(
     responses = [compression, *arm_response(time, compression, tau).T]
     target, is_nonnegative = force[rows], np.append(False, np.ones(len(responses), dtype=bool))
     best, failures = DelayEstimate(0.0, np.inf), 0
-    for delay in np.linspace(0.0, MOST_DELAY_SD * delay_sd, DELAYS_TRIED).tolist():
+    for delay in np.linspace(0.0, MAX_DELAY_SD * delay_sd, TRIAL_DELAY_COUNT).tolist():
         columns = [np.interp(time[rows] - delay, time, response) for response in responses]
         design = np.column_stack((np.ones(len(rows)), *columns))
         residual = target - design @ solve_linear(design, target, is_nonnegative)[0]
         misfit = len(rows) * float(np.log(max(float(residual @ residual), 1e-300)))
         trial = DelayEstimate(delay, misfit + (delay / delay_sd) ** 2)
         best, failures = (trial, 0) if trial.deviance < best.deviance else (best, failures + 1)
-        if failures == WORSE_IN_A_ROW:
+        if failures == MAX_WORSE_DELAYS:
             break
     return best
 

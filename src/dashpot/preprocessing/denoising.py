@@ -14,7 +14,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, cache_on_record
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.numerics.design_matrices.data_compression import IN_CACHE
+from dashpot.numerics.design_matrices.data_compression import CACHE_SAMPLES
 from dashpot.solids.maxwell import arm_response
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
@@ -22,9 +22,9 @@ HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 3
 # means of windows disagree if they are farther apart than this many standard deviations
 MAX_MEAN_DISTANCE = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
-SCATTER_OF_A_COUNT, LEFT_OF_A_COUNT = 0.025, 0.2
+COUNT_SCATTER, COUNT_REMAINDER = 0.025, 0.2
 # a mean leaves more than this part of the noise only where the motion bends
-NARROW = 0.1
+MIN_NOISE_SHARE = 0.1
 # a reading that stays so many times as long as its neighbours is a rest
 REST_FACTOR = 4.0
 # readings so few samples apart repeat their errors, as counts beat with samples
@@ -32,19 +32,19 @@ BEAT_SAMPLES = 5.0
 # sharp corners that lie between samples of any motion
 CORNERS = 6
 # a force lost between samples that counts, in noises; samples that share an error count twice
-LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
+MIN_LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
 # the most that counts bend a motion, in counts, and three standard deviations of what noise does
-BENT_BY_COUNTS, BENT_BY_NOISE = 0.11, 3 * 6**0.5 / 8
+MAX_COUNT_BEND, NOISE_BEND = 0.11, 3 * 6**0.5 / 8
 # equal neighbours so much closer than the depth are arithmetic, not counts
-LEAST_COUNT = 1e-6
+MIN_COUNT = 1e-6
 # second difference, in counts, from which a quarter of it is more than half a count
-SHARP_COUNTS = 2.0
+MIN_SHARP_BEND = 2.0
 # a reading that returns within half as many samples has flickered
-FLICKER = 7
+FLICKER_SAMPLES = 7
 # and by less than so many counts
-MOST_FLICKER = 1.5
+MAX_FLICKER_COUNTS = 1.5
 # exchanges that bring the median of so many to the middle
-TO_MEDIAN = (
+MEDIAN_EXCHANGES = (
     (0, 5), (0, 3), (1, 6), (2, 4), (0, 1), (3, 5), (2, 6), (2, 3), (3, 6), (4, 5), (1, 4), (1, 3),
     (3, 4),
 )  # fmt: skip
@@ -78,7 +78,7 @@ def denoise_displacement(test: RampHold) -> tuple[FloatArray, FloatArray]:
     return x, residual
 
 
-def between_samples(
+def estimate_interpolation_noise(
     test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
     r"""Return the interpolation error of a motion as white noise, m, shape (n,).
@@ -93,39 +93,47 @@ def between_samples(
     time, x, residual : array, shape (n,)
         s, and what :func:`denoise_displacement` returns, m.
     """
-    motion_errors = bends(test, time, x, residual)
+    motion_errors = compute_interpolation_bends(test, time, x, residual)
     motion_errors[time > test.ramp_end + test.ramp_time] = 0.0
     # rows before are not fitted
     motion_errors[: max(test.start - 1, 0)] = 0.0
-    size, peak = np.abs(motion_errors), float(np.abs(test.force).max())
+    error_magnitude, peak = np.abs(motion_errors), float(np.abs(test.force).max())
     noise = max(test.force_noise, 1e-3 * peak)
-    if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST_FORCE * noise:
+    if (
+        len(x) < 4 * CORNERS
+        or peak / test.depth * compute_largest_bend(error_magnitude) <= MIN_LOST_FORCE * noise
+    ):
         return np.zeros(len(x))
     signs = np.sign(motion_errors)
     run = np.cumsum(np.append(True, signs[1:] != signs[:-1])) - 1
-    return np.asarray(SHARED_ERROR_SAMPLES * np.sqrt(size * np.bincount(run, weights=size)[run]))
+    return np.asarray(
+        SHARED_ERROR_SAMPLES
+        * np.sqrt(error_magnitude * np.bincount(run, weights=error_magnitude)[run])
+    )
 
 
-def bends(test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray) -> FloatArray:
+def compute_interpolation_bends(
+    test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
+) -> FloatArray:
     r"""Return what a straight line between samples misses, m, shape (n,): :math:`h^2 \ddot x/8`.
 
-    Less what counts and noise bend; parameters as for :func:`between_samples`.
+    Less what counts and noise bend; parameters as for :func:`estimate_interpolation_noise`.
     """
     steps = np.diff(time)
     motion_errors = np.zeros(len(x))
     motion_errors[1:-1] = np.diff(np.diff(x) / steps) * np.maximum(steps[1:], steps[:-1]) / 8
     if test.encoder_step:
-        tolerance = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
+        tolerance = np.full(len(x), MAX_COUNT_BEND * test.encoder_step)
     else:
         # of three readings; nor is a mean as good as the truth where the next is over more
         padded = np.pad(residual, 1, mode="edge")
         padded = np.maximum(np.maximum(padded[2:], padded[:-2]), residual)
-        tolerance = BENT_BY_NOISE * np.maximum(padded, NARROW * test.displacement_noise)
+        tolerance = NOISE_BEND * np.maximum(padded, MIN_NOISE_SHARE * test.displacement_noise)
     excess = np.maximum(np.abs(motion_errors) - np.maximum(tolerance, 1e-9 * test.depth), 0.0)
     return np.asarray(np.sign(motion_errors) * excess)
 
 
-def but_corners(motion_errors: FloatArray) -> float:
+def compute_largest_bend(motion_errors: FloatArray) -> float:
     """Return the largest of what is missed but for a few sharp corners."""
     return float(np.partition(motion_errors, -CORNERS)[-CORNERS])
 
@@ -135,39 +143,41 @@ def _remove_counts(
 ) -> tuple[FloatArray, FloatArray]:
     """Return a reading freed of counts and noise, and the sd of what may be left of them."""
     step, noise = test.encoder_step, test.displacement_noise
-    if step > LEAST_COUNT * test.depth:
-        read, _ = denoise_values(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
+    if step > MIN_COUNT * test.depth:
+        read, _ = denoise_values(interpolate_counts(time, x, step), COUNT_SCATTER * step)
         return read, _estimate_count_noise(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
     read, sd = denoise_values(x, noise)
     # a wide window is a rest or a steady ramp, where the mean is as good as the truth
-    return read, np.where(sd > NARROW * noise, noise, 0.0)
+    return read, np.where(sd > MIN_NOISE_SHARE * noise, noise, 0.0)
 
 
-def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> FloatArray:
+def interpolate_counts(time: FloatArray, displacement: FloatArray, count: float) -> FloatArray:
     """Return a displacement in counts, m, as the motion that it samples, shape (n,).
 
     Where a reading changes, the true position is half way between both counts, so a straight
     line from change to change is much nearer to the truth than the staircase. On a reading that
     stays far longer than its neighbours, the reading itself is the better guess
-    (:func:`rests`). A reading that changes and returns at once has flickered.
+    (:func:`find_rests`). A reading that changes and returns at once has flickered.
     """
-    displacement = _without_flicker(displacement, count)
+    displacement = _remove_flicker(displacement, count)
     change = np.flatnonzero(np.diff(displacement))
     if len(change) < 2:
         return displacement
-    at = 0.5 * (time[change] + time[change + 1])
+    change_times = 0.5 * (time[change] + time[change + 1])
     half_way = 0.5 * (displacement[change] + displacement[change + 1])
     # readings before the first change, between changes, and after the last one
     level = displacement[np.append(change, change[-1] + 1)]
-    start, stop, before, stay_after = _stays(at)
-    is_long = stop - start > REST_FACTOR * np.maximum(before, stay_after)
+    start, stop, stay_before, stay_after = _compute_stay_times(change_times)
+    is_long = stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)
     # the motion leaves and reaches a rest as slowly as it crossed the neighbouring count
-    rest_ends = np.concatenate(((start + before / 2)[is_long], (stop - stay_after / 2)[is_long]))
-    inner = np.isfinite(rest_ends)
-    knots = np.concatenate((at, rest_ends[inner]))
-    values = np.concatenate((half_way, np.tile(level[is_long], 2)[inner]))
+    rest_ends = np.concatenate(
+        ((start + stay_before / 2)[is_long], (stop - stay_after / 2)[is_long])
+    )
+    is_finite = np.isfinite(rest_ends)
+    knots = np.concatenate((change_times, rest_ends[is_finite]))
+    values = np.concatenate((half_way, np.tile(level[is_long], 2)[is_finite]))
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     interpolated = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
@@ -175,7 +185,7 @@ def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> 
     # a line from half way to half way flattens a bend by a quarter: where that is more than what
     # a reading is off, it is the better guess
     is_curved = np.zeros(len(interpolated), dtype=bool)
-    is_curved[1:-1] = np.abs(np.diff(displacement, 2)) > SHARP_COUNTS * count
+    is_curved[1:-1] = np.abs(np.diff(displacement, 2)) > MIN_SHARP_BEND * count
     return np.where(is_curved, displacement, interpolated)
 
 
@@ -193,18 +203,20 @@ def _restore_steps(time: FloatArray, x: FloatArray, change: IndexArray) -> Float
     return np.where(is_step, 2 * x - half_way, x)
 
 
-def rests(
+def find_rests(
     time: FloatArray, displacement: FloatArray, count: float
 ) -> tuple[tuple[float, float], ...]:
     """Begin and end, s, of every reading in counts, m, that stays far longer than its neighbours.
 
     The first begins at minus infinity and the last ends at infinity.
     """
-    change = np.flatnonzero(np.diff(_without_flicker(displacement, count)))
+    change = np.flatnonzero(np.diff(_remove_flicker(displacement, count)))
     if len(change) < 2:
         return ((-np.inf, np.inf),)
-    start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
-    is_long = stop - start > REST_FACTOR * np.maximum(before, stay_after)
+    start, stop, stay_before, stay_after = _compute_stay_times(
+        0.5 * (time[change] + time[change + 1])
+    )
+    is_long = stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)
     return tuple(zip(start[is_long].tolist(), stop[is_long].tolist(), strict=True))
 
 
@@ -219,10 +231,12 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     or within the beat of counts with samples, share their error. So weighed, the limits of 40
     seals at two temperatures, 500 Hz and counts of 20 um hold the truth in 95 to 97 %.
     """
-    change = np.flatnonzero(np.diff(_without_flicker(displacement, step)))
+    change = np.flatnonzero(np.diff(_remove_flicker(displacement, step)))
     if len(change) < 2:
         return np.zeros(len(time))
-    start, stop, before, stay_after = _stays(0.5 * (time[change] + time[change + 1]))
+    start, stop, stay_before, stay_after = _compute_stay_times(
+        0.5 * (time[change] + time[change + 1])
+    )
     signed_steps = np.sign(displacement[change + 1] - displacement[change]) * step
     # velocity over the readings before and after each one; those at rest do not count
     speed = np.divide(signed_steps[:-1], np.diff(0.5 * (time[change] + time[change + 1])))
@@ -231,32 +245,36 @@ def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: floa
     stay_times = np.where(np.isfinite(stop - start), stop - start, 0.0)
     count_errors = np.minimum(step / 2, stay_times * turns_per_stay)
     equal_samples = 2 * np.maximum(stay_times / float(np.mean(np.diff(time))), BEAT_SAMPLES)
-    residual = np.hypot(LEFT_OF_A_COUNT * step, count_errors) * np.sqrt(equal_samples)
-    residual[stop - start > REST_FACTOR * np.maximum(before, stay_after)] = 0.0
+    residual = np.hypot(COUNT_REMAINDER * step, count_errors) * np.sqrt(equal_samples)
+    residual[stop - start > REST_FACTOR * np.maximum(stay_before, stay_after)] = 0.0
     reading = np.searchsorted(change, np.arange(len(time)))
     return np.asarray(residual[reading])
 
 
-def _stays(change_times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _compute_stay_times(
+    change_times: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Begin and end of every reading, and how long the ones before and after it stay."""
     stay_times = np.diff(change_times)
     start, stop = np.append(-np.inf, change_times), np.append(change_times, np.inf)
-    before = np.concatenate((stay_times[:1], stay_times[:1], stay_times))
+    stay_before = np.concatenate((stay_times[:1], stay_times[:1], stay_times))
     stay_after = np.concatenate((stay_times, stay_times[-1:], stay_times[-1:]))
-    return start, stop, before, stay_after
+    return start, stop, stay_before, stay_after
 
 
-def _without_flicker(values: FloatArray, count: float) -> FloatArray:
+def _remove_flicker(values: FloatArray, count: float) -> FloatArray:
     """Running median of 7 samples where it is off by a count: a swing turns by more of them.
 
     It leaves a rising staircase as it is.
     """
-    padded = np.pad(values, FLICKER // 2, mode="edge")
-    ranked = list(np.lib.stride_tricks.sliding_window_view(padded, FLICKER).T)
-    for i, j in TO_MEDIAN:
+    padded_values = np.pad(values, FLICKER_SAMPLES // 2, mode="edge")
+    ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER_SAMPLES).T)
+    for i, j in MEDIAN_EXCHANGES:
         ranked[i], ranked[j] = np.minimum(ranked[i], ranked[j]), np.maximum(ranked[i], ranked[j])
-    middle = ranked[FLICKER // 2]
-    return np.where(np.abs(middle - values) < MOST_FLICKER * count, middle, values)
+    running_median = ranked[FLICKER_SAMPLES // 2]
+    return np.where(
+        np.abs(running_median - values) < MAX_FLICKER_COUNTS * count, running_median, values
+    )
 
 
 def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
@@ -283,20 +301,20 @@ def denoise_values(values: FloatArray, noise: float) -> tuple[FloatArray, FloatA
         widened[window] += open_still[window]
 
     # in stretches, whose temporaries are neither given back nor taken again page by page
-    for first, width in product(range(0, n, IN_CACHE), HALF_WIDTHS):
-        i, stop = max(first, width), min(first + IN_CACHE, n - width)
+    for first, width in product(range(0, n, CACHE_SAMPLES), HALF_WIDTHS):
+        i, stop = max(first, width), min(first + CACHE_SAMPLES, n - width)
         if i < stop:
             sums = total[i + width + 1 : stop + width + 1] - total[i - width : stop - width]
             widen(slice(i, stop), sums, 2 * width + 1)
-    at, half_width = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
+    index, half_width = np.arange(n), np.asarray(HALF_WIDTHS)[widened - 1]
     # nearer to an end than the widest window, the last one is as wide as the samples allow
     edge_count = min(HALF_WIDTHS[-1], n)
     for edge in (slice(0, edge_count), slice(max(edge_count, n - edge_count), n)):
-        edge_indices = at[edge]
+        edge_indices = index[edge]
         w = np.minimum(edge_indices, n - 1 - edge_indices)
         widen(edge, total[edge_indices + w + 1] - total[edge_indices - w], 2 * w + 1)
         half_width[edge] = np.where(open_still[edge], w, half_width[edge])
     counts = 2 * half_width + 1
     # taken once, of the window that each sample ended with
-    best = values[-1] + (total[at + half_width + 1] - total[at - half_width]) / counts
+    best = values[-1] + (total[index + half_width + 1] - total[index - half_width]) / counts
     return best, noise / np.sqrt(counts)

@@ -27,8 +27,8 @@ from dashpot.signals.segments import (
 )
 
 # samples of a stand before given times
-_FEWEST_AT_REST = 5
-_BEGINS_LATE = (
+_MIN_REST_SAMPLES = 5
+_LATE_START_MESSAGE = (
     "yet the force relaxes: the record begins after its ramp. Start recording a second before the "
     "ramp, because its speed and the force before it are needed"
 )
@@ -81,23 +81,23 @@ def ideal_ramp(
         change = t[ramp_samples] - tm
         speed = float(change @ (x[ramp_samples] - xm) / (change @ change))
         return IdealRamp(speed, tm, xm, start + first + 1, start + last - 1)
-    t_low = _crossing(t, x, first, low)
-    t_high = max(_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
+    t_low = _find_crossing(t, x, first, low)
+    t_high = max(_find_crossing(t, x, last - 1, high), np.nextafter(t_low, np.inf))
     return IdealRamp((high - low) / (t_high - t_low), t_low, low, start + first, start + last)
 
 
 def _last_below(x: FloatArray, level: float) -> int:
     """Return the last sample below `level` before the record first stands at its highest."""
-    top = int(np.argmax(x))
-    indices_below = np.flatnonzero(x[:top] < level)
+    peak_index = int(np.argmax(x))
+    indices_below = np.flatnonzero(x[:peak_index] < level)
     return int(indices_below[-1]) if indices_below.size else 0
 
 
-def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
+def _find_crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
     """Return where the straight line from sample `i` to the next passes `level`."""
     step = x[i + 1] - x[i]
-    part = (level - x[i]) / step if step > 0 else 0.0
-    return float(t[i] + min(max(part, 0.0), 1.0) * (t[i + 1] - t[i]))
+    fraction = (level - x[i]) / step if step > 0 else 0.0
+    return float(t[i] + min(max(fraction, 0.0), 1.0) * (t[i + 1] - t[i]))
 
 
 @dataclass(frozen=True)
@@ -177,8 +177,8 @@ def find_motion(
         )
     if not find_cycles(segments):
         if begins_in_hold(x, force):
-            raise DataError(f"{location}: the displacement hardly moves, {_BEGINS_LATE}")
-        raise DataError(explain_missing_hold(segments, location, _advice(time, x, force)))
+            raise DataError(f"{location}: the displacement hardly moves, {_LATE_START_MESSAGE}")
+        raise DataError(explain_missing_hold(segments, location, _format_advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, location=location)
     return replace(_select_cycle(test, sign_found, cycles, index), segments=segments)
 
@@ -218,23 +218,25 @@ def build_motion_from_times(
             "given; expected at least 1 and 3"
         )
     displacement_rise = median(displacement[corner : last + 1]) - float(displacement[first])
-    turn = sign or (1 if displacement_rise > 0 else -1)
-    x = turn * displacement
-    if turn * displacement_rise <= 0:
+    direction = sign or (1 if displacement_rise > 0 else -1)
+    x = direction * displacement
+    if direction * displacement_rise <= 0:
         raise DataError("the displacement does not rise between the onset and the hold given")
     level = median(x[corner : last + 1])
-    rest, segments = None, find_segments(time, x, _resolution(test))
+    rest_segment, segments = None, find_segments(time, x, _resolution(test))
     if first >= 1:
         # where it stood last, if it was moved before
-        changes = [part.last for part in segments if part.kind != "hold" and part.last < first]
-        stood = changes[-1] if changes and first - changes[-1] >= _FEWEST_AT_REST else 0
-        before = median(x[stood : first + 1])
-        rest = MotionSegment(
-            "hold", stood, first, float(time[stood]), onset, before, before
+        changes = [
+            segment.last for segment in segments if segment.kind != "hold" and segment.last < first
+        ]
+        stood = changes[-1] if changes and first - changes[-1] >= _MIN_REST_SAMPLES else 0
+        level_before = median(x[stood : first + 1])
+        rest_segment = MotionSegment(
+            "hold", stood, first, float(time[stood]), onset, level_before, level_before
         )  # fmt: skip
     ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
-    motion = _select_cycle(test, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
+    motion = _select_cycle(test, direction, (RampHoldCycle(rest_segment, (ramp, hold)),), 0)
     return replace(motion, stop=last, segments=segments)
 
 
@@ -272,34 +274,50 @@ def find_first_press(
     min_rise : float
         A force that rises by less was of no seal, N.
     """
-    before = [part for part in motion.segments if part.last <= motion.start]
-    for i, part in enumerate(before):
-        if part.kind != "load" or not _rises(force[part.first : part.last + 1], min_rise):
+    earlier_segments = [segment for segment in motion.segments if segment.last <= motion.start]
+    for i, segment in enumerate(earlier_segments):
+        if segment.kind != "load" or not _has_rise(
+            force[segment.first : segment.last + 1], min_rise
+        ):
             continue
-        rest = before[i - 1] if i and before[i - 1].kind == "hold" else None
-        # it turns there: whatever follows is not asked about
-        top = MotionSegment(
-            "unload", part.last, part.last, part.end, part.end, part.level, part.level
+        rest_segment = (
+            earlier_segments[i - 1] if i and earlier_segments[i - 1].kind == "hold" else None
         )
-        return _select_cycle(test, motion.sign, (RampHoldCycle(rest, (part, top)),), 0)
+        # it turns there: whatever follows is not asked about
+        top_segment = MotionSegment(
+            "unload",
+            segment.last,
+            segment.last,
+            segment.end,
+            segment.end,
+            segment.level,
+            segment.level,
+        )
+        return _select_cycle(
+            test, motion.sign, (RampHoldCycle(rest_segment, (segment, top_segment)),), 0
+        )
     return None
 
 
 def list_earlier_presses(motion: PlateMotion) -> tuple[MotionSegment, ...]:
     """Return every move towards the seal before the loading that is used."""
     return tuple(
-        part for part in motion.segments if part.last <= motion.start and part.kind == "load"
+        segment
+        for segment in motion.segments
+        if segment.last <= motion.start and segment.kind == "load"
     )
 
 
 def begins_with_release(motion: PlateMotion) -> bool:
     """Return whether the record begins with a plate that goes back: the seal was pressed before."""
-    moving_segments = [part for part in motion.segments if part.kind != "hold"]
-    first = moving_segments[0] if moving_segments else None
-    return first is not None and first.kind == "unload" and first.last <= motion.start
+    moving_segments = [segment for segment in motion.segments if segment.kind != "hold"]
+    first_move = moving_segments[0] if moving_segments else None
+    return (
+        first_move is not None and first_move.kind == "unload" and first_move.last <= motion.start
+    )
 
 
-def _rises(force: FloatArray, min_rise: float) -> bool:
+def _has_rise(force: FloatArray, min_rise: float) -> bool:
     smooth_force = median_of_three(force)
     return bool(
         smooth_force.max() - smooth_force[: max(len(smooth_force) // 20, 1)].mean() > min_rise
@@ -312,35 +330,35 @@ def _select_cycle(
     time, x = test.time, sign * test.displacement
     cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
-    rest = _resting(x, cycle.rest, ramp)
+    stand = _select_rest(x, cycle.rest, ramp)
     level = _find_hold(time, x, cycle)
     start = cycle.rest.first if cycle.rest is not None else ramp.first
-    line = ideal_ramp(time, x, ramp, origin=rest, level=level)
-    still_indices = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
+    line = ideal_ramp(time, x, ramp, origin=stand, level=level)
+    still_indices = np.flatnonzero(np.abs(x[start : line.first] - stand) <= resolution)
     departure_index = (
         start + int(still_indices[-1])
         if cycle.rest is not None and still_indices.size
         else ramp.first
     )
     return PlateMotion(
-        sign=sign, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
-        departure=departure_index, stop=_last_held(x, cycle.hold, resolution),
+        sign=sign, cycles=cycles, index=index, line=line, rest=stand, level=level, start=start,
+        departure=departure_index, stop=_find_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
 
-def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
+def _format_advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """Return what may be wrong with a displacement that is never held."""
-    has_motion = any(part.kind != "hold" for part in find_segments(time, x))
+    has_motion = any(segment.kind != "hold" for segment in find_segments(time, x))
     if find_cycles(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"
     if not has_motion and relaxes(force):
-        return _BEGINS_LATE
+        return _LATE_START_MESSAGE
     if has_motion and any(is_force_held(time, sign * force) for sign in (1, -1)):
         return "the force column ramps and rests instead. Check whether the two are swapped"
     return "expected a ramp and then a hold. Check the columns and the units"
 
 
-def _resting(x: FloatArray, rest_segment: MotionSegment | None, ramp: MotionSegment) -> float:
+def _select_rest(x: FloatArray, rest_segment: MotionSegment | None, ramp: MotionSegment) -> float:
     if rest_segment is None:
         return float(x[ramp.first])
     second_half = rest_segment.first + (rest_segment.last - rest_segment.first) // 2
@@ -359,7 +377,7 @@ def _find_hold(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
     return median(values[is_settled] if np.count_nonzero(is_settled) >= 5 else values[1:7])
 
 
-def _last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
+def _find_last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
     """Return the last sample before the plate leaves the hold."""
     if hold.last == len(x) - 1:
         return hold.last

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, replace_notes, set_readonly
 from dashpot.base.checks import Check, Remedy
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import SIZES, format_quantity_short
 from dashpot.datamodel.checks import caution_checks
@@ -20,8 +20,8 @@ from dashpot.datamodel.machine import Machine, MachineCalibration
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.preprocessing import checks
 from dashpot.preprocessing.contact import (
+    MAX_DELAY_SD,
     MIN_BASELINE,
-    MOST_DELAY_SD,
     SPAN_AFTER_RAMP,
     Baseline,
     DelayEstimate,
@@ -51,16 +51,16 @@ from dashpot.preprocessing.signal_conditioning import (
     white_noise,
 )
 from dashpot.signals.clock import is_evenly_sampled
-from dashpot.signals.noise import median_of_three, scatter, without_spikes
+from dashpot.signals.noise import median_of_three, remove_spikes, scatter
 
 # iterations of air gap and delay
 MAX_ITERATIONS = 3
 # samples of a ramp that distinguish a delay from an air gap
 MAX_DELAY_SAMPLES = 8000
 # fall of the deviance from which a delay replaces an air gap
-LEAST_DEVIANCE_GAIN = 10.0
+MIN_DEVIANCE_GAIN = 10.0
 # part of the rise of the force below which a loading meets no seal
-LEAST_FORCE_RISE = 0.01
+MIN_FORCE_RISE = 0.01
 
 
 def prepare(
@@ -132,7 +132,7 @@ def prepare(
     test = _calibrate_record(test, machine.calibration)
     _refuse_options(sign=sign, drift=drift, force_range=force_range)
     motion = _find_plate_motion(test, location, sign, cycle, (onset, ramp_end, hold_end))
-    despiked_force = without_spikes(test.time, test.force)
+    despiked_force = remove_spikes(test.time, test.force)
     if motion.departure - motion.start < MIN_BASELINE:
         checks.refuse_late_start(location, *_compute_force_changes(despiked_force, motion))
     force_sign = _determine_force_sign(despiked_force, motion) if sign is None else sign
@@ -229,7 +229,7 @@ def prepare(
             checks.motion_measured(loading),
             *_check_machine(loading),
             *checks.check_temperature(test.specimen),
-            *caution_checks(sources_of([test])),
+            *caution_checks(list_sources([test])),
         ]
     )
     if with_checks:
@@ -259,7 +259,7 @@ def _check_machine(loading: RampHold) -> list[Check]:
         return []
     stiffness = float(np.abs(loading.force).max()) / loading.depth
     remedy = Remedy("State the compliance of the machine.", "machine", "compliance=...")
-    return checks.check_machine(sources_of([loading]), stiffness, remedy)
+    return checks.check_machine(list_sources([loading]), stiffness, remedy)
 
 
 def _check_history(
@@ -315,14 +315,14 @@ def _find_earlier_loading(
     *,
     find_contact: Callable[..., tuple[Baseline, Touch]],
 ) -> _EarlierLoading | None:
-    """Return contact and baseline of earlier loadings; None if none pressed the seal."""
+    """Return contact and baseline of earlier loadings; None if there was no contact."""
     last_baseline, last_touch = last_contact
     if not list_earlier_presses(motion):
         return None
     peak = float(np.ptp(force[motion.start : motion.stop + 1]))
     hold_samples = slice(motion.cycle.hold.first, motion.stop + 1)
     noise = scatter(test.time[hold_samples], force[hold_samples])
-    least_force = max(8 * noise, LEAST_FORCE_RISE * peak)
+    least_force = max(8 * noise, MIN_FORCE_RISE * peak)
     first_motion = find_first_press(test, motion, force, min_rise=least_force)
     if first_motion is None:
         return None
@@ -334,7 +334,11 @@ def _find_earlier_loading(
         + 1
         + int(np.argmax(x[first_motion.departure + 1 :] > first_touch.displacement))
     )
-    levels = [rest.level for rest in (baseline, last_baseline) if rest.long_enough]
+    levels = [
+        baseline_result.level
+        for baseline_result in (baseline, last_baseline)
+        if baseline_result.long_enough
+    ]
     tare = [*levels, 0.0][0]
     earlier_samples = slice(first_sample, motion.departure + 1)
     pulls_back = is_bonded(
@@ -407,10 +411,10 @@ def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[floa
     """Return the largest change of the force in the ramps, and its change in the hold."""
     ramp_force = force[motion.start : motion.cycle.hold.first + 1]
     hold_force = force[: motion.stop + 1]
-    first = median(force[motion.start : motion.departure + 1])
-    extreme_force = float(ramp_force[np.argmax(np.abs(ramp_force - first))])
-    last = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
-    return extreme_force - first, last - extreme_force
+    initial_force = median(force[motion.start : motion.departure + 1])
+    extreme_force = float(ramp_force[np.argmax(np.abs(ramp_force - initial_force))])
+    final_force = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
+    return extreme_force - initial_force, final_force - extreme_force
 
 
 def _determine_force_sign(force: FloatArray, motion: PlateMotion) -> int:
@@ -506,15 +510,15 @@ def _correct_delayed_contact(
         )
 
     best_touch, delay_estimate = first_contact, estimate_delay(first_contact.displacement)
-    if first_contact.gap <= MOST_DELAY_SD * delay_sd * motion.line.speed:
+    if first_contact.gap <= MAX_DELAY_SD * delay_sd * motion.line.speed:
         rest_estimate = estimate_delay(motion.rest)
-        if rest_estimate.deviance < delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
+        if rest_estimate.deviance < delay_estimate.deviance - MIN_DEVIANCE_GAIN:
             best_touch, delay_estimate = Touch(motion.rest, 0.0), rest_estimate
     for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
         # the displacement at the time at which the force of each sample arose
         first_contact = find_touch(np.interp(time - delay_estimate.delay, time, x))
         new_estimate = estimate_delay(first_contact.displacement)
-        if new_estimate.deviance > delay_estimate.deviance - LEAST_DEVIANCE_GAIN:
+        if new_estimate.deviance > delay_estimate.deviance - MIN_DEVIANCE_GAIN:
             break
         best_touch, delay_estimate = first_contact, new_estimate
     return best_touch
@@ -639,7 +643,7 @@ def _subtract_hum(record: RampHold) -> RampHold:
         return record
     lines, hum, plate_responds = hum_lines(
         record.time,
-        without_spikes(time, force),
+        remove_spikes(time, force),
         hold_samples,
         noise=record.force_noise,
         displacement=record.displacement[hold_samples],
@@ -770,10 +774,10 @@ def _make_machine_steps(machine: Machine) -> tuple[Step, ...]:
         ("force_filter_hz", machine.force_filter,
          "first-order low-pass of the force at {:.4g} Hz, also applied to the fitted motion"),
     )  # fmt: skip
-    items = [(name, value, words) for name, value, words in effects if value is not None]
+    items = [(name, value, effect) for name, value, effect in effects if value is not None]
     if not items:
         return ()
-    message = "; ".join(words.format(value) for _, value, words in items)
+    message = "; ".join(effect.format(value) for _, value, effect in items)
     if machine.calibration:
         message = f"{machine.calibration.source}: {message}"
     return (Step("machine", tuple((name, repr(value)) for name, value, _ in items), message),)

@@ -79,7 +79,7 @@ class Filter:
             from scipy.ndimage import median_filter
 
             return np.asarray(median_filter(values, size=self.window, mode="nearest"))
-        rate = _even_rate(time, self)
+        rate = _require_even_rate(time, self)
         if self.kind == "lowpass":
             sections = signal.butter(2, self.cutoff, fs=rate, output="sos")
         else:
@@ -101,8 +101,8 @@ def parse_filter(text: str) -> Filter:
     DataError
         If it names none.
     """
-    kind, _, rest = text.strip().partition(":")
-    value, _, mode = rest.partition(":")
+    kind, _, arguments = text.strip().partition(":")
+    value, _, mode = arguments.partition(":")
     if (
         kind == "median"
         and not mode
@@ -137,8 +137,8 @@ def filter_record(test: RampHold, chosen_filter: Filter) -> RampHold:
     )
 
 
-def filter_of(test: RampHold) -> Filter | None:
-    """Return the filter that a record went through, None if it went through none."""
+def get_record_filter(test: RampHold) -> Filter | None:
+    """Return the filter that was applied to a record; None if there was none."""
     for step in test.steps:
         if step.name == FILTER_STEP:
             return parse_filter(dict(step.parameters)["filter"])
@@ -155,15 +155,15 @@ def _cutoff(text: str, value: str) -> float:
     return cutoff
 
 
-def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
+def _require_even_rate(time: FloatArray, chosen_filter: Filter) -> float:
     steps = np.diff(time)
     usual_step = median(steps)
-    worst = int(np.argmax(np.abs(steps - usual_step)))
-    if abs(steps[worst] - usual_step) > 0.2 * usual_step:
+    step_index = int(np.argmax(np.abs(steps - usual_step)))
+    if abs(steps[step_index] - usual_step) > 0.2 * usual_step:
         raise DataError(
-            f"{chosen_filter} needs even sampling, but the step after t = {time[worst]:.6g} s is "
-            f"{steps[worst]:.4g} s where {usual_step:.4g} s is usual; fit the raw record, or use a "
-            "median"
+            f"{chosen_filter} needs even sampling, but the step after t = {time[step_index]:.6g} s "
+            f"is {steps[step_index]:.4g} s where {usual_step:.4g} s is usual; fit the raw record, "
+            "or use a median"
         )
     rate = (len(time) - 1) / (time[-1] - time[0])
     if chosen_filter.cutoff >= rate / 2:
@@ -178,9 +178,9 @@ def _even_rate(time: FloatArray, chosen_filter: Filter) -> float:
 
 
 # samples that no fit needs more of
-ENOUGH_SAMPLES = 200_000
+MAX_FIT_SAMPLES = 200_000
 # and of them at least so many on the ramp
-FEWEST_ON_THE_RAMP = 500
+MIN_RAMP_SAMPLES = 500
 
 
 def decimate(record: RampHold) -> RampHold:
@@ -225,8 +225,8 @@ def decimate(record: RampHold) -> RampHold:
 def _count_neighbours(record: RampHold) -> int:
     """Return how many samples to average, an odd number; 1 where averaging does not help."""
     step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
-    max_neighbours = int(record.ramp_time / step / FEWEST_ON_THE_RAMP)
-    count = min(len(record.time) // ENOUGH_SAMPLES, max_neighbours)
+    max_neighbours = int(record.ramp_time / step / MIN_RAMP_SAMPLES)
+    count = min(len(record.time) // MAX_FIT_SAMPLES, max_neighbours)
     in_counts_of_force = record.machine_deflection is not None and record.encoder_step > 0
     if count < 2 or in_counts_of_force or not is_evenly_sampled(record.time):
         return 1
@@ -248,19 +248,19 @@ def _count_neighbours(record: RampHold) -> int:
 
 
 # a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
-_STANDS_OUT = 40.0
+_MIN_POWER_RATIO = 40.0
 # bins of the neighbourhood on either side
-_NEIGHBOURS = 40
+_NEIGHBOUR_BINS = 40
 # cycles per hold below which a line cannot be distinguished from relaxation
-_FEWEST_CYCLES = 20.0
-_MOST_LINES = 8
-_FEWEST_SAMPLES = 400
+_MIN_CYCLES = 20.0
+_MAX_LINES = 8
+_MIN_SAMPLES = 400
 # a line of the plate, looked for at one frequency, stands out by so much: by chance once in 1e5
-_PLATE_STANDS_OUT = 12.0
+_MIN_PLATE_POWER_RATIO = 12.0
 # a seal answers a vibration with at most so many times its stiffness in the hold
-_STIFFEST = 10.0
+_MAX_STIFFNESS_RATIO = 10.0
 # a line below this part of the scatter does nothing
-_TOO_SMALL = 0.02
+_MIN_LINE_SHARE = 0.02
 
 
 def hum_lines(
@@ -289,7 +289,7 @@ def hum_lines(
         m, of the same samples: lines of the force that are its response are no hum.
     """
     n, everywhere, time = len(force), time, time[hold_samples]
-    if n < _FEWEST_SAMPLES or noise == 0:
+    if n < _MIN_SAMPLES or noise == 0:
         return (), np.zeros(len(everywhere)), False
     step = (time[-1] - time[0]) / (n - 1)
     window = _hann(n)
@@ -298,23 +298,23 @@ def hum_lines(
     detrended = _remove_trend(time, force)
     stiffest = 0.0
     if displacement is not None:
-        stiffest = _STIFFEST * abs(force.mean() / (displacement.mean() or np.inf))
+        stiffest = _MAX_STIFFNESS_RATIO * abs(force.mean() / (displacement.mean() or np.inf))
     del force  # of a long record each array weighs beside the transform
     hums: list[Hum] = []
     responds = False
-    for _ in range(_MOST_LINES):
+    for _ in range(_MAX_LINES):
         windowed = window * detrended
         strongest = _find_strongest_line(
-            np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES))
+            np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_MIN_CYCLES))
         )
         if strongest is None:
             break
         frequency = _refine_frequency(detrended, step, strongest / (bins * step))
-        c = _transform(windowed, step, frequency) * 2 / window.sum()
+        c = _compute_transform(windowed, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
-        if line.amplitude < _TOO_SMALL * noise:
+        if line.amplitude < _MIN_LINE_SHARE * noise:
             break
-        if displacement is None or line.amplitude > stiffest * _plate_amplitude(
+        if displacement is None or line.amplitude > stiffest * _compute_plate_amplitude(
             _remove_trend(time, displacement), window, step, frequency
         ):
             hums.append(line)
@@ -350,25 +350,25 @@ def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray(values - np.interp(time, time[[0, -1]], end_means))
 
 
-def _plate_amplitude(
+def _compute_plate_amplitude(
     change: FloatArray, window: FloatArray, step: float, frequency: float
 ) -> float:
     """Return the amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
     windowed = window * change
     bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
-    at = round(frequency * bins * step)
-    low, high = max(at - _NEIGHBOURS, 1), at + _NEIGHBOURS + 1
+    peak_bin = round(frequency * bins * step)
+    low, high = max(peak_bin - _NEIGHBOUR_BINS, 1), peak_bin + _NEIGHBOUR_BINS + 1
     level = median(power[low:high]) / np.log(2)
-    size = abs(_transform(windowed, step, frequency))
+    magnitude = abs(_compute_transform(windowed, step, frequency))
     # a motion without noise has lines of rounding alone
     rounding = 1e-12 * float(np.abs(change).max(initial=0.0)) * window.sum()
-    stands_out = size**2 > _PLATE_STANDS_OUT * level and size > rounding
-    return float(2 * size / window.sum()) if stands_out else 0.0
+    is_prominent = magnitude**2 > _MIN_PLATE_POWER_RATIO * level and magnitude > rounding
+    return float(2 * magnitude / window.sum()) if is_prominent else 0.0
 
 
 def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
-    """Return what was taken off, as a step of the preparation; nothing if nothing was."""
+    """Return the processing step that removed hum; None if none was removed."""
     if not lines:
         return ()
     lines_text = ", ".join(
@@ -381,20 +381,20 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
     """Return the bin that stands out of its neighbourhood most, if any does."""
-    if len(power) <= first + 2 * _NEIGHBOURS:
+    if len(power) <= first + 2 * _NEIGHBOUR_BINS:
         return None
-    blocks = len(power) // _NEIGHBOURS
-    ordered = np.sort(power[: blocks * _NEIGHBOURS].reshape(blocks, _NEIGHBOURS), axis=1)
-    level = ordered[:, _NEIGHBOURS // 2]
+    blocks = len(power) // _NEIGHBOUR_BINS
+    ordered = np.sort(power[: blocks * _NEIGHBOUR_BINS].reshape(blocks, _NEIGHBOUR_BINS), axis=1)
+    level = ordered[:, _NEIGHBOUR_BINS // 2]
     # the median of the power of white noise is ln 2 of its mean
     local_level = np.interp(
-        np.arange(len(power)), _NEIGHBOURS * (np.arange(blocks) + 0.5), level / np.log(2)
+        np.arange(len(power)), _NEIGHBOUR_BINS * (np.arange(blocks) + 0.5), level / np.log(2)
     )
     power_ratio = power / np.maximum(local_level, 1e-300)
     power_ratio[:first] = 0.0
     power_ratio[-2:] = 0.0
     strongest = int(np.argmax(power_ratio))
-    return strongest if power_ratio[strongest] > _STANDS_OUT else None
+    return strongest if power_ratio[strongest] > _MIN_POWER_RATIO else None
 
 
 def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> float:
@@ -402,16 +402,18 @@ def _refine_frequency(remainder: FloatArray, step: float, frequency: float) -> f
     half_length = len(remainder) // 2
     taper = _hann(half_length)
     for _ in range(3):
-        first = _transform(taper * remainder[:half_length], step, frequency)
-        second = _transform(taper * remainder[half_length : 2 * half_length], step, frequency)
+        first_half = _compute_transform(taper * remainder[:half_length], step, frequency)
+        second_half = _compute_transform(
+            taper * remainder[half_length : 2 * half_length], step, frequency
+        )
         phase_advance = np.angle(
-            second * np.conj(first) * np.exp(-2j * np.pi * frequency * half_length * step)
+            second_half * np.conj(first_half) * np.exp(-2j * np.pi * frequency * half_length * step)
         )
         frequency += float(phase_advance) / (2 * np.pi * half_length * step)
     return float(frequency)
 
 
-def _transform(values: FloatArray, step: float, frequency: float) -> complex:
+def _compute_transform(values: FloatArray, step: float, frequency: float) -> complex:
     return compute_single_dft(values, -2 * np.pi * frequency * step)
 
 

@@ -25,8 +25,8 @@ from dashpot.registry import format_install_command
 # Time limit of reading a file.
 
 
-_LEAST_SECONDS = 30.0
-_MOST_SECONDS = 600.0
+_MIN_SECONDS = 30.0
+_MAX_SECONDS = 600.0
 _ROWS_SHARE = 2 / 3
 """Part of that time for the rows of a text; the rest is for what is made of them."""
 _BYTES_PER_SECOND = 1e6
@@ -35,7 +35,7 @@ _BYTES_PER_SECOND = 1e6
 
 def compute_time_allowed(size: int) -> float:
     """Return the time that reading so many bytes may take."""
-    return min(max(_LEAST_SECONDS, size / _BYTES_PER_SECOND), _MOST_SECONDS)
+    return min(max(_MIN_SECONDS, size / _BYTES_PER_SECOND), _MAX_SECONDS)
 
 
 class TimeBudget:
@@ -50,18 +50,20 @@ class TimeBudget:
     """
 
     def __init__(self, size: int | None) -> None:
-        self._most = _ROWS_SHARE * (_MOST_SECONDS if size is None else compute_time_allowed(size))
-        self._spent = self._began = 0.0
-        self._line = 1
+        self._max_time = _ROWS_SHARE * (
+            _MAX_SECONDS if size is None else compute_time_allowed(size)
+        )
+        self._spent_time = self._start_time = 0.0
+        self._line_number = 1
 
     @contextmanager
     def count_time_spent(self) -> Iterator[None]:
         """Count what is spent within."""
-        self._began = time.thread_time()
+        self._start_time = time.thread_time()
         try:
             yield
         finally:
-            self._spent += time.thread_time() - self._began
+            self._spent_time += time.thread_time() - self._start_time
 
     def check_time_limit(self, line: int) -> None:
         """Raise a ReadError if it is spent at a line.
@@ -71,12 +73,12 @@ class TimeBudget:
         ReadError
             With what to do.
         """
-        self._line = max(line, self._line)
-        if self._spent + time.thread_time() - self._began > self._most:
+        self._line_number = max(line, self._line_number)
+        if self._spent_time + time.thread_time() - self._start_time > self._max_time:
             raise ReadError(
-                f"took more than {self._most:.0f} s to read up to line {self._line}: rows with "
-                "grouped thousands, or with text between them, are read one by one; export the "
-                "file without either, or split it"
+                f"took more than {self._max_time:.0f} s to read up to line {self._line_number}: "
+                "rows with grouped thousands, or with text between them, are read one by one; "
+                "export the file without either, or split it"
             )
 
 
@@ -85,13 +87,13 @@ class TimeBudget:
 
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
-_BESIDE = 10_000
+_MAX_FOLDER_NAMES = 10_000
 """Names of a folder among which that of a missing file is looked for."""
 _MAX_IN_MEMORY = 1 << 24
 """Bytes of the largest file that is kept in memory, and so opened once."""
-PIPED = 1 << 29
+MAX_PIPE_SIZE = 1 << 29
 """Bytes that may come through a pipe: they are held in memory."""
-SILENCE = 30
+PIPE_TIMEOUT = 30
 """Seconds that a pipe may bring nothing."""
 
 
@@ -139,7 +141,7 @@ class RawFile:
 
 @contextmanager
 def add_name_to_errors(name: str) -> Iterator[None]:
-    """Put a file's name before what is wrong with it or with its numbers."""
+    """Context manager that adds the name of the file to error messages."""
     try:
         yield
     except (ReadError, DataError) as error:
@@ -180,7 +182,7 @@ def open_raw(path: str | Path) -> RawFile:
 
 
 def missing(path: str | Path) -> str:
-    """Say that a file or folder is not there, and what is that may be meant."""
+    """Return the message for a missing file or folder, with similar names."""
     from difflib import get_close_matches  # few need it, and it costs time to import
 
     missing_path = Path(path)
@@ -191,7 +193,9 @@ def missing(path: str | Path) -> str:
         return f"{missing_path}: there is no folder {missing_parent}. Check the path."
     try:
         with os.scandir(missing_path.parent) as result:
-            extras = [entry.name for entry in islice(result, _BESIDE) if entry.name[:1] != "."]
+            extras = [
+                entry.name for entry in islice(result, _MAX_FOLDER_NAMES) if entry.name[:1] != "."
+            ]
     except OSError:
         extras = []
     names_by_lower_case = {name.casefold(): name for name in extras}
@@ -252,10 +256,10 @@ def _read_pipe(stream: BinaryIO, name: str) -> bytes:
     while block := _next_block(stream, name):
         parts.append(block)
         size += len(block)
-        if size > PIPED:
+        if size > MAX_PIPE_SIZE:
             raise ReadError(
-                f"{name} brings more than {PIPED >> 20} MiB through a pipe; save it as a file and "
-                "give its path"
+                f"{name} brings more than {MAX_PIPE_SIZE >> 20} MiB through a pipe; save it as a "
+                "file and give its path"
             )
     return b"".join(parts)
 
@@ -266,9 +270,9 @@ def _next_block(stream: BinaryIO, name: str) -> bytes:
         mode = os.fstat(stream.fileno()).st_mode
         waiting = select.poll()
         waiting.register(stream, select.POLLIN)
-        if (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)) and not waiting.poll(1000 * SILENCE):
+        if (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)) and not waiting.poll(1000 * PIPE_TIMEOUT):
             raise ReadError(
-                f"{name} is a pipe into which nothing was written for {SILENCE} s; "
+                f"{name} is a pipe into which nothing was written for {PIPE_TIMEOUT} s; "
                 "save the test as a file and give its path"
             )
     block: bytes = stream.read1(_BLOCK)  # type: ignore[attr-defined]

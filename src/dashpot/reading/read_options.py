@@ -10,7 +10,12 @@ from typing import Any
 
 from dashpot.base import dataclass, fields, replace
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of, option
+from dashpot.base.option_fields import (
+    get_option_flag,
+    get_option_key,
+    iterate_option_fields,
+    option,
+)
 from dashpot.base.units import Dimension, parse_quantity, si_fields
 
 DELIMITERS = {
@@ -66,7 +71,7 @@ def _column(message: str, **field_options: Any) -> Any:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Reading options; what is None is found in the file.
+    """Options for reading a file; those that are None are determined from the file.
 
     Every field is an option of the command line and a line of a profile.
 
@@ -245,7 +250,7 @@ class ReadOptions:
     def unit_of(self, role: str, column: str) -> str | None:
         """Return the unit given for a column, by its name or by its role, or None."""
         options, name = self.get_units_by_name(), column.strip().casefold()
-        by_role = options.get(role, options.get(_ALSO.get(role, "")))
+        by_role = options.get(role, options.get(_ROLE_SYNONYMS.get(role, "")))
         # "force=N" concerns the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else options.get(name, by_role)
 
@@ -276,7 +281,7 @@ class ReadOptions:
         return {name.strip().casefold(): unit for name, unit in dict(self.units).items()}
 
     def with_defaults(self, profile: ReadOptions) -> ReadOptions:
-        """These options, and the profile's wherever these say nothing."""
+        """Return these options, with those of a profile where they are None."""
         default = ReadOptions()
         given_fields = {
             field.name: getattr(self, field.name)
@@ -288,7 +293,7 @@ class ReadOptions:
         return replace(profile, **given_fields)
 
     def select_fields(self, names: Sequence[str]) -> ReadOptions:
-        """These fields of what is for all files, all else as if it had not been said."""
+        """Return only these fields of the options for all files."""
         selected_fields = {name: getattr(self, name) for name in names if name != "own"}
         return ReadOptions(**selected_fields, own=self.own)
 
@@ -322,11 +327,13 @@ _HEAD: Mapping[str, tuple[Dimension, str]] = {
 """Quantities at the head of a profile: their dimension and SI unit."""
 PROFILE = frozenset({*_HEAD, "units", *filter(None, _SECTIONS)})
 """Keys of a profile: its tables, and the quantities at its head."""
-_ASKED = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
-_ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
+_OPTION_FIELDS = {field.name: field.metadata for field in iterate_option_fields(ReadOptions)}
+_ROLE_SYNONYMS = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
 _FLAGS = {
-    field.name: f"{flag_of(field)} {key_of(field)}" if "under" in field.metadata else flag_of(field)
+    field.name: f"{get_option_flag(field)} {get_option_key(field)}"
+    if "under" in field.metadata
+    else get_option_flag(field)
     for field in iterate_option_fields(ReadOptions)
 }
 
@@ -391,8 +398,8 @@ def dump_profile(options: ReadOptions) -> str:
             if getattr(options, name) != getattr(default, name)
             for line in _lines(name, getattr(options, name))
         ]
-        head = ["", f"[{section}]"] if section else []
-        lines += [*head, *toml_lines] if toml_lines else []
+        header = ["", f"[{section}]"] if section else []
+        lines += [*header, *toml_lines] if toml_lines else []
     return "\n".join(lines) + "\n"
 
 
@@ -449,7 +456,7 @@ def _option(section: str, name: str, value: Any) -> Any:
     if name not in _SECTIONS[section]:
         text = ", ".join(_SECTIONS[section])
         raise DataError(f"[{section}] {name} is unknown; known are {text}")
-    options = _ASKED[name]
+    options = _OPTION_FIELDS[name]
     if "multiple" in options:
         return tuple(map(str, value)) if isinstance(value, list) else (str(value),)
     return int(value) if "least" in options else str(value)

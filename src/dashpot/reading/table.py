@@ -43,7 +43,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Column:
-    """Column: its name as found ("" if none), its unit as found (None if none).
+    """Column of a file: its name ("" if none) and its unit (None if none).
 
     `factor` is what the file states of it besides, such as "gain = 10": whether its numbers are
     multiplied by it already nobody can know.

@@ -45,11 +45,11 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
 
 Vector: TypeAlias = tuple[float, float, float]
 
-_LARGEST = 1 << 24
+_MAX_SIZE = 1 << 24
 """Bytes: nobody writes more by hand."""
 
 
-def tables_of(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
+def read_tables(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
     """Return a TOML file and its tables.
 
     Raises
@@ -59,7 +59,7 @@ def tables_of(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
     """
     raw = open_raw(path)
     try:
-        return raw, parsed_toml(raw.head(_LARGEST))
+        return raw, parsed_toml(raw.head(_MAX_SIZE))
     except ReadError as error:
         raise ReadError(f"{path}: {error}") from None
 
@@ -102,7 +102,7 @@ class Section:
                 raise ReadError(f"{self.where}: {name} is missing")
 
     def quantity(self, name: str, dimension: Dimension) -> float | None:
-        """Return a quantity in SI units, such as ``"25kg"``; None if it is not there."""
+        """Return a quantity in SI units, such as ``"25kg"``; None if the key is missing."""
         value = self.entries.get(name)
         return None if value is None else self._quantity(name, value, dimension)
 

@@ -56,11 +56,11 @@ def write_relaxation(
     all its digits. Each comment stands on a line of its own, after ``#``, and so does the
     temperature of the specimen, if it is known.
     """
-    head = ["time [s]", "displacement [mm]", "force [N]"]
+    header = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, convert_to_unit(test.displacement, "mm"), test.force]
     source = () if test.source is None else (test.source,)
     comment_lines = [*_add_simulated_stamp(source, comments), *describe_temperature(test.specimen)]
-    return save_text(format_table(comment_lines, head, columns), path)
+    return save_text(format_table(comment_lines, header, columns), path)
 
 
 def write_trajectory(
@@ -71,14 +71,14 @@ def write_trajectory(
     The columns are ``time [s], displacement [mm]`` and, where it is known in space,
     ``x [mm], y [mm], z [mm]``, to the picometre.
     """
-    head, columns = ["time [s]", "displacement [mm]"], [motion.displacement]
+    header, columns = ["time [s]", "displacement [mm]"], [motion.displacement]
     if motion.position is not None:
-        head += ["x [mm]", "y [mm]", "z [mm]"]
+        header += ["x [mm]", "y [mm]", "z [mm]"]
         columns += list(motion.position.T)
     changes = [
         np.round(convert_to_unit(column, "mm"), 9) + 0.0 for column in columns
     ]  # no zero is negative
-    return save_text(format_table(comments, head, [motion.time, *changes]), path)
+    return save_text(format_table(comments, header, [motion.time, *changes]), path)
 
 
 def temperature_line(kelvin: float) -> str:
@@ -99,7 +99,7 @@ def write_impact(
     names where they have them. The records follow one another; a line with the names stands
     again before each further one.
     """
-    head = [
+    header = [
         "time [s]",
         "hammer [N]",
         *(f"{_format_channel_name(name)} [m/s^2]" for name in test.channels),
@@ -108,7 +108,7 @@ def write_impact(
     for number, record in enumerate(test.records()):
         notes = [f"record: {number + 1}"] if number else _add_simulated_stamp(test.source, comments)
         columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
-        parts.append(format_table(notes, head, columns))
+        parts.append(format_table(notes, header, columns))
     return save_text("".join(parts), path)
 
 

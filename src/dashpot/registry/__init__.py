@@ -242,12 +242,12 @@ def find_kinds_by_option(option: str) -> str:
 
 
 def row_of(result: object) -> KindOfTest | None:
-    """Return the kind that a record or a result is of; None of what is of none, or of several."""
+    """Return the kind of a record or a result; None if it has none or several."""
     return _NOUNS.get(_type_name(type(result)))
 
 
 def figure_of(result: object) -> Any:
-    """Return the function that draws a record or a result; None if none does."""
+    """Return the function that draws a record or a result; None if there is none."""
     word = FIGURES.get(_type_name(type(result)))
     return load_object(word) if word else None
 

@@ -34,7 +34,7 @@ ROW = "dashpot_extension.toml"
 NO_PLUGINS = "none"
 """The value of :data:`SWITCH` with which no plug-in is used."""
 SWITCH = "DASHPOT_PLUGINS"
-_LONGEST = 300
+_MAX_LENGTH = 300
 """Characters of what a plug-in says of its own failure."""
 
 _MODULE = r"\w+(\.\w+)*"
@@ -107,7 +107,7 @@ class Plugin(Serialisable):
         """
         if isinstance(error, KeyboardInterrupt | MemoryError | DashpotError):
             raise error
-        text = format_plain_line(str(error))[:_LONGEST]
+        text = format_plain_line(str(error))[:_MAX_LENGTH]
         raise ReadError(
             f"{self.label} failed: {type(error).__name__}{': ' + text if text else ''}. "
             f"Ask who maintains {self.package}"
@@ -225,7 +225,7 @@ def parse_extension(name: str, mapping: Mapping[str, Any]) -> Extension:
 
 
 def find_plugin(group: Group, name: str) -> Plugin | None:
-    """Return the plug-in of a name; None if there is none.
+    """Return the plug-in of this name; None if it is not installed.
 
     Raises
     ------

@@ -13,16 +13,16 @@ from dashpot.registry import find_handler
 from dashpot.vibration.mass_on_seals import predict_frf
 from dashpot.workflow.study import Study
 
-PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0
+PHONE_WIDTH, PAPER_WIDTH, PAGE_WIDTH = 350.0, 680.0, 1204.0
 """Widths of the drawing for a phone, for paper, and of all the columns on a screen, px."""
 
-LOW = 172.0
+LOW_HEIGHT = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 _GUTTER, _FEW = 24.0, 2
 """Gap between strips, px; number of small multiples side by side on a phone."""
 
-LEAD, HALF = 728.0, 590.0
+LEAD_WIDTH, HALF_WIDTH = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
 
 BESIDE_WORDS = {"fit", "spectrum", "nyquist"}
@@ -64,19 +64,19 @@ def render_figure(
     low: float | None = None,
     phone: int = 1,
 ) -> RenderedFigure:
-    """Draw a picture for a page: `width` px wide, by default what its columns leave.
+    """Render a picture for a page, `width` px wide; by default the width of its column.
 
     On a phone and on paper its panels are `low` px high together at most, if that is given. On a
     phone `phone` strips stand beside each other, on paper three at most.
     """
     name = validate_svg_id(picture.name)
     columns = min(picture.columns, len(picture.strips))
-    number = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
+    number = width or min(picture.width, (PAGE_WIDTH - 24 * (columns - 1)) / columns)
 
     panel_counts = tuple(count for count, row in picture.strip_rows for _ in row)
 
     def strips(value: float, kind: str, max_height: float = math.inf) -> tuple[str, ...]:
-        total_width = PHONE if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
+        total_width = PHONE_WIDTH if kind == "narrow" else value * columns + _GUTTER * (columns - 1)
         names = []
         for i, (panels, count) in enumerate(zip(picture.strips, panel_counts, strict=True)):
             index = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
@@ -89,8 +89,8 @@ def render_figure(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
     on_paper = min(columns, 3)
-    max_height, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
-    small = (PHONE - 16 * (phone - 1)) / phone
+    max_height, sheet = low or math.inf, (PAPER_WIDTH - 24 * (on_paper - 1)) / on_paper
+    small = (PHONE_WIDTH - 16 * (phone - 1)) / phone
     paper = strips(sheet, "paper", max_height) if low or columns > 2 else ()
     versions = strips(number, "wide"), strips(small, "narrow", max_height), paper
     rows = panel_counts if picture.rows else ()
@@ -99,21 +99,23 @@ def render_figure(
 
 def _scale_to_height(panels: tuple[Panel, ...], max_height: float) -> tuple[Panel, ...]:
     """Panels no higher than that together, px."""
-    share = min(1.0, max_height / sum(panel.height for panel in panels))
-    return tuple(replace(panel, height=share * panel.height) for panel in panels)
+    ratio = min(1.0, max_height / sum(panel.height for panel in panels))
+    return tuple(replace(panel, height=ratio * panel.height) for panel in panels)
 
 
-def figures_of(study: Study) -> dict[str, RenderedFigure]:
+def draw_study_figures(study: Study) -> dict[str, RenderedFigure]:
     """Return every figure that this study can fill, by name; "lead" is that of the first screen."""
     all_pictures = (*_make_relaxation_pictures(study), *_make_vibration_pictures(study))
     figures = {
         picture.name: render_figure(
             replace(picture, stamp=stamp(study)),
-            width=HALF if picture.name in BESIDE_WORDS else None,
+            width=HALF_WIDTH if picture.name in BESIDE_WORDS else None,
         )
         for picture in all_pictures
     }
-    return figures | {"lead": render_figure(replace(lead(study), name="lead"), width=LEAD, low=LOW)}
+    return figures | {
+        "lead": render_figure(replace(lead(study), name="lead"), width=LEAD_WIDTH, low=LOW_HEIGHT)
+    }
 
 
 def stamp(study: Study) -> str:
@@ -131,7 +133,7 @@ def lead(study: Study) -> plot.Picture:
     text = stamp(study)
     if study.prediction is None or study.mass is None:
         picture = plot.fit(study.fit, study.prepared, stamp=text)
-        return replace(picture, width=LEAD)
+        return replace(picture, width=LEAD_WIDTH)
     predicted = study.prediction
     if study.comparison is not None:
         # on lines of its own: its peak may lie beyond the measured ones
@@ -194,7 +196,7 @@ def _make_vibration_pictures(study: Study) -> Iterator[plot.Picture]:
         yield plot.frf(study.measured, labels=("measured",))
     elif study.prediction is not None:
         yield plot.frf(study.prediction, labels=("predicted, untested",), band=study.frf_band)
-    chart = chart_of(study)
+    chart = draw_stabilisation_chart(study)
     if chart is not None:
         yield chart
     if study.direct is not None:
@@ -203,7 +205,7 @@ def _make_vibration_pictures(study: Study) -> Iterator[plot.Picture]:
         yield plot.hits(study.impact, study.measured)
 
 
-def chart_of(study: Study) -> plot.Picture | None:
+def draw_stabilisation_chart(study: Study) -> plot.Picture | None:
     """The stabilisation chart of the measured FRF with its modes; none of a transmissibility."""
     if study.measured is None or study.measured.quantity.over_base:
         return None

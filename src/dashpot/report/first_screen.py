@@ -554,7 +554,7 @@ SUBJECTS = {
     "after joint fit": "Joint model", "story": "",
 }  # fmt: skip
 
-MOST_WORDS = 100
+MAX_WORDS = 100
 """Words of the checks on the first screen, which fit one printed page."""
 
 
@@ -590,7 +590,7 @@ def select_decisive_checks(
     words = np.cumsum(
         [len(decisive_check.check.message_with_remedy.split()) for decisive_check in failed]
     )
-    shown_count = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
+    shown_count = max(int(np.sum(words <= MAX_WORDS)), min(len(failed), 1))
     return tuple(failed[:shown_count]), len(failed) - shown_count
 
 

@@ -235,7 +235,7 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
 
 
 def format_deck_note(source: DeckSource, decks: Sequence[AttachedDeck]) -> str:
-    """Return where the decks hold, and what they miss; why there is none."""
+    """Return the note on the validity of the decks, or why there is none."""
     if source.verdict.use == "do not use":
         return ""
     terms = _find_deck_terms(source)

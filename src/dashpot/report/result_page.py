@@ -19,7 +19,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.plot.picture import Panel, Picture
 from dashpot.registry import find_handler, page_of
 from dashpot.report import page_frame, tables
-from dashpot.report.figures import LEAD, RenderedFigure, render_figure
+from dashpot.report.figures import LEAD_WIDTH, RenderedFigure, render_figure
 from dashpot.report.first_screen import NOT_GIVEN, Light, Row, count_passed
 from dashpot.report.page_frame import VERDICT_COLOURS, attachment, frame
 from dashpot.report.tables import TextTable
@@ -324,7 +324,7 @@ def make_verdict_contents(
 def _render_wide_figure(picture: Picture, name: str) -> RenderedFigure:
     """Return a figure for the 760 px of a page, or for less."""
     columns = min(picture.columns, len(picture.strips), _COLUMNS)
-    figure_width = (LEAD - 24 * (columns - 1)) / columns
+    figure_width = (LEAD_WIDTH - 24 * (columns - 1)) / columns
     return render_figure(replace(picture, name=name, columns=columns), width=figure_width)
 
 

@@ -25,7 +25,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.plot.picture import Span
 from dashpot.registry import find_handler
-from dashpot.report.figures import LEAD
+from dashpot.report.figures import LEAD_WIDTH
 from dashpot.report.first_screen import NBSP, Row
 from dashpot.report.result_page import (
     CollapsibleSection,
@@ -78,8 +78,8 @@ def modes_page(modes: Modes) -> KindPage:
         for hit in frf.hits
     )  # fmt: skip
     row_classes = tuple("" if hit.accepted else "bad" for hit in frf.hits)
-    head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
-    hits_section = CollapsibleSection("Every hit", used_text, TextTable(head, hits, row_classes))
+    header = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict")
+    hits_section = CollapsibleSection("Every hit", used_text, TextTable(header, hits, row_classes))
     return KindPage(
         subject="hammer test" if frf.hits else "measured FRF",
         summary_line=(("Hits", used_text), ("Averages", str(frf.averages)),
@@ -176,7 +176,7 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
 
 _DEFAULT_BAND = (0.1, 10.0)
 """Hz, of a model that has no valid band."""
-_LINES, _BAND_FACTOR, _MOST_BOUNDED_TESTS = 41, 4.0, 3
+_LINES, _BAND_FACTOR, _MAX_BOUNDED_TESTS = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""
 
 _FEW_ARMS = 6
@@ -284,7 +284,7 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
 
 
 def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
-    """Storage and loss factor over frequency, one above the other, and what is known of them.
+    """Return figures of storage and loss factor over frequency, with their bounds.
 
     Parameters
     ----------
@@ -296,7 +296,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
     lines = np.geomspace(max(low, 1e-9) / _BAND_FACTOR, high * (_BAND_FACTOR * 10), _LINES)
     ramp_holds = [record for record in records if isinstance(record, RampHold)]
     bounds = None
-    if ramp_holds and len(ramp_holds) == len(records) <= _MOST_BOUNDED_TESTS:
+    if ramp_holds and len(ramp_holds) == len(records) <= _MAX_BOUNDED_TESTS:
         bounds = unresolved_arm_band(fit, ramp_holds, lines)
     stiffness_bounds = parameter_band(fit, lines) if fit.estimate.parameters else None
     picture = plot.stiffness(fit, parameters=stiffness_bounds, unresolved_bounds=bounds)
@@ -308,7 +308,7 @@ def over_frequency(fit: Fit, records: Sequence[Any] = ()) -> plot.Picture:
                 marks=(*valid, *panel.marks))
         for panel, height in ((storage, 150.0), (loss, 170.0))
     )  # fmt: skip
-    return replace(picture, strips=(stacked,), columns=1, width=LEAD)
+    return replace(picture, strips=(stacked,), columns=1, width=LEAD_WIDTH)
 
 
 def _format_test_name(fit: Fit) -> str:
@@ -366,7 +366,7 @@ def make_solid_groups(fit: Fit) -> Iterator[Group]:
 
 
 def _make_band_rows(fit: Fit) -> Iterator[Row]:
-    """Storage and loss factor at the middle of the band, with what the parameters leave open."""
+    """Return storage and loss factor at the middle of the band, with their errors."""
     low, high = fit.band
     if not (0 < low < high):
         return
@@ -397,9 +397,9 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
             (str(j), round_to_error(convert_to_unit(k, get_display_unit(fit.unit))), f"{tau:.4g}")
             for j, (k, tau) in enumerate(zip(fit.model.k, fit.model.tau, strict=True), start=1)
         )
-        head = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
+        header = ("arm", f"k, {get_display_unit(fit.unit)}", "τ, s")
         yield CollapsibleSection(
-            "Every arm", "none has a meaning of its own: use the table", TextTable(head, arms)
+            "Every arm", "none has a meaning of its own: use the table", TextTable(header, arms)
         )
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from dashpot.base.provenance import Step
 from dashpot.report import first_screen, tables
-from dashpot.report.figures import figures_of
+from dashpot.report.figures import draw_study_figures
 from dashpot.report.page_frame import VERDICT_COLOURS, frame, render_template
 from dashpot.workflow.recommended_solid import recommend_solid
 from dashpot.workflow.study import Study
@@ -50,7 +50,7 @@ def _build_contents(study: Study) -> dict[str, Any]:
             for stage, checks in first_screen.group_by_part(stages, study.verdict_checks)
         },
         "checks": tables.checks(stages, study.verdict_checks),
-        "figures": figures_of(study),
+        "figures": draw_study_figures(study),
         "peaks": tables.peaks(study),
         "facts": tables.test_facts(study.prepared),
         "solid_heading": first_screen.solid_heading(recommendation),

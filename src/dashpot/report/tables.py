@@ -37,7 +37,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.vibration.mass_on_seals import MassOnSeals, model_modes, operating_point
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.stiffness_under_mass import rival_of
+from dashpot.workflow.stiffness_under_mass import replace_by_alternative
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not applicable"}
@@ -46,7 +46,7 @@ FAILURES = {
     "limit": "failed: use with care",
     "note": "failed: a note",
 }
-CORRECTED = "failed: corrected by the joint model"
+CORRECTED_FAILURE = "failed: corrected by the joint model"
 VALUE = ("", "value ± standard error", "unit")
 
 
@@ -96,7 +96,7 @@ def assumptions(study: Study) -> TextTable:
         )
         for assumption, state in pairs
     )
-    head = (
+    header = (
         "assumed",
         "what that means",
         "in this study",
@@ -104,7 +104,7 @@ def assumptions(study: Study) -> TextTable:
         "on the bench",
     )
     return TextTable(
-        head, rows, tuple("bad" if state == "contradicted" else "" for _, state in pairs)
+        header, rows, tuple("bad" if state == "contradicted" else "" for _, state in pairs)
     )
 
 
@@ -142,7 +142,7 @@ def _get_check_order(check: Check, verdict_checks: Collection[Check]) -> int:
 
 def _state(check: Check, verdict_checks: Collection[Check]) -> str:
     if check.failed:
-        return FAILURES[check.grade] if check in verdict_checks else CORRECTED
+        return FAILURES[check.grade] if check in verdict_checks else CORRECTED_FAILURE
     return STATES[check.passed]
 
 
@@ -203,8 +203,8 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
             )
             scaled = f"{value} {cells.unit}"
         rows.append(row if length is None else (*row, scaled))
-    head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
-    return TextTable(head if length is not None else head[:-1], tuple(rows))
+    header = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
+    return TextTable(header if length is not None else header[:-1], tuple(rows))
 
 
 def orders(study: Study) -> TextTable:
@@ -243,11 +243,11 @@ def orders(study: Study) -> TextTable:
             *scores.get(arms, ("", "")),
         ))  # fmt: skip
         row_classes.append("chosen" * is_chosen)
-    head = ("arms N", "k∞, N/mm", "arms: k, N/mm at τ", "residual rms, mN", "BIC − best",
+    header = ("arms N", "k∞, N/mm", "arms: k, N/mm at τ", "residual rms, mN", "BIC − best",
             "every arm significant")  # fmt: skip
     # a ramp that no linear solid follows is fitted hold first, and its orders are not compared
-    columns = len(head) if scores else 4
-    return TextTable(head[:columns], tuple(row[:columns] for row in rows), tuple(row_classes))
+    columns = len(header) if scores else 4
+    return TextTable(header[:columns], tuple(row[:columns] for row in rows), tuple(row_classes))
 
 
 def two_routes(study: Study) -> TextTable | None:
@@ -309,10 +309,10 @@ def make_frequency_table(study: Study) -> TextTable:
         )
         rows.append(tuple(cells))
         row_classes.append("" if is_identified else "doubt")
-    head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
+    header = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if bounds is not None:
-        head += ["limits of K′, N/mm", "limits of loss factor"]
-    return TextTable((*head, "this test"), tuple(rows), tuple(row_classes))
+        header += ["limits of K′, N/mm", "limits of loss factor"]
+    return TextTable((*header, "this test"), tuple(rows), tuple(row_classes))
 
 
 def _format_limits_at(bounds: StiffnessBounds, limits: FloatArray, f: float) -> str:
@@ -330,7 +330,7 @@ def peaks(study: Study) -> TextTable | None:
     c, joint = study.comparison, study.joint_comparison
     if c is None:
         return None
-    head = ["", "measured", "predicted", "difference"]
+    header = ["", "measured", "predicted", "difference"]
     columns = [
         (
             "peak frequency, Hz",
@@ -351,9 +351,9 @@ def peaks(study: Study) -> TextTable | None:
         *_make_prediction_columns(c),
     ]
     if joint is not None:
-        head += ["joint model", "difference"]
+        header += ["joint model", "difference"]
         columns += _make_prediction_columns(joint)
-    return TextTable(tuple(head), tuple(zip(*columns, strict=True)))
+    return TextTable(tuple(header), tuple(zip(*columns, strict=True)))
 
 
 def _make_prediction_columns(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -409,9 +409,9 @@ def resonance(study: Study) -> TextTable | None:
 
 
 def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
-    """The solids that are known, by what they are from, and the mass on each."""
+    """Return the models by the test that they are from, and the mass on each."""
     yield "model from relaxation", study.fit, mass
-    other = rival_of(study.fit)
+    other = replace_by_alternative(study.fit)
     if other is not None:
         yield "other family from relaxation", other, mass
     if study.joint is not None:
@@ -442,9 +442,9 @@ def arms_tested(comparison: Comparison | None) -> TextTable | None:
         cells = ("yes" if tested else "hardly", "yes" if resolved else "no")
         rows.append((duration(arm.tau), share, *cells))
         row_classes.append("bad" if tested and not resolved else "")
-    head = ("τ of the arm", "share of the loss at the peak, %", "tested by this FRF",
+    header = ("τ of the arm", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip
-    return TextTable(head, tuple(rows), tuple(row_classes))
+    return TextTable(header, tuple(rows), tuple(row_classes))
 
 
 def hits(frf: FRF | None) -> TextTable | None:
@@ -452,7 +452,7 @@ def hits(frf: FRF | None) -> TextTable | None:
     if frf is None or not frf.hits:
         return None
     columns = 6 if any(hit.reasons for hit in frf.hits) else 5
-    head = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict", "why")
+    header = ("hit", "time, s", "peak, N", "pulse width, ms", "verdict", "why")
     rows = tuple(
         (
             hit.name,
@@ -464,7 +464,9 @@ def hits(frf: FRF | None) -> TextTable | None:
         )[:columns]
         for hit in frf.hits
     )
-    return TextTable(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
+    return TextTable(
+        header[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits)
+    )
 
 
 def explanations(joint: Fit | None) -> TextTable | None:
@@ -488,14 +490,14 @@ def make_change_table(joint: Fit | None) -> TextTable | None:
         return None
     rows = tuple(_make_change_row(change) for change in joint.evidence.parameter_changes)
     row_classes = tuple("doubt" if row[-1] == "new" else "" for row in rows)
-    head = (
+    header = (
         "",
         "relaxation alone, ± SE of noise",
         "joint model, ± SE of noise",
         "change",
         "in SE of relaxation alone",
     )
-    return TextTable(head, rows, row_classes)
+    return TextTable(header, rows, row_classes)
 
 
 def _make_change_row(m: ParameterChange) -> tuple[str, ...]:

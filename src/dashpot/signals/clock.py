@@ -17,11 +17,11 @@ from dashpot.base.arrays import FloatArray, median
 # how much longer than the usual of so many steps on either side one is a leap
 JUMP_RATIO, NEIGHBOUR_STEPS = 10.0, 5
 # steps before and after, of one rate each
-_LEAST_STEPS_OF_A_RATE = 20
+_MIN_STEPS_PER_RATE = 20
 # steps that are looked at for one, or for how even they are
-_MOST_STEPS = 1000
+_MAX_STEPS = 1000
 # how much longer than the usual of the steps around it one is odd, and the share of such
-_PAUSE_RATIO, _MOST_PAUSES = 3.0, 0.03
+_PAUSE_RATIO, _MAX_PAUSE_SHARE = 3.0, 0.03
 
 
 class ClockJump(NamedTuple):
@@ -38,35 +38,33 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
     if len(steps) < 2 * NEIGHBOUR_STEPS or not steps.max() > JUMP_RATIO * steps.min():
         return []
     smaller_neighbour = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
-    longest = np.flatnonzero(steps > JUMP_RATIO * smaller_neighbour)[:_MOST_STEPS]
-    leaps = (
+    longest = np.flatnonzero(steps > JUMP_RATIO * smaller_neighbour)[:_MAX_STEPS]
+    jumps = (
         ClockJump(i, float(steps[i]), _compute_neighbour_step(steps, i)) for i in longest.tolist()
     )
-    return [leap for leap in leaps if leap.step > JUMP_RATIO * leap.expected_step]
+    return [jump for jump in jumps if jump.step > JUMP_RATIO * jump.expected_step]
 
 
 def find_rate_change(time: FloatArray) -> ClockJump | None:
-    """Return where steps change most, if at once and for twenty to either side, else None.
+    """Return where the sampling rate changes most, if it is even on both sides; else None.
 
     `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
     """
     steps = np.diff(time)
     if (
-        len(steps) < 2 * _LEAST_STEPS_OF_A_RATE
+        len(steps) < 2 * _MIN_STEPS_PER_RATE
         or steps.min() <= 0
         or not steps.max() > JUMP_RATIO * steps.min()
     ):
         return None
     change = np.abs(np.diff(np.log(steps)))[
-        _LEAST_STEPS_OF_A_RATE - 1 : len(steps) - _LEAST_STEPS_OF_A_RATE
+        _MIN_STEPS_PER_RATE - 1 : len(steps) - _MIN_STEPS_PER_RATE
     ]
-    jump = int(change.argmax()) + _LEAST_STEPS_OF_A_RATE
-    step_before = median(steps[jump - _LEAST_STEPS_OF_A_RATE : jump])
-    median_after = median(steps[jump : jump + _LEAST_STEPS_OF_A_RATE])
+    jump = int(change.argmax()) + _MIN_STEPS_PER_RATE
+    step_before = median(steps[jump - _MIN_STEPS_PER_RATE : jump])
+    median_after = median(steps[jump : jump + _MIN_STEPS_PER_RATE])
     # steps that grow by and by do so everywhere
-    sudden = (
-        change[jump - _LEAST_STEPS_OF_A_RATE] > 0.5 * abs(np.log(median_after / step_before)) > 0
-    )
+    sudden = change[jump - _MIN_STEPS_PER_RATE] > 0.5 * abs(np.log(median_after / step_before)) > 0
     return ClockJump(jump, median_after, step_before) if sudden else None
 
 
@@ -78,11 +76,11 @@ def has_few_pauses(time: FloatArray) -> bool:
     steps = np.diff(time)
     if len(steps) < 2 * NEIGHBOUR_STEPS:
         return False
-    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
-    around = around[:: max(1, len(around) // _MOST_STEPS)]
-    usual_step = np.partition(around, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
-    is_pause = around[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual_step
-    return bool(np.mean(is_pause) <= _MOST_PAUSES)
+    neighbour_steps = np.lib.stride_tricks.sliding_window_view(steps, 2 * NEIGHBOUR_STEPS + 1)
+    neighbour_steps = neighbour_steps[:: max(1, len(neighbour_steps) // _MAX_STEPS)]
+    usual_step = np.partition(neighbour_steps, NEIGHBOUR_STEPS, axis=1)[:, NEIGHBOUR_STEPS]
+    is_pause = neighbour_steps[:, NEIGHBOUR_STEPS] > _PAUSE_RATIO * usual_step
+    return bool(np.mean(is_pause) <= _MAX_PAUSE_SHARE)
 
 
 def _compute_neighbour_step(steps: FloatArray, i: int) -> float:

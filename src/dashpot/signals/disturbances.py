@@ -12,11 +12,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 # Hz, and how far they go from that
-MAINS, MAINS_OFF = (50.0, 60.0), 0.05
+MAINS_FREQUENCIES, MAINS_TOLERANCE = (50.0, 60.0), 0.05
 # K, of which the change is taken
-_RISE = 0.5
+_TEMPERATURE_STEP = 0.5
 # s for which a seal may have been pressed before its record
-PRESSED_FOR = 30.0
+USUAL_PRESSED_TIME = 30.0
 
 
 def build_machine_terms(
@@ -97,15 +97,15 @@ def compute_set_sd(
 def _compute_residual_stiffness(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
     """Return what each arm keeps of a press after a rest, s, over its compression, N/m."""
     tau = np.asarray(solid.tau)
-    return np.asarray(-np.expm1(-PRESSED_FOR / tau) * np.exp(-rested / tau) * solid.k)
+    return np.asarray(-np.expm1(-USUAL_PRESSED_TIME / tau) * np.exp(-rested / tau) * solid.k)
 
 
 def build_folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ...]:
     r"""Return lines of the mains that a converter without a filter folds to rest, of size 1.
 
     At a rate of which 50 or 60 Hz is a multiple, its alias is slower than the record: no spectrum
-    shows it, and it looks like relaxation. The mains are off by up to `MAINS_OFF`; so a record is
-    asked about a half and a whole turn of it. Empty at any other rate.
+    shows it, and it looks like relaxation. The mains are off by up to `MAINS_TOLERANCE`; so a
+    record is asked about a half and a whole turn of it. Empty at any other rate.
 
     Parameters
     ----------
@@ -117,8 +117,10 @@ def build_folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ..
     duration = float(time[-1])
     if not step > 0 or not duration > 0:
         return ()
-    aliases = [abs(mains - round(mains * step) / step) for mains in MAINS if mains * step > 0.5]
-    if not aliases or min(aliases) > MAINS_OFF + 1 / duration:
+    aliases = [
+        abs(mains - round(mains * step) / step) for mains in MAINS_FREQUENCIES if mains * step > 0.5
+    ]
+    if not aliases or min(aliases) > MAINS_TOLERANCE + 1 / duration:
         return ()
     turns = [2 * np.pi * part * time / duration for part in (0.5, 1.0)]
     return tuple(np.asarray(line(phase)) for phase in turns for line in (np.cos, np.sin))
@@ -148,11 +150,11 @@ def compute_warming(
     since : float
         From when on it warms evenly, s: until then it has the temperature that is meant.
     """
-    temperature_rise = _RISE * np.maximum(time - since, 0.0) / (time[-1] - since)
+    temperature_rise = _TEMPERATURE_STEP * np.maximum(time - since, 0.0) / (time[-1] - since)
     # time counts for more as the seal gets faster
     time_factor = np.exp(-by_a * temperature_rise)
     reduced = np.concatenate(
         ([0.0], np.cumsum(np.diff(time) * (time_factor[1:] + time_factor[:-1]) / 2))
     )
     change = np.exp(by_b * temperature_rise) * solid.force(reduced, x) - solid.force(time, x)
-    return np.asarray(change / _RISE)
+    return np.asarray(change / _TEMPERATURE_STEP)

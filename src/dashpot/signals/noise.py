@@ -23,7 +23,7 @@ def scatter(time: FloatArray, values: FloatArray) -> float:
     """
     if len(values) < 5:
         return 0.0
-    squares = _misses(time, values, len(values) // _MAX_SAMPLES or 1) ** 2
+    squares = _compute_line_residuals(time, values, len(values) // _MAX_SAMPLES or 1) ** 2
     count = max(3, int(0.98 * len(squares)))
     smallest_squares = np.partition(squares, count - 1)[:count]
     return float(np.sqrt(smallest_squares.mean())) / (0.935 if count < len(squares) else 1.0)
@@ -33,19 +33,19 @@ def estimate_robust_scatter(time: FloatArray, values: FloatArray) -> float:
     """Return the same by the median: blind to corners and glitches, and to half of all samples."""
     if len(values) < 5:
         return 0.0
-    return 1.4826 * median(np.abs(_misses(time, values)))
+    return 1.4826 * median(np.abs(_compute_line_residuals(time, values)))
 
 
-def _misses(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
+def _compute_line_residuals(time: FloatArray, values: FloatArray, count: int = 1) -> FloatArray:
     """Return residuals of samples from the line between their neighbours, of variance sigma^2."""
-    before, middle, right = (slice(i, len(values) - 2 + i, count) for i in range(3))
-    w = (time[right] - time[middle]) / (time[right] - time[before])
-    r = values[middle] - w * values[before] - (1 - w) * values[right]
+    before, middle, after = (slice(i, len(values) - 2 + i, count) for i in range(3))
+    w = (time[after] - time[middle]) / (time[after] - time[before])
+    r = values[middle] - w * values[before] - (1 - w) * values[after]
     return np.asarray(r / np.sqrt(1 + w**2 + (1 - w) ** 2))
 
 
 def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
-    """True where one sample stands apart while its two neighbours agree."""
+    """Return a mask of samples that deviate from two neighbours that agree."""
     magnitude = np.abs(values - median_of_three(values))
     is_confirmed = np.zeros(len(values), dtype=bool)
     limit = 0.02 * float(np.ptp(values))
@@ -56,7 +56,7 @@ def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
     return np.asarray(is_confirmed & (magnitude > limit))
 
 
-def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
+def remove_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
     """Return the channel with every spike replaced by the nearer of its neighbours."""
     mask = spikes(time, values)
     return np.where(mask, median_of_three(values), values) if mask.any() else values
@@ -66,8 +66,8 @@ def median_of_three(values: FloatArray) -> FloatArray:
     """Removes a lone glitch, keeps every edge where it is."""
     result = values.copy()
     inner = result[1:-1]  # in place: new memory takes most of the time
-    high = np.maximum(values[:-2], inner)
-    np.minimum(high, values[2:], out=high)
+    larger = np.maximum(values[:-2], inner)
+    np.minimum(larger, values[2:], out=larger)
     np.minimum(values[:-2], inner, out=inner)
-    np.maximum(inner, high, out=inner)
+    np.maximum(inner, larger, out=inner)
     return result

@@ -11,19 +11,19 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.plain_text import sentence
 from dashpot.base.units import format_quantity
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.signals.noise import estimate_robust_scatter, median_of_three
 
 # Ramps and holds, and the loadings that they form.
 
 
-_LEAST_MOVE = 0.05
+_MIN_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
 
 
-_LEAST_STOP = 0.01
+_MIN_STOP = 0.01
 """A stop shorter than this part of the longest hold interrupts a ramp, and does not end it."""
-_MOST_VISITS = 64
+_MAX_VISITS = 64
 """Mean number of times that a sample is searched for a corner; then long spans are halved."""
 _SHORT_SPAN, _LOOP_SPAN = 1024, 32
 """Samples of a span that is never halved, and of one that a loop searches faster than NumPy."""
@@ -84,7 +84,7 @@ def find_segments(
     x = median_of_three(displacement)
     travel = float(np.ptp(x))
     if resolution is None:
-        resolution = estimate_resolution(time, displacement, quantum(displacement))
+        resolution = estimate_resolution(time, displacement, find_quantum(displacement))
     if travel <= 4 * resolution:
         return (_make_segment("hold", time, x, 0, len(x) - 1),)
     corners = _find_corners(time, x, max(2 * resolution, 0.01 * travel))
@@ -131,15 +131,15 @@ def _find_corners(time: FloatArray, x: FloatArray, tolerance: float) -> list[int
     """
     corners = {0, len(x) - 1}
     stack = [(0, len(x) - 1)]
-    remaining = _MOST_VISITS * len(x)
+    visits_left = _MAX_VISITS * len(x)
     while stack:
         a, b = stack.pop()
         if b - a < 2:
             continue
-        remaining -= b - a
+        visits_left -= b - a
         farthest_index, distance = _find_farthest_sample(time[a : b + 1], x[a : b + 1])
         if distance > tolerance:
-            corner = a + farthest_index if remaining > 0 or b - a < _SHORT_SPAN else (a + b) // 2
+            corner = a + farthest_index if visits_left > 0 or b - a < _SHORT_SPAN else (a + b) // 2
             corners.add(corner)
             stack += [(a, corner), (corner, b)]
     return sorted(corners)
@@ -166,7 +166,7 @@ def _classify_sides(time: FloatArray, x: FloatArray, travel: float) -> list[_Kin
     """Return the kind of each side of the polygon: moves are fast or long."""
     steps = np.diff(x)
     speed = np.abs(steps) / np.diff(time)
-    is_long = np.abs(steps) > _LEAST_MOVE * travel
+    is_long = np.abs(steps) > _MIN_MOVE * travel
     fastest = speed[is_long].max() if is_long.any() else speed.max()
     is_moving = (speed > 0.02 * fastest) | (np.abs(steps) > 0.25 * travel)
     return [
@@ -191,31 +191,31 @@ def _merge_small_moves(
     sides = _merge_neighbours(_merge_steps(_merge_neighbours(_merge_ringing(sides, x)), time))
     sides = _merge_neighbours(
         [
-            ("hold" if abs(x[last] - x[first]) < _LEAST_MOVE * travel else kind, first, last)
+            ("hold" if abs(x[last] - x[first]) < _MIN_MOVE * travel else kind, first, last)
             for kind, first, last in sides
         ]
     )
     bridged = list(sides)
     for i in range(1, len(sides) - 1):
-        (before, start, _), (kind, first, last), (kind_after, _, end) = sides[i - 1 : i + 2]
+        (kind_before, start, _), (kind, first, last), (kind_after, _, end) = sides[i - 1 : i + 2]
         is_brief = time[last] - time[first] < 0.05 * (time[end] - time[start])
-        if kind == "hold" and is_brief and before == kind_after:
-            bridged[i] = (before, first, last)
+        if kind == "hold" and is_brief and kind_before == kind_after:
+            bridged[i] = (kind_before, first, last)
     return _merge_neighbours(bridged)
 
 
 def _merge_steps(sides: list[_Side], time: FloatArray) -> list[_Side]:
     """Return the sides with the short stops of a stepping axis as parts of its ramp."""
-    longest = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
+    longest_hold = max((time[b] - time[a] for kind, a, b in sides if kind == "hold"), default=0.0)
     merged = list(sides)
     for i in range(1, len(sides) - 1):
-        before, (kind, first, last), kind_after = sides[i - 1][0], sides[i], sides[i + 1][0]
+        kind_before, (kind, first, last), kind_after = sides[i - 1][0], sides[i], sides[i + 1][0]
         if (
             kind == "hold"
-            and time[last] - time[first] <= _LEAST_STOP * longest
-            and before == kind_after
+            and time[last] - time[first] <= _MIN_STOP * longest_hold
+            and kind_before == kind_after
         ):
-            merged[i] = (before, first, last)
+            merged[i] = (kind_before, first, last)
     return merged
 
 
@@ -232,9 +232,9 @@ def _merge_ringing(sides: list[_Side], x: FloatArray) -> list[_Side]:
     return merged
 
 
-_MOST_LISTED = 3
+_MAX_LISTED = 3
 """Number of loadings that a message lists."""
-_LEAST_HOLD = 0.2
+_MIN_HOLD = 0.2
 """A stop shorter than this part of the ramp before it is a turning point, not a hold."""
 
 
@@ -279,22 +279,22 @@ def find_cycles(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...
     plate may leave the seal, and no linear solid describes what follows.
     """
     cycles: list[RampHoldCycle] = []
-    rest: MotionSegment | None = None
+    rest_segment: MotionSegment | None = None
     loading: list[MotionSegment] = []
-    top = 0.0
+    top_level = 0.0
     for segment in segments:
         if not loading:
             if segment.kind == "load":
-                loading, top = [segment], segment.level
+                loading, top_level = [segment], segment.level
             else:
-                rest = segment if segment.kind == "hold" else None
+                rest_segment = segment if segment.kind == "hold" else None
             continue
         loading.append(segment)
-        start, top = loading[0].origin, max(top, segment.level)
-        if segment.kind == "unload" and segment.level <= start + 0.1 * (top - start):
-            cycles += _close_loading(rest, loading)
-            loading, rest = [], None
-    return tuple(cycles + _close_loading(rest, loading))
+        start, top_level = loading[0].origin, max(top_level, segment.level)
+        if segment.kind == "unload" and segment.level <= start + 0.1 * (top_level - start):
+            cycles += _close_loading(rest_segment, loading)
+            loading, rest_segment = [], None
+    return tuple(cycles + _close_loading(rest_segment, loading))
 
 
 def choose_cycle(
@@ -328,11 +328,11 @@ def choose_cycle(
 
 def format_cycles(cycles: tuple[RampHoldCycle, ...]) -> str:
     """Return the loadings of a record as text, numbered."""
-    parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
-    if len(parts) > _MOST_LISTED:
-        parts = [*parts[: _MOST_LISTED - 1], "...", parts[-1]]
+    lines = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
+    if len(lines) > _MAX_LISTED:
+        lines = [*lines[: _MAX_LISTED - 1], "...", lines[-1]]
     count = f"{len(cycles)} loading{'s' * (len(cycles) > 1)}"
-    return f"{count} ({'; '.join(parts)})"
+    return f"{count} ({'; '.join(lines)})"
 
 
 def explain_missing_hold(segments: tuple[MotionSegment, ...], name: str, advice: str) -> str:
@@ -374,8 +374,8 @@ def _close_loading(
 ) -> list[RampHoldCycle]:
     """Return a loading up to its last hold, if it has one."""
     for stop in range(len(segments), 1, -1):
-        hold, before = segments[stop - 1], segments[stop - 2]
-        is_long = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
+        hold, loading = segments[stop - 1], segments[stop - 2]
+        is_long = hold.last - hold.first >= 3 and hold.duration >= _MIN_HOLD * loading.duration
         if hold.kind == "hold" and is_long:
             return [RampHoldCycle(rest_segment, tuple(segments[:stop]))]
     return []
@@ -392,17 +392,17 @@ def _format_segment(segment: MotionSegment) -> str:
 # Kind of loading: ramp and hold, creep, compression and release, cycles.
 
 
-MOST_HELD_CHANGE = 0.01
+MAX_HELD_CHANGE = 0.01
 """Over its rise, most that a held signal changes."""
-LEAST_CREEP = 0.02
+MIN_CREEP = 0.02
 """Over its travel, least displacement under a held force that is creep."""
-MOST_SPEED_CHANGE = 0.05
+MAX_SPEED_CHANGE = 0.05
 """Over the move, most that the displacement at a quarter of the time differs from a quarter."""
 PART_COUNT = 10
 """Number of parts of a record whose means are compared."""
-LEAST_DRIFT = 0.1
+MIN_DRIFT = 0.1
 """Over its travel, least change from start to end that is more than scatter."""
-MOST_SETTLING = 0.05
+MAX_SETTLING = 0.05
 """Over its value, most that a displacement held from the first sample moves."""
 
 
@@ -439,13 +439,13 @@ def is_creep_test(
 def is_held_throughout(force: FloatArray) -> bool:
     """Return whether a force is constant, apart from scatter, over the whole record."""
     means = [float(part.mean()) for part in np.array_split(force, min(PART_COUNT, len(force)))]
-    return float(np.ptp(means)) < MOST_HELD_CHANGE * abs(median(force))
+    return float(np.ptp(means)) < MAX_HELD_CHANGE * abs(median(force))
 
 
 def is_drifting(x: FloatArray) -> bool:
     """Return whether a signal ends, by more than a tenth of its travel, elsewhere than it began."""
     tenth = max(len(x) // 10, 1)
-    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > LEAST_DRIFT * float(np.ptp(x))
+    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > MIN_DRIFT * float(np.ptp(x))
 
 
 def find_rising_sign(
@@ -469,7 +469,7 @@ def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSe
 def _is_straight(time: FloatArray, x: FloatArray, move: MotionSegment) -> bool:
     """Return whether a quarter of a move takes a quarter of its time; a sine lags by 0.1."""
     quarter = float(np.interp(move.start + 0.25 * move.duration, time, x))
-    return abs((quarter - move.origin) / (move.level - move.origin) - 0.25) < MOST_SPEED_CHANGE
+    return abs((quarter - move.origin) / (move.level - move.origin) - 0.25) < MAX_SPEED_CHANGE
 
 
 def _begins_with_unloading(segments: Sequence[MotionSegment]) -> bool:
@@ -487,7 +487,7 @@ def is_force_held(time: FloatArray, force: FloatArray) -> bool:
 def _is_constant_over_hold(values: FloatArray, cycle: RampHoldCycle) -> bool:
     """Return whether a signal is constant over the hold of a cycle."""
     travel = cycle.hold.level - cycle.ramp.origin
-    return abs(_compute_change_over_hold(values, cycle.hold)) < MOST_HELD_CHANGE * travel
+    return abs(_compute_change_over_hold(values, cycle.hold)) < MAX_HELD_CHANGE * travel
 
 
 def _compute_change_over_hold(values: FloatArray, hold: MotionSegment) -> float:
@@ -504,7 +504,7 @@ def is_creep(
 
     A record whose displacement is constant in each of `displacement_cycles` is none.
     """
-    least_creep = LEAST_CREEP * float(np.ptp(x))
+    least_creep = MIN_CREEP * float(np.ptp(x))
     if displacement_cycles and all(
         abs(_compute_change_over_hold(x, cycle.hold)) <= least_creep
         for cycle in displacement_cycles
@@ -522,7 +522,7 @@ def is_creep(
 
 def begins_in_hold(x: FloatArray, force: FloatArray) -> bool:
     """Return whether a record begins in the hold: the displacement settles, the force relaxes."""
-    return float(np.ptp(x)) < MOST_SETTLING * abs(median(x)) and relaxes(force)
+    return float(np.ptp(x)) < MAX_SETTLING * abs(median(x)) and relaxes(force)
 
 
 def relaxes(force: FloatArray) -> bool:
@@ -530,4 +530,4 @@ def relaxes(force: FloatArray) -> bool:
     tenth = max(len(force) // 10, 1)
     first, last = force[:tenth], force[-tenth:]
     decrease = abs(float(first.mean())) - abs(float(last.mean()))
-    return decrease > max(MOST_HELD_CHANGE * abs(float(first.mean())), 4 * float(last.std()))
+    return decrease > max(MAX_HELD_CHANGE * abs(float(first.mean())), 4 * float(last.std()))

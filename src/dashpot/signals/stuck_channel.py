@@ -8,7 +8,7 @@ from math import ceil, erf, log, sqrt
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 
 # Stuck channels: a hung converter, or a lost link.
 #
@@ -31,25 +31,25 @@ from dashpot.datamodel.relaxation import quantum
 
 
 # samples that say nothing of a channel
-FEWEST = 60
+MIN_SAMPLES = 60
 # equal readings that are looked at
-SHORTEST = 8
+MIN_RUN = 8
 # chance of a run in a sound record
-CHANCE = 1e-6
+FALSE_ALARM_RATE = 1e-6
 # second differences of noise, in counts: two levels in turn make 2
-THREE_LEVELS = 2.5
+MIN_NOISE_BEND = 2.5
 # readings that turn back by that much, at least, and their part of all that differ, by which the
 # noise is at least so many counts (simulated, whatever the drift)
-FEWEST_TURNS = 10
-TURNS = ((0.01, 0.25), (0.08, 0.4), (0.25, 0.6), (0.4, 0.9))
+MIN_TURNS = 10
+TURN_SCATTER = ((0.01, 0.25), (0.08, 0.4), (0.25, 0.6), (0.4, 0.9))
 # counts of a leap, times the usual step, and readings after it that stay there
-LEAP_COUNTS, USUAL_STEPS, AFTER = 4.0, 6.0, 7
+JUMP_COUNTS, JUMP_STEP_RATIO, SAMPLES_AFTER = 4.0, 6.0, 7
 # samples in which a channel changes by so many counts before it stops
-BEFORE, CHANGE = 10, 10.0
+SAMPLES_BEFORE, MIN_CHANGE_COUNTS = 10, 10.0
 # of an end too soon, in counts: so many times the root of what relaxed, and so many more
-ROOTS, MORE = 2.0, 4.0
+RELAXED_ROOT_FACTOR, EXTRA_COUNTS = 2.0, 4.0
 # what arithmetic leaves of equal readings, and of a change that is one
-ROUNDING, CHANGED = 1e-13, 1e-11
+EQUALITY_TOLERANCE, CHANGE_TOLERANCE = 1e-13, 1e-11
 
 
 def find_stuck_runs(
@@ -76,37 +76,41 @@ def find_stuck_runs(
         Other stretches of the channel: noise that each of them shows, this one has, too.
     """
     no_runs = np.zeros((0, 2), dtype=np.intp)
-    size = float(np.abs(values).max(initial=0.0))
-    if len(values) < FEWEST or size == 0.0:
+    largest_reading = float(np.abs(values).max(initial=0.0))
+    if len(values) < MIN_SAMPLES or largest_reading == 0.0:
         return no_runs
-    starts = np.concatenate(([0], np.flatnonzero(np.abs(np.diff(values)) > ROUNDING * size) + 1))
+    starts = np.concatenate(
+        ([0], np.flatnonzero(np.abs(np.diff(values)) > EQUALITY_TOLERANCE * largest_reading) + 1)
+    )
     stops = np.append(starts[1:], len(values))
-    long_runs = np.flatnonzero(stops - starts >= SHORTEST)
+    long_runs = np.flatnonzero(stops - starts >= MIN_RUN)
     if not len(long_runs):
         return no_runs
-    levels, count = values[starts], quantum(values)
-    noise_level = max(count, CHANGED * size)
-    shortest = _shortest_fault(levels, count, noise_level, len(values))
+    levels, count = values[starts], find_quantum(values)
+    noise_level = max(count, CHANGE_TOLERANCE * largest_reading)
+    shortest = _compute_shortest_fault(levels, count, noise_level, len(values))
     if other_stretches:
         shortest_of_others = [
-            _shortest_fault(_changes(row), count, noise_level, len(values), turns=False)
+            _compute_shortest_fault(
+                _select_changed_readings(row), count, noise_level, len(values), turns=False
+            )
             for row in other_stretches
-            if len(row) >= FEWEST
+            if len(row) >= MIN_SAMPLES
         ]
         if len(shortest_of_others) == len(other_stretches):
             shortest = min(shortest, max(shortest_of_others))
-    free = np.ones(len(values), dtype=bool) if is_at_rest is None else is_at_rest
+    is_free = np.ones(len(values), dtype=bool) if is_at_rest is None else is_at_rest
     usual_change = median(np.abs(np.diff(levels))) if len(levels) > 1 else 0.0
-    leap = max(LEAP_COUNTS * count, USUAL_STEPS * usual_change)
+    least_jump = max(JUMP_COUNTS * count, JUMP_STEP_RATIO * usual_change)
 
     def is_fault(run: slice) -> bool:
         return (
             run.stop - run.start >= shortest
-            or (leaps and _leaps(values, run, free, leap))
-            or _stops(values, run, free, noise_level)
+            or (leaps and _has_jump(values, run, is_free, least_jump))
+            or _has_stop(values, run, is_free, noise_level)
             or (
                 time_since_ramp is not None
-                and _ends_too_soon(values, run, time_since_ramp, noise_level)
+                and _has_early_end(values, run, time_since_ramp, noise_level)
             )
         )
 
@@ -115,13 +119,13 @@ def find_stuck_runs(
     return np.array(results, dtype=np.intp).reshape(-1, 2)
 
 
-def _changes(values: FloatArray) -> FloatArray:
+def _select_changed_readings(values: FloatArray) -> FloatArray:
     """Return the readings that differ from the one before."""
     changed = np.append(True, np.diff(values) != 0)
     return np.asarray(values[changed])
 
 
-def _shortest_fault(
+def _compute_shortest_fault(
     levels: FloatArray, count: float, noise_level: float, samples: int, *, turns: bool = True
 ) -> float:
     """Return how many equal readings the noise of the others rules out; infinity if they show none.
@@ -130,48 +134,51 @@ def _shortest_fault(
     """
     steps = np.diff(levels)
     second_differences = np.diff(steps)
-    noisy = np.abs(second_differences) > THREE_LEVELS * noise_level
+    noisy = np.abs(second_differences) > MIN_NOISE_BEND * noise_level
     # the crests of a wave turn back, too, but bend one way
     noisy[1:] &= second_differences[:-1] * second_differences[1:] < 0
     if turns:
         noisy &= steps[:-1] * steps[1:] < 0
     second_differences = np.abs(second_differences)
-    share = float(np.mean(noisy)) if len(noisy) else 0.0
-    if np.count_nonzero(noisy) < FEWEST_TURNS or share < TURNS[0][0]:
+    noisy_fraction = float(np.mean(noisy)) if len(noisy) else 0.0
+    if np.count_nonzero(noisy) < MIN_TURNS or noisy_fraction < TURN_SCATTER[0][0]:
         return np.inf
     if count == 0.0:
-        return SHORTEST
-    scatter = max(counts for min_share, counts in TURNS if share >= min_share)
-    if share >= TURNS[-1][0]:
+        return MIN_RUN
+    scatter = max(counts for min_share, counts in TURN_SCATTER if noisy_fraction >= min_share)
+    if noisy_fraction >= TURN_SCATTER[-1][0]:
         # readings that repeat are left out, so what is left scatters by more
         scatter = max(scatter, 0.7 * 1.4826 * median(second_differences) / sqrt(6.0) / count)
     same_reading_chance = erf(1 / (2 * sqrt(2.0) * scatter))
-    return max(SHORTEST, ceil(1 + log(CHANCE / samples) / log(same_reading_chance)))
+    return max(MIN_RUN, ceil(1 + log(FALSE_ALARM_RATE / samples) / log(same_reading_chance)))
 
 
-def _leaps(values: FloatArray, run: slice, free: BoolArray, min_leap: float) -> bool:
+def _has_jump(values: FloatArray, run: slice, free: BoolArray, min_leap: float) -> bool:
     """Return whether a channel goes on from another value than it stood at, and stays there."""
-    values_after = values[run.stop : run.stop + AFTER]
-    if len(values_after) < AFTER or not free[max(run.start - 1, 0) : run.stop + AFTER].all():
+    values_after = values[run.stop : run.stop + SAMPLES_AFTER]
+    if (
+        len(values_after) < SAMPLES_AFTER
+        or not free[max(run.start - 1, 0) : run.stop + SAMPLES_AFTER].all()
+    ):
         return False
-    leap, lasting_leap = (
+    jump_threshold, lasting_leap = (
         abs(values_after[0] - values[run.start]),
         abs(median(values_after) - values[run.start]),
     )
-    return bool(min(leap, lasting_leap) > min_leap > 0.0)
+    return bool(min(jump_threshold, lasting_leap) > min_leap > 0.0)
 
 
-def _stops(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:
+def _has_stop(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:
     """Return whether a channel that changes by counts a sample, all one way, changes no more."""
-    start, first = run.start, run.start - BEFORE
-    if first < 0 or run.stop - start < BEFORE or not free[first : run.stop].all():
+    start, first = run.start, run.start - SAMPLES_BEFORE
+    if first < 0 or run.stop - start < SAMPLES_BEFORE or not free[first : run.stop].all():
         return False
     steps = np.diff(values[first : start + 1])
     one_way = (steps >= 0).all() or (steps <= 0).all()
-    return bool(one_way and abs(values[start] - values[first]) > CHANGE * count)
+    return bool(one_way and abs(values[start] - values[first]) > MIN_CHANGE_COUNTS * count)
 
 
-def _ends_too_soon(
+def _has_early_end(
     values: FloatArray, run: slice, time_since_ramp: FloatArray, count: float
 ) -> bool:
     """Return whether a channel that falls stands still long before its slowest arm has relaxed."""
@@ -180,7 +187,7 @@ def _ends_too_soon(
         return False
     load_index = int(np.searchsorted(time_since_ramp, 0.0))
     half_index = int(np.searchsorted(time_since_ramp, time_since_ramp[start] / 2))
-    if half_index - load_index < BEFORE:
+    if half_index - load_index < SAMPLES_BEFORE:
         return False
     slope, late_slope = (float(values[i] - values[start]) / count for i in (load_index, half_index))
-    return bool(late_slope > ROOTS * sqrt(max(slope, 0.0)) + MORE)
+    return bool(late_slope > RELAXED_ROOT_FACTOR * sqrt(max(slope, 0.0)) + EXTRA_COUNTS)

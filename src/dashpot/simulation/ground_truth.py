@@ -26,7 +26,7 @@ def stamp(truth: Truth) -> tuple[str, ...]:
 
 
 def truth_json(truth: Truth, *, instrument: object = None) -> str:
-    """Everything that the record hides, as JSON in SI units; sampled truths are left out.
+    """Return the true parameters of a simulation as JSON, SI units, without sampled signals.
 
     The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
     is unlimited is null. The `instrument`, a dataclass, is that of a record in gauge voltages.

@@ -164,7 +164,7 @@ class Climate:
 def prepare_specimen(
     seal: GeneralizedMaxwell, rig: Rig, climate: Climate | None
 ) -> tuple[GeneralizedMaxwell, Specimen]:
-    """Return the seal as it is in a climate, and what a record on the rig says of it."""
+    """Return the seal in a climate, and the metadata of its record."""
     if climate is None:
         return seal, Specimen(length=rig.length, notes="simulated")
     specimen = Specimen(length=rig.length, temperature=climate.temperature, notes="simulated")

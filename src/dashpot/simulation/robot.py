@@ -204,9 +204,9 @@ def planned_trajectory(
     stop = tuple(convert_to_si(depth, "length") * unit(along))
     line = setpoints((0, 0, 0), stop, duration=counts["ramp"] * step, interval=step)
     rest, hold_positions = np.zeros((counts["rest"], 3)), np.tile(stop, (counts["hold"], 1))
-    share = np.arange(counts["ramp"] + 1) / counts["ramp"]
+    ratio = np.arange(counts["ramp"] + 1) / counts["ramp"]
     compression = convert_to_si(depth, "length") * np.concatenate(
-        [rest[:, 0], share, np.ones(counts["hold"])]
+        [rest[:, 0], ratio, np.ones(counts["hold"])]
     )
     points = np.vstack([rest, line, hold_positions])
     # a count times a decimal interval is not that decimal

@@ -24,7 +24,7 @@ from dashpot.base.units import format_quantity
 # a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
 GENTLE_TOLERANCE, STRAIGHT_TOLERANCE = 0.10, 0.025
 # and even, if its path leaves it by no more than this part of its tangent's, and this more
-SMOOTH, PATH_TOLERANCE = 0.30, 0.004
+EVENNESS_TOLERANCE, PATH_TOLERANCE = 0.30, 0.004
 
 
 @dataclass(frozen=True)
@@ -94,16 +94,16 @@ class ElasticLaw(Serialisable):
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, ratio, bends, force_at_knots = self._stretches
+        knots, ratio, bends, force_at_knots = self._intervals
         clipped = np.minimum(np.maximum(x, 0.0), knots[-1])
         i = knots[1:-1].searchsorted(clipped, side="right")
         step = clipped - knots[i]
         force_inside = force_at_knots[i] + step * (ratio[i] + bends[i] * step)
-        excess = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - clipped)
-        return np.asarray(force_inside + excess)
+        extension = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - clipped)
+        return np.asarray(force_inside + extension)
 
     @cached_property
-    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def _intervals(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Knots and t there, half the slope of t from each to the next, and the path at each."""
         knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
         widths = np.diff(knots)
@@ -138,10 +138,10 @@ class ElasticLaw(Serialisable):
         """
         u = np.linspace(0.0, 1.0, 41)
         force_at_depth = float(self.path(self.depth))
-        gap = float(np.max(np.abs(self.path(u * self.depth) / force_at_depth - u)))
+        largest_deviation = float(np.max(np.abs(self.path(u * self.depth) / force_at_depth - u)))
         deviation = abs(float(self.factor(self.depth)) - 1)
-        return deviation <= GENTLE_TOLERANCE and gap <= min(
-            STRAIGHT_TOLERANCE, SMOOTH * deviation + PATH_TOLERANCE
+        return deviation <= GENTLE_TOLERANCE and largest_deviation <= min(
+            STRAIGHT_TOLERANCE, EVENNESS_TOLERANCE * deviation + PATH_TOLERANCE
         )
 
     def factor_se(self, x: npt.ArrayLike) -> FloatArray:
@@ -158,22 +158,22 @@ class ElasticLaw(Serialisable):
             If no compression carries the force.
         """
         target = force / self.stiffness if self.stiffness > 0 else np.inf
-        max_force, last = float(self.path(self.depth)), self.ratio[-1]
-        if not 0 <= target < np.inf or (target > max_force and last <= 0):
+        max_force, last_slope = float(self.path(self.depth)), self.ratio[-1]
+        if not 0 <= target < np.inf or (target > max_force and last_slope <= 0):
             raise DataError(
                 f"no compression carries {force:.4g} N: at {format_quantity(self.depth, 'mm')} the "
                 f"relaxed force is {self.stiffness * max_force:.4g} N, its tangent "
-                f"{self.stiffness * last:.4g} N/m"
+                f"{self.stiffness * last_slope:.4g} N/m"
             )
         if target > max_force:
-            return self.depth + (target - max_force) / last
+            return self.depth + (target - max_force) / last_slope
         force_at_knots = self.path(self.knots)
         i = max(int(np.searchsorted(force_at_knots, target)) - 1, 0)
-        rest, first = target - float(force_at_knots[i]), self.ratio[i]
-        curvature = 2 * (self.ratio[i + 1] - first) / (self.knots[i + 1] - self.knots[i])
-        # the smaller root of first * step + bend / 4 * step**2 = rest, without cancellation
-        root = first + float(np.sqrt(max(first**2 + curvature * rest, 0.0)))
-        return self.knots[i] + (2 * rest / root if root > 0 else 0.0)
+        remaining_force, first_slope = target - float(force_at_knots[i]), self.ratio[i]
+        curvature = 2 * (self.ratio[i + 1] - first_slope) / (self.knots[i + 1] - self.knots[i])
+        # the smaller root of slope * step + bend / 4 * step**2 = force, without cancellation
+        root = first_slope + float(np.sqrt(max(first_slope**2 + curvature * remaining_force, 0.0)))
+        return self.knots[i] + (2 * remaining_force / root if root > 0 else 0.0)
 
     def rests(self, force: float) -> tuple[float, ...]:
         """Every compression under a relaxed force, N; one, for the law rises. See `compression`."""

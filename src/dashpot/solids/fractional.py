@@ -42,13 +42,13 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 
 #: of the arms that stand for a solid where no more is asked, and of its own answer in time
-TOLERANCE, EXACT = 1e-4, 1e-11
+TOLERANCE, EXACT_TOLERANCE = 1e-4, 1e-11
 # the error of the trapezoidal rule, over the law's exponential, at most
-_FACTOR = 10.0
+_ERROR_FACTOR = 10.0
 # part of the weight beyond which no arm is distinguished from the last
 _MIN_WEIGHT = 1e-16
 # widest panel of ln tau, and what a further Gauss node gains on each
-_PANEL, _GAIN = 1.5, 4.2
+_PANEL_WIDTH, _GAIN_PER_NODE = 1.5, 4.2
 
 
 class Weights(NamedTuple):
@@ -66,7 +66,7 @@ class Weights(NamedTuple):
     by_alpha: FloatArray
 
 
-def density_at(u: FloatArray, alpha: float) -> Weights:
+def compute_spectrum_density(u: FloatArray, alpha: float) -> Weights:
     """Return w(u), its derivative by ln tau, which is that by -u, and by alpha."""
     s, c = sin(alpha * pi), cos(alpha * pi)
     e = np.exp(-alpha * np.abs(u))
@@ -77,51 +77,53 @@ def density_at(u: FloatArray, alpha: float) -> Weights:
     return Weights(value, alpha * np.sign(u) * weight * value, by_alpha * value)
 
 
-def weights_at(u: FloatArray, alpha: float) -> Weights:
+def compute_arm_weights(u: FloatArray, alpha: float) -> Weights:
     r"""Return the weights of arms at even distances :math:`u = \ln(\tau_j/\tau)`.
 
     What lies beyond the first and the last is theirs.
     """
     h = float(u[1] - u[0])
-    density = density_at(u, alpha)
-    weights = Weights(*(h * part for part in density))
+    density = compute_spectrum_density(u, alpha)
+    weights = Weights(*(h * component for component in density))
     for end in (0, -1):
-        for part in weights:
-            part[end] /= 2
-    return _with_ends(weights, u, density.value[[0, -1]], alpha)
+        for component in weights:
+            component[end] /= 2
+    return _add_tail_weights(weights, u, density.value[[0, -1]], alpha)
 
 
-def _with_ends(weights: Weights, u: FloatArray, density: FloatArray, alpha: float) -> Weights:
+def _add_tail_weights(
+    weights: Weights, u: FloatArray, density: FloatArray, alpha: float
+) -> Weights:
     """Add what lies beyond the first and the last arm to them."""
     for end, sign in ((0, -1.0), (-1, 1.0)):
-        share, slope = _integrate_tail(sign * float(u[end]), alpha)
-        weights.value[end] += share
+        tail_weight, slope = _integrate_tail(sign * float(u[end]), alpha)
+        weights.value[end] += tail_weight
         weights.by_log_tau[end] += sign * float(density[end])
         weights.by_alpha[end] += slope
     return weights
 
 
-def _even(max_distance: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
+def _make_even_arms(max_distance: float, alpha: float, step: float) -> tuple[FloatArray, Weights]:
     """Arms at even distances, as far as they weigh anything."""
     count = int(np.ceil(max_distance / step))
     u = step * np.arange(-count, count + 1.0)
-    return u, weights_at(u, alpha)
+    return u, compute_arm_weights(u, alpha)
 
 
 def _build_graded_arms(max_distance: float, alpha: float, nodes: int) -> tuple[FloatArray, Weights]:
     """Arms at Gauss nodes of panels, as narrow at the peak of w as it is."""
     edges = [0.0, pi * (1 - alpha) / alpha]
     while edges[-1] < max_distance:
-        edges.append(edges[-1] + min(edges[-1], _PANEL))
+        edges.append(edges[-1] + min(edges[-1], _PANEL_WIDTH))
     right_edges = np.array(edges[1:])
     cuts = np.concatenate((-right_edges[::-1], [0.0], right_edges))
     x, weight = np.polynomial.legendre.leggauss(nodes)
     half_widths = np.diff(cuts)[:, None] / 2
     u = (cuts[:-1, None] + half_widths * (1 + x)).ravel()
     scale = (half_widths * weight).ravel()
-    weights = Weights(*(scale * part for part in density_at(u, alpha)))
-    end_densities = density_at(cuts[[0, -1]], alpha).value
-    return u, _with_ends(weights, cuts[[0, -1]], end_densities, alpha)
+    weights = Weights(*(scale * component for component in compute_spectrum_density(u, alpha)))
+    end_densities = compute_spectrum_density(cuts[[0, -1]], alpha).value
+    return u, _add_tail_weights(weights, cuts[[0, -1]], end_densities, alpha)
 
 
 def _select_arms(
@@ -136,7 +138,7 @@ def _select_arms(
     )
     kept_indices = [0, *range(first + 1, last + 1)]
     return u[first : last + 1], Weights(
-        *(np.add.reduceat(part[:], kept_indices)[: last + 1 - first] for part in weights)
+        *(np.add.reduceat(component[:], kept_indices)[: last + 1 - first] for component in weights)
     )
 
 
@@ -145,10 +147,10 @@ def _integrate_tail(u: float, alpha: float) -> tuple[float, float]:
     s, c = sin(alpha * pi), cos(alpha * pi)
     # of the other side, where the exponential could not be written
     e = exp(-alpha * abs(u))
-    share = float(np.arctan2(e * s, 1 + e * c)) / (alpha * pi)
+    tail_weight = float(np.arctan2(e * s, 1 + e * c)) / (alpha * pi)
     rotated_part = (-abs(u) * e * s + pi * e * c + pi * e * e) / (1 + 2 * c * e + e * e)
-    slope = -share / alpha + rotated_part / (alpha * pi)
-    return (share, slope) if u >= 0 else (1 - share, -slope)
+    slope = -tail_weight / alpha + rotated_part / (alpha * pi)
+    return (tail_weight, slope) if u >= 0 else (1 - tail_weight, -slope)
 
 
 @dataclass(frozen=True)
@@ -208,7 +210,7 @@ class FractionalZener(Solid, Serialisable):
     # -- algebra ------------------------------------------------------------------------------
 
     def __add__(self, other: object) -> Solid:
-        """Side by side: springs and dashpots join it, any other solid stands beside it."""
+        """Return both in parallel: springs and dashpots merge, other solids are kept beside it."""
         if not isinstance(other, Solid):
             return NotImplemented
         is_spring = isinstance(other, GeneralizedMaxwell) and not other.arms
@@ -304,8 +306,8 @@ class FractionalZener(Solid, Serialisable):
             weights = np.ones(1)
             return np.zeros(1), Weights(weights, 0 * weights, 0 * weights)
         strip = pi**2 * min(1.0, 2 * (1 - self.alpha) / self.alpha)
-        step = strip / log(_FACTOR / tolerance)
-        nodes = int(np.ceil(log(_FACTOR / tolerance) / (2 * log(_GAIN))))
+        step = strip / log(_ERROR_FACTOR / tolerance)
+        nodes = int(np.ceil(log(_ERROR_FACTOR / tolerance) / (2 * log(_GAIN_PER_NODE))))
         # the share beyond is sin(a pi)/(a pi) e^{-a u}; tau must be a number all the same
         max_distance = min(log(1 / max(0.1 * tolerance, _MIN_WEIGHT)) / self.alpha, 300.0)
         low, high = -max_distance, max_distance
@@ -317,10 +319,10 @@ class FractionalZener(Solid, Serialisable):
             margin = log(10 / tolerance)
             low = max(low, -log(2 * pi * last * self.tau) - margin)
             high = min(high, -log(2 * pi * first * self.tau) + margin)
-        if step < _PANEL / nodes:
+        if step < _PANEL_WIDTH / nodes:
             all_arms = _build_graded_arms(max_distance, self.alpha, nodes)
         else:
-            all_arms = _even(max_distance, self.alpha, step)
+            all_arms = _make_even_arms(max_distance, self.alpha, step)
         return _select_arms(*all_arms, low, high)
 
     # -- time ---------------------------------------------------------------------------------
@@ -377,4 +379,4 @@ class FractionalZener(Solid, Serialisable):
         return self._select_arms_between(float(requested.min()), float(requested.max()))
 
     def _select_arms_between(self, first: float, last: float) -> GeneralizedMaxwell:
-        return self.arms(EXACT, (1 / (2 * pi * last), 1 / (2 * pi * first)))
+        return self.arms(EXACT_TOLERANCE, (1 / (2 * pi * last), 1 / (2 * pi * first)))

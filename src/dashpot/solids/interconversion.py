@@ -139,11 +139,11 @@ def merge_twins(rates: FloatArray, weights: FloatArray) -> tuple[FloatArray, Flo
     order = np.argsort(rates)
     rates, weights = rates[order], weights[order]
     first = np.flatnonzero(np.append(True, np.diff(rates) > _EQUAL_POLES * rates[1:]))
-    merged = np.add.reduceat(weights, first)
+    merged_weights = np.add.reduceat(weights, first)
     shift = np.add.reduceat(
         weights * (rates - np.repeat(rates[first], np.diff([*first, len(rates)]))), first
     )
-    return rates[first] + shift / merged, merged
+    return rates[first] + shift / merged_weights, merged_weights
 
 
 def secular_zeros(

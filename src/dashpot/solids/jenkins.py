@@ -52,8 +52,8 @@ class Masing(RateIndependent):
         if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _is_opposite(x, turns[1][0]):
             del turns[1]  # past the mirror of its end the first loading goes on
         x_r, f_r = turns[-1]
-        share = 1 if len(turns) == 1 else 2
-        force_rise = share * float(self.backbone(abs(x - x_r) / share))
+        scale_factor = 1 if len(turns) == 1 else 2
+        force_rise = scale_factor * float(self.backbone(abs(x - x_r) / scale_factor))
         force = f_r + float(np.copysign(force_rise, x - x_r))
         return force, (*turns, (x, force))
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 # numbers of a history times its arms that a scan goes through fastest at once
-_IN_CACHE = 8192
+_CACHE_SIZE = 8192
 
 
 def angular(
@@ -94,8 +94,10 @@ class Solid(ABC):
         """Derivative of the stiffness by s, N s/m: by differences over a circle about `s`."""
         s = np.asarray(s, dtype=complex)
         # four points leave an error of the fourth power of the step
-        around = 1e-3 * np.abs(s)[..., None] * np.array([1, 1j, -1, -1j])
-        return np.asarray((self.stiffness_at(s[..., None] + around) / around).mean(axis=-1))
+        circle_points = 1e-3 * np.abs(s)[..., None] * np.array([1, 1j, -1, -1j])
+        return np.asarray(
+            (self.stiffness_at(s[..., None] + circle_points) / circle_points).mean(axis=-1)
+        )
 
     @overload
     def complex_stiffness(self, *, frequency: Quantity | npt.ArrayLike) -> ComplexArray: ...
@@ -214,9 +216,9 @@ class GeneralizedMaxwell(Solid, Serialisable):
         for name, values in (("k", k), ("tau", tau)):
             bad_indices = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
             if bad_indices.size:
-                at, value = int(bad_indices[0]), float(values[bad_indices[0]])
+                bad_index, value = int(bad_indices[0]), float(values[bad_indices[0]])
                 raise DataError(
-                    f"{name}_{at + 1} = {value!r}; a passive arm needs {name} > 0 and finite"
+                    f"{name}_{bad_index + 1} = {value!r}; a passive arm needs {name} > 0 and finite"
                 )
         order = np.argsort(tau, kind="stable")
         object.__setattr__(self, "k_inf", float(self.k_inf))
@@ -501,7 +503,7 @@ def arm_response(time: FloatArray, displacement: FloatArray, tau: float | FloatA
 
 def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray) -> FloatArray:
     """Return the sum of k times each :func:`arm_response`; short ones many at once."""
-    at_once = max(1, _IN_CACHE // max(len(time), 1))
+    at_once = max(1, _CACHE_SIZE // max(len(time), 1))
     total = np.zeros(len(time))
     for first in range(0, len(tau), at_once):
         sample_slice = slice(first, first + at_once)
@@ -527,16 +529,16 @@ class Parallel(Solid, Serialisable):
     parts: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        parts = [
-            part
+        components = [
+            component
             for solid in self.parts
-            for part in (solid.parts if isinstance(solid, Parallel) else [solid])
+            for component in (solid.parts if isinstance(solid, Parallel) else [solid])
         ]
-        if not parts or not all(isinstance(part, Solid) for part in parts):
+        if not components or not all(isinstance(component, Solid) for component in components):
             raise DataError(
                 f"parts = {self.parts!r}; expected at least one solid, and nothing else"
             )
-        object.__setattr__(self, "parts", tuple(parts))
+        object.__setattr__(self, "parts", tuple(components))
 
     @property
     def k_inf(self) -> float:  # type: ignore[override]  # others keep it as a field

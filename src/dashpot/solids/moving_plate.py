@@ -25,12 +25,12 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, decaying_sum
 
 
 # samples of a stretch that are looked at first; then each time twice as many
-_FIRST_LOOK = 64
+_FIRST_STRETCH = 64
 # of the largest compression times the stiffness: a smaller pull is rounding
 _ROUNDING = 1e-12
 
 
-def face_under_plate(
+def simulate_face_under_plate(
     solid: GeneralizedMaxwell, time: FloatArray, plate: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the compression of a seal under a plate that only pushes, m, and its force, N.
@@ -54,32 +54,32 @@ def face_under_plate(
     face[0] = max(float(plate[0]), 0.0)
     force[0] = solid.k_inf * face[0]
     tensile_limit = -_ROUNDING * solid.k_0 * max(float(np.abs(plate).max()), 1e-300)
-    q, i, is_pressed, look_ahead = np.zeros(solid.arms), 0, True, _FIRST_LOOK
+    q, i, is_pressed, look_ahead = np.zeros(solid.arms), 0, True, _FIRST_STRETCH
     while i < len(plate) - 1:
         samples = slice(i, min(i + look_ahead, len(plate)))
         if is_pressed:
             x = np.concatenate((face[i : i + 1], plate[samples][1:]))
-            answer, states = _compute_force_and_states(solid, time[samples], x, q)
-            change_indices = np.flatnonzero(answer[1:] < tensile_limit)
+            response, states = _compute_force_and_states(solid, time[samples], x, q)
+            change_indices = np.flatnonzero(response[1:] < tensile_limit)
         else:
             # what force is left at the last sample that was pressed goes at once
             jump = force[i] / recovery.k_g
             x, states = recovery(time[samples] - time[i], face[i] - jump, q - jump)
-            answer = np.zeros(len(x))
+            response = np.zeros(len(x))
             x[0] = face[i]
             change_indices = np.flatnonzero(plate[samples][1:] > x[1:])
-        last = int(change_indices[0]) if change_indices.size else len(x) - 1
-        face[i : i + last + 1], q = x[: last + 1], states[last]
-        force[i + 1 : i + last + 1] = answer[1 : last + 1]
-        i += last
+        last_sample = int(change_indices[0]) if change_indices.size else len(x) - 1
+        face[i : i + last_sample + 1], q = x[: last_sample + 1], states[last_sample]
+        force[i + 1 : i + last_sample + 1] = response[1 : last_sample + 1]
+        i += last_sample
         if change_indices.size:
-            is_pressed, look_ahead = not is_pressed, _FIRST_LOOK
+            is_pressed, look_ahead = not is_pressed, _FIRST_STRETCH
             if is_pressed:
                 # the plate meets the face within the next sample, and is there at its end
                 x = np.array([face[i], plate[i + 1]])
-                answer, states = _compute_force_and_states(solid, time[i : i + 2], x, q)
+                response, states = _compute_force_and_states(solid, time[i : i + 2], x, q)
                 i += 1
-                face[i], force[i], q = plate[i], max(float(answer[1]), 0.0), states[1]
+                face[i], force[i], q = plate[i], max(float(response[1]), 0.0), states[1]
         else:
             look_ahead *= 2
     return face, force
@@ -113,13 +113,13 @@ class _Recovery:
         self, time_since_release: FloatArray, face: float, q: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Face and elongations at times since it was let go, s; the first as they were."""
-        parts = self.into @ q
+        elongation_terms = self.into @ q
         scaled_time = self.rate * time_since_release[:, None]
-        states = (np.exp(scaled_time) * parts) @ self.out.T
-        grown = np.where(scaled_time < -1e-12, np.expm1(scaled_time) / np.minimum(self.rate,
+        states = (np.exp(scaled_time) * elongation_terms) @ self.out.T
+        growth = np.where(scaled_time < -1e-12, np.expm1(scaled_time) / np.minimum(self.rate,
         -1e-300),
                          time_since_release[:, None])  # fmt: skip
-        x = face + (grown * parts) @ (self.out.T @ self.pull)
+        x = face + (growth * elongation_terms) @ (self.out.T @ self.pull)
         return x, states
 
 

@@ -94,7 +94,7 @@ def from_creep(creep: CreepSpectrum) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(*relaxation_spectrum(creep))
 
 
-def creep_of(solid: GeneralizedMaxwell) -> CreepSpectrum:
+def compute_creep_spectrum(solid: GeneralizedMaxwell) -> CreepSpectrum:
     """Return the creep spectrum of a solid, exactly."""
     return creep_spectrum(solid.k_inf, solid.k, solid.tau, solid.b)
 
@@ -129,13 +129,13 @@ def series(*solids: GeneralizedMaxwell) -> GeneralizedMaxwell:
         raise DataError("series() needs at least one solid")
     if len(solids) == 1:
         return solids[0]
-    parts = [creep_of(solid) for solid in solids]
+    creep_solids = [compute_creep_spectrum(solid) for solid in solids]
     return from_creep(
         CreepSpectrum(
-            glass=sum(part.glass for part in parts),
-            d=tuple(d for part in parts for d in part.d),
-            lam=tuple(lam for part in parts for lam in part.lam),
-            flow=sum(part.flow for part in parts),
+            glass=sum(creep_solid.glass for creep_solid in creep_solids),
+            d=tuple(d for creep_solid in creep_solids for d in creep_solid.d),
+            lam=tuple(lam for creep_solid in creep_solids for lam in creep_solid.lam),
+            flow=sum(creep_solid.flow for creep_solid in creep_solids),
         )
     )
 

@@ -24,18 +24,18 @@ from dashpot.base.number_format import format_count
 from dashpot.base.option_fields import PartMode
 from dashpot.base.units import convert_to_si
 
-RUBBER = 0.4995
+RUBBER_POISSON_RATIO = 0.4995
 """Poisson's ratio that a rubber has, nearly: a bulk modulus 1000 times its shear modulus."""
-_SOFTEST = 0.2
-_CYLINDER = (0.87022479, 0.89154842, 4.78464784)
-_COMPRESSED = (2.3033, -1.1880, -0.0179, 0.2896)
-_BLOCK = (
+_MIN_POISSON_RATIO = 0.2
+_CYLINDER_COEFFICIENTS = (0.87022479, 0.89154842, 4.78464784)
+_COMPRESSIBLE_COEFFICIENTS = (2.3033, -1.1880, -0.0179, 0.2896)
+_BLOCK_COEFFICIENTS = (
     (2.32679, -4.32343, 2.72279), (0.15043, 4.18544, -2.58491), (2.04442, -1.74645, 1.78379),
 )  # fmt: skip
-_BLOCK_EDGE = (2.20077, -1.99458, 0.04257, -0.51361)
+_BLOCK_EDGE_COEFFICIENTS = (2.20077, -1.99458, 0.04257, -0.51361)
 
 
-def bonded_cylinder(S: float, poisson: float = RUBBER) -> float:
+def bonded_cylinder(S: float, poisson: float = RUBBER_POISSON_RATIO) -> float:
     r"""Stiffness of a cylinder between bonded plates over that of one between lubricated ones.
 
     With that of an incompressible one less 1,
@@ -62,8 +62,10 @@ def bonded_cylinder(S: float, poisson: float = RUBBER) -> float:
     >>> round(bonded_cylinder(0.25, 0.499), 3), round(bonded_cylinder(1.0, 0.499), 3)
     (1.191, 2.922)
     """
-    a, b, c = _CYLINDER
-    return _compressible((a * S + b * S**2 + 2 * c * S**3) / (1 + c * S), S, poisson, _COMPRESSED)
+    a, b, c = _CYLINDER_COEFFICIENTS
+    return _compressible(
+        (a * S + b * S**2 + 2 * c * S**3) / (1 + c * S), S, poisson, _COMPRESSIBLE_COEFFICIENTS
+    )
 
 
 def _compressible(single: float, S: float, poisson: float, edges: tuple[float, ...]) -> float:
@@ -75,11 +77,11 @@ def _compressible(single: float, S: float, poisson: float, edges: tuple[float, .
     M = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) - 1
     u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * single / M
     x = np.sqrt(8 * u)
-    edge = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
-    return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge)
+    edge_term = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
+    return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge_term)
 
 
-def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
+def bonded_block(S: float, aspect: float, poisson: float = RUBBER_POISSON_RATIO) -> float:
     r"""Return the shape factor of :func:`bonded_cylinder` for a rectangular block.
 
     With r its narrow side over its wide one, :math:`f_0 = (A S + B S^2 + \beta C S^3)/(1 + C S)`,
@@ -107,9 +109,12 @@ def bonded_block(S: float, aspect: float, poisson: float = RUBBER) -> float:
     thin_part = (
         4 / 3 * (1 + r) ** 2 * (1 - 192 * r / np.pi**5 * np.sum(np.tanh(n * np.pi / 2 / r) / n**5))
     )
-    A, B, C = (float(np.polyval(values[::-1], r)) for values in _BLOCK)
+    A, B, C = (float(np.polyval(values[::-1], r)) for values in _BLOCK_COEFFICIENTS)
     return _compressible(
-        (A * S + B * S**2 + thin_part * C * S**3) / (1 + C * S), S, poisson, _BLOCK_EDGE
+        (A * S + B * S**2 + thin_part * C * S**3) / (1 + C * S),
+        S,
+        poisson,
+        _BLOCK_EDGE_COEFFICIENTS,
     )
 
 
@@ -170,9 +175,9 @@ class _Pad(Geometry):
         plain_ratio = self.area / self.height
         if mode == "shear":
             return plain_ratio / 3
-        return plain_ratio * (self._stiffer() if bonded else 1)
+        return plain_ratio * (self._compute_bonded_factor() if bonded else 1)
 
-    def _stiffer(self) -> float:
+    def _compute_bonded_factor(self) -> float:
         """Return what bonded plates make of the stiffness, a factor."""
         raise NotImplementedError
 
@@ -192,7 +197,7 @@ class Disc(_Pad):
 
     diameter: float
     height: float
-    poisson: float = field(default=RUBBER, kw_only=True)
+    poisson: float = field(default=RUBBER_POISSON_RATIO, kw_only=True)
 
     def __post_init__(self) -> None:
         _lengths(self, "diameter", "height")
@@ -208,7 +213,7 @@ class Disc(_Pad):
         """S = D / 4h."""
         return self.diameter / (4 * self.height)
 
-    def _stiffer(self) -> float:
+    def _compute_bonded_factor(self) -> float:
         return bonded_cylinder(self.shape_factor, self.poisson)
 
 
@@ -219,7 +224,7 @@ class Block(_Pad):
     length: float
     width: float
     height: float
-    poisson: float = field(default=RUBBER, kw_only=True)
+    poisson: float = field(default=RUBBER_POISSON_RATIO, kw_only=True)
 
     def __post_init__(self) -> None:
         _lengths(self, "length", "width", "height")
@@ -235,9 +240,9 @@ class Block(_Pad):
         """S = ab / 2h(a + b)."""
         return self.area / (2 * self.height * (self.length + self.width))
 
-    def _stiffer(self) -> float:
-        narrow, wider = sorted((self.length, self.width))
-        return bonded_block(self.shape_factor, narrow / wider, self.poisson)
+    def _compute_bonded_factor(self) -> float:
+        width, length = sorted((self.length, self.width))
+        return bonded_block(self.shape_factor, width / length, self.poisson)
 
 
 @dataclass(frozen=True)
@@ -293,10 +298,10 @@ class Bulb(Geometry):
 
     def __post_init__(self) -> None:
         _lengths(self, "outer", "wall", "length")
-        if not self.wall <= _THIN * self.radius:
+        if not self.wall <= _MAX_THIN_RATIO * self.radius:
             raise DataError(
                 f"a bulb of {self.outer:g} m with a wall of {self.wall:g} m is no thin ring; "
-                f"expected a wall of at most {_THIN:g} of its mean radius"
+                f"expected a wall of at most {_MAX_THIN_RATIO:g} of its mean radius"
             )
         if not 0 <= self.poisson <= 0.5:
             raise DataError(f"poisson = {self.poisson!r}; expected 0 to 0.5")
@@ -312,14 +317,14 @@ class Bulb(Geometry):
         return float(bending / ((np.pi / 4 - 2 / np.pi) * self.radius**3))
 
 
-_THIN = 0.3
+_MAX_THIN_RATIO = 0.3
 
 
 def _require_rubber_poisson(poisson: float) -> None:
-    if not _SOFTEST <= poisson <= 0.5:
+    if not _MIN_POISSON_RATIO <= poisson <= 0.5:
         raise DataError(
-            f"poisson = {poisson!r}; expected {_SOFTEST:g} to 0.5. A foam has 0.3 to 0.45, a "
-            f"rubber {RUBBER:g}"
+            f"poisson = {poisson!r}; expected {_MIN_POISSON_RATIO:g} to 0.5. A foam has 0.3 to "
+            f"0.45, a rubber {RUBBER_POISSON_RATIO:g}"
         )
 
 
@@ -348,10 +353,10 @@ def find_shape(words: str) -> Geometry:
         raise DataError(f"'{words}' is no shape. Write {', '.join(shapes)}, such as disc:20mm,20mm")
     kind = shapes[name]
     requested = [attribute.name for attribute in fields(kind) if not attribute.kw_only]  # type: ignore[arg-type]
-    parts = lengths.split(",")
-    if len(parts) != len(requested):
+    dimensions = lengths.split(",")
+    if len(dimensions) != len(requested):
         raise DataError(
-            f"'{words}' has {format_count(len(parts), 'length')}; expected {len(requested)}: "
+            f"'{words}' has {format_count(len(dimensions), 'length')}; expected {len(requested)}: "
             f"{', '.join(requested)}, with their units and commas between them"
         )
-    return kind(*(convert_to_si(part.strip(), "length") for part in parts))
+    return kind(*(convert_to_si(dimension.strip(), "length") for dimension in dimensions))

@@ -24,7 +24,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive, select_fields
 from dashpot.solids.maxwell import Solid
 
-_NODES = 400
+_QUADRATURE_NODES = 400
 """Nodes of the quadrature over half a cycle, where an element has no closed first harmonic."""
 
 
@@ -247,6 +247,6 @@ def _make_stepped(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Ste
 
 def _half_cycle() -> tuple[FloatArray, FloatArray]:
     """Phases of half a cycle and their weights, crowded at both turns, where a branch bends."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = np.polynomial.legendre.leggauss(_QUADRATURE_NODES)
     phase = np.pi / 2 * (1 + np.sin(np.pi / 2 * nodes))
     return phase, weights * np.pi**2 / 4 * np.cos(np.pi / 2 * nodes)

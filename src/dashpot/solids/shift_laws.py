@@ -22,11 +22,11 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-GAS = 8.314462618
+GAS_CONSTANT = 8.314462618
 """Molar gas constant R, J/(mol K)."""
 _LN10 = log(10.0)
 # C_1 and C_2, K, of many polymers at their glass transition
-_UNIVERSAL = 17.44, 51.6
+_UNIVERSAL_WLF = 17.44, 51.6
 
 
 class TemperatureLaw(ABC, Serialisable):
@@ -100,12 +100,12 @@ class WLF(TemperatureLaw):
     @classmethod
     def universal(cls, *, glass: float, reference: float) -> WLF:
         """The law of many polymers, C_1 = 17.44 and C_2 = 51.6 K at the glass transition, K."""
-        return cls(*_UNIVERSAL, glass).change_reference(reference)
+        return cls(*_UNIVERSAL_WLF, glass).change_reference(reference)
 
     @property
     def glass(self) -> float:
         """Glass transition temperature, K, if C_2 there is that of many polymers."""
-        return self.reference - self.c2 + _UNIVERSAL[1]
+        return self.reference - self.c2 + _UNIVERSAL_WLF[1]
 
     @property
     def kind(self) -> str:
@@ -142,7 +142,7 @@ class WLF(TemperatureLaw):
         """Apparent activation energy, J/mol, at temperatures, K."""
         t = np.asarray(temperature, dtype=float)
         return np.asarray(
-            _LN10 * GAS * self.c1 * self.c2 * t**2 / (self.c2 + t - self.reference) ** 2
+            _LN10 * GAS_CONSTANT * self.c1 * self.c2 * t**2 / (self.c2 + t - self.reference) ** 2
         )
 
 
@@ -176,7 +176,7 @@ class Arrhenius(TemperatureLaw):
     def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Decadic logarithm of the shift factor at temperatures, K."""
         t = np.asarray(temperature, dtype=float)
-        return np.asarray(self.energy / (GAS * _LN10) * (1 / t - 1 / self.reference))
+        return np.asarray(self.energy / (GAS_CONSTANT * _LN10) * (1 / t - 1 / self.reference))
 
     def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
         """E_a, J/mol, whatever the temperature."""
@@ -207,8 +207,8 @@ class FreeShifts(TemperatureLaw):
         temperatures = increasing("temperatures", samples("temperatures", self.temperatures))
         shifts = samples("log10_shifts", self.log10_shifts)
         same_length(temperatures=temperatures, log10_shifts=shifts)
-        at = np.flatnonzero(temperatures == self.reference)
-        if temperatures[0] <= 0 or not len(at) or shifts[at[0]] != 0:
+        reference_index = np.flatnonzero(temperatures == self.reference)
+        if temperatures[0] <= 0 or not len(reference_index) or shifts[reference_index[0]] != 0:
             raise DataError(
                 f"free shifts need temperatures > 0 K with the reference of {self.reference:g} K "
                 f"among them and no shift there; found {self.temperatures}"
@@ -242,5 +242,7 @@ class FreeShifts(TemperatureLaw):
         self.log10_a_t(t)  # refuses what is outside
         inverse, shift = 1 / np.array(self.temperatures), np.array(self.log10_shifts)
         slope = np.diff(shift) / np.diff(inverse)
-        at = np.clip(np.searchsorted(self.temperatures, t, side="right") - 1, 0, len(slope) - 1)
-        return np.asarray(_LN10 * GAS * slope[at])
+        interval_index = np.clip(
+            np.searchsorted(self.temperatures, t, side="right") - 1, 0, len(slope) - 1
+        )
+        return np.asarray(_LN10 * GAS_CONSTANT * slope[interval_index])

@@ -27,7 +27,7 @@ def render_text(result: object) -> Text:
 
 
 def format_result(result: Any) -> str:
-    """Return what a command prints of a result; of what is none, what a shell shows."""
+    """Return the text that a command prints for a result; its repr if there is no other."""
     function = _find_renderer(result)
     if function is None:
         return repr(result)

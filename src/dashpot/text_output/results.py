@@ -48,7 +48,7 @@ def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
 
 
 def with_error(value: float, error: float | None, unit: str = "") -> str:
-    """Return a value of a unit of SI and its error as people read both; None is not known."""
+    """Return a value and its error in display units; an error of None is unknown."""
     return ReportedValue.from_error("", value, error, unit=unit).cells.ascii.with_error
 
 
@@ -205,7 +205,7 @@ _SMALL_CABLE_ERROR = 0.05
 
 
 def _format_undetermined(fit: Fit) -> list[str]:
-    """Return what the end of the test leaves open, and cables that were not described."""
+    """Return the limits at the end of the test, and a note on cables without data."""
     end = fit.evidence.end_of_hold
     paragraphs = [end.format_with_remedy(fit.unit)] if end else []
     cables = next((check for check in fit.checks if check.name == "cables_described"), None)
@@ -561,7 +561,7 @@ _SHOWN_LINES = 3
 
 
 def render_identification(result: Identified) -> Text:
-    """Return the model, and the measured modes where nothing else was fitted."""
+    """Return the model, and the measured modes if there is no other fit."""
     model, stiffness = render_fit(result.fit), result.direct.stiffness
     first_lines, lines = list(model.lines[:1]), model.lines[1:]
     if stiffness.over_base:

@@ -6,7 +6,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import format_quantity
 
 CAUSAL_LIMIT = 0.5
-MOST_BEYOND = 3.0
+MAX_EXTRAPOLATION = 3.0
 # above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
 
 
@@ -47,7 +47,7 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
         part,
         failure=f"{message}, {part:.3g} times the {format_quantity(depth, 'mm', '.3g')} tested",
         remedy=Remedy("Check the mass and its unit, or test as deep.", "mass"),
-        grade="stop" if part > MOST_BEYOND else "limit",
+        grade="stop" if part > MAX_EXTRAPOLATION else "limit",
     )
 
 

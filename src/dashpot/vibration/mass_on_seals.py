@@ -148,11 +148,11 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
 
 FREQUENCY_TOLERANCE = 1e-14
 """Relative change at which a frequency has converged."""
-_REAL = 1e-9
+_REAL_POLE_TOLERANCE = 1e-9
 """Relative imaginary part up to which a pole is real."""
 _MAX_NEWTON_STEPS, _POLE_TOLERANCE, _POLE_SEPARATION = 30, 1e-12, 1e-6
 """Newton steps to a pole; relative residual that needs none; that of an accepted pole."""
-LINES, FREQUENCY_FACTOR = 4001, 10.0
+LINE_COUNT, FREQUENCY_FACTOR = 4001, 10.0
 """Default lines of a prediction: their number, and the factor to either side of its peak."""
 NEGLIGIBLE_PART = 1e-6
 """Relative error of stiffness up to which an arm is replaced by a dashpot or a spring."""
@@ -304,8 +304,8 @@ def _default_frequencies(stiffness: float, mass: float) -> FloatArray:
         raise DataError(
             "the solid has no stiffness of its own at high frequency (Python: give frequency=)"
         )
-    top = compute_peak_limit(stiffness, mass)
-    return np.geomspace(top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR, LINES)
+    peak_limit = compute_peak_limit(stiffness, mass)
+    return np.geomspace(peak_limit / FREQUENCY_FACTOR, peak_limit * FREQUENCY_FACTOR, LINE_COUNT)
 
 
 def compute_peak_limit(stiffness: float, mass: float) -> float:
@@ -343,7 +343,9 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     """
     require_positive(mass=mass, unit=" kg")
     p = poles(model, mass)
-    p = np.append(p[p.imag > _REAL * np.abs(p)], _estimate_undamped_pole(model, mass))
+    p = np.append(
+        p[p.imag > _REAL_POLE_TOLERANCE * np.abs(p)], _estimate_undamped_pole(model, mass)
+    )
     p = _refine_poles(model, mass, p)
     return tuple(
         Mode(float(abs(pole)) / (2 * np.pi), float(-pole.real / abs(pole)), complex(residue))
@@ -352,7 +354,7 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
 
 
 def _estimate_undamped_pole(model: Solid, mass: float) -> complex:
-    """Return the pole of the undamped mass, 1/s: a start where rounding left none."""
+    """Return the pole of the undamped mass, 1/s, as a starting point."""
     omega = np.sqrt(max(model.k_0, 0.0) / mass)
     for _ in range(50):
         stiffness = float(model.stiffness_at(1j * omega).real) if omega > 0 else 0.0
@@ -378,7 +380,7 @@ def _refine_poles(model: Solid, mass: float, p: ComplexArray) -> ComplexArray:
         updated = p - evaluate_characteristic(p) / (2 * mass * p + model.slope_at(p))
         p = np.where(is_unsettled & np.isfinite(updated), updated, p)
     is_settled = np.abs(evaluate_characteristic(p)) <= _POLE_SEPARATION * np.abs(mass * p**2)
-    values = p[is_settled & (p.real <= 0) & (p.imag > _REAL * np.abs(p))]
+    values = p[is_settled & (p.real <= 0) & (p.imag > _REAL_POLE_TOLERANCE * np.abs(p))]
     distinct = [
         i
         for i, value in enumerate(values)
@@ -395,8 +397,8 @@ def poles(model: Solid, mass: float) -> ComplexArray:
     arms that stand for the solid.
     """
     arms = model.maxwell
-    size = 2 + arms.arms
-    state = np.zeros((size, size))
+    pole_count = 2 + arms.arms
+    state = np.zeros((pole_count, pole_count))
     state[0, 1] = 1.0
     state[1, 0] = -arms.k_inf / mass
     state[1, 1] = -arms.b / mass
@@ -492,7 +494,8 @@ class Response:
         if loss is None:
             return np.asarray(untruncated)
         return np.asarray(
-            untruncated - (loss.amplitude / (self.s[:, None] - loss.p)).sum(axis=1) * self._end
+            untruncated
+            - (loss.amplitude / (self.s[:, None] - loss.p)).sum(axis=1) * self._compute_end_motion
         )
 
     def slope(
@@ -520,10 +523,10 @@ class Response:
         residue_change += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * shift
         part = loss.amplitude / (self.s[:, None] - loss.p)
         truncation_slope = part @ residue_change + part / (self.s[:, None] - loss.p) @ shift
-        return np.asarray(untruncated - truncation_slope * self._end[:, None])
+        return np.asarray(untruncated - truncation_slope * self._compute_end_motion[:, None])
 
     @cached_property
-    def _end(self) -> ComplexArray:
+    def _compute_end_motion(self) -> ComplexArray:
         return np.asarray(np.exp(-self.s * (self.record or 0.0) - 0.5 * (self.pulse * self.s) ** 2))
 
     @cached_property
@@ -538,10 +541,10 @@ class Response:
         # of an arm faster than the pulse the width of it shows nothing: it has long died away
         p = p[p.real * self.record > -MAX_DECAY]
         r = residues(arms, mass, p)
-        size = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
-        is_alive = np.abs(size) > 0
+        motion_at_end = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
+        is_alive = np.abs(motion_at_end) > 0
         p = p[is_alive]
-        return TruncationLoss(p, r[is_alive], size[is_alive], 2 * mass + arms.bend_at(p))
+        return TruncationLoss(p, r[is_alive], motion_at_end[is_alive], 2 * mass + arms.bend_at(p))
 
 
 def _simplify_distant_arms(

@@ -16,7 +16,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen, make_file_specimens
 from dashpot.fitting.fit_options import FitOptions, SolidOptions
-from dashpot.fitting.input_tests import depths_of
+from dashpot.fitting.input_tests import split_depths
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.columns.kind_detection import format_other_kind
@@ -77,7 +77,7 @@ def prepared_tests(
     if each_depth and len(tests) == 1 and cycle is None and time_limits == TimeLimits():
         (test,) = tests
         if isinstance(test, RelaxationTest):
-            return depths_of(test, filter=filter, machine=machine, with_checks=checked)
+            return split_depths(test, filter=filter, machine=machine, with_checks=checked)
     return tuple(
         record if isinstance(record, RampHold) else prepare(record, **preparation)
         for record in tests
@@ -206,8 +206,8 @@ class BenchFitOptions(SolidOptions):
             reference=shifting.reference,
         )  # fmt: skip
 
-    def nothing_of(self, *names: str) -> bool:
-        """Return whether each of these is left at what it is where nothing is said."""
+    def has_defaults(self, *names: str) -> bool:
+        """Return whether all of these options have their defaults."""
         return all(getattr(self, name) == getattr(BenchFitOptions, name) for name in names)
 
 
@@ -261,7 +261,7 @@ def fit_records(
     the handler of these. `name`, of the first file, stands before what is wrong.
     """
     handlers = (find_handler("fit records", test) for test in tests)
-    fit_others = next((item for item in handlers if item is not None), None)
+    fit_others = next((handler for handler in handlers if handler is not None), None)
     if fit_others is not None:
         result: tuple[Fit, tuple[Record, ...]] = fit_others(tests, options, name=name)
         return result
@@ -309,7 +309,7 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not options.depth_law:
         return fit_relaxation(tests, **options.ramp_options.choices)
-    usual_options = options.nothing_of("method", "law", "family")
+    usual_options = options.has_defaults("method", "law", "family")
     if not usual_options or options.thorough or options.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
@@ -321,5 +321,5 @@ def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
 
 
 def fit_fixed_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
-    """Return the optimum with so many arms alone, which is drawn, not checked."""
+    """Return the optimum with this number of arms, without checks, as for a figure."""
     return fit_relaxation(test, arms=arms, method=method, intervals=False)

@@ -45,7 +45,7 @@ def find_mass_on_seals(
     *,
     band: tuple[float, float] | None = None,
 ) -> MassOnSeals:
-    """Return what moves with the block given, else what the peak of the FRF in `band`, Hz, implies.
+    """Return the mass that moves: by the options, else by the peak of the FRF in `band`, Hz.
 
     The seals are as stiff as under that mass, or at the compression given.
     """
@@ -249,7 +249,7 @@ def compare_files(
     leave_out = find_handler("leave one out", impact)
     if leave_out is None:
         return comparison
-    unmeasured = leave_out(
+    left_out_tests = leave_out(
         impact,
         tests,
         fit,
@@ -257,7 +257,7 @@ def compare_files(
         choices=hammer,
         band=band,
     )
-    return replace(comparison, unmeasured=unmeasured)
+    return replace(comparison, unmeasured=left_out_tests)
 
 
 def agreement(

@@ -47,11 +47,11 @@ from dashpot.workflow.stiffness_under_mass import (
     RivalModes,
     StaticEquilibrium,
     family_checks,
+    find_alternative_modes,
     find_static_equilibrium,
     formal_limits,
     frf_limits,
     rest_checks,
-    rival_modes,
 )
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def apply_part_factor(
     base: bool,
     peak: Callable[[Solid, float, float], float] | None = None,
 ) -> Fit:
-    """Return the fit of one of `seals` such parts; the fit itself where nothing is said.
+    """Return the fit of one of `seals` such parts; the fit itself if no part is given.
 
     `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
     the user was measured.
@@ -159,7 +159,7 @@ def _part_mode(word: str | None) -> PartMode | None:
 # Predicted FRF of a mass, with peak, modes and limits.
 
 
-BAND = (1.0, 50.0)
+DEFAULT_BAND = (1.0, 50.0)
 """Hz, where none is said."""
 
 
@@ -496,16 +496,16 @@ def prediction(
     SIZES["mass"].refuse(mass)
     require_positive(lines=lines)
     frf_kind = _select_frf_kind(kind, base=base or base_psd is not None, relative=relative)
-    band, predictor = band or BAND, _level_predictor(at_level, swept)
+    band, predictor = band or DEFAULT_BAND, _level_predictor(at_level, swept)
     moving, mass_checks = moving_mass(mass, seal=block.seal_mass or 0.0, seals=seals)
     shifted_fit = fit if temperature is None else fit.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
         _refuse_records(tests)
         material = shifted_fit.solid
-        measured = None if predictor is None else predictor.measured_peak(frf_kind)
+        measured_peak = None if predictor is None else predictor.measured_peak(frf_kind)
         shifted_fit = fit = apply_part_factor(
-            part, shifted_fit, seals=seals, base=frf_kind.over_base, peak=measured
+            part, shifted_fit, seals=seals, base=frf_kind.over_base, peak=measured_peak
         )
         stiffer = float(
             abs(
@@ -562,7 +562,7 @@ def prediction(
 
 
 def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
-    """Return what a level does to the parts; None where none is asked for."""
+    """Return the predictor of a level of excitation; None if none is given."""
     if choices is None or not choices.levels:
         return None
     predictor: LevelPredictor = require_handler("predict at levels", choices)(choices, swept)
@@ -586,9 +586,13 @@ def _format_headline(frf: FRF, peak: tuple[float, float], fit: Fit, *, at_edge: 
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
     name, unit = frf.quantity.replace("_", " "), frf.read
-    size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
-    top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
-    return f"{top}. The model is valid {format_band(fit.band)}"
+    height_text = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
+    peak_text = (
+        f"the {name} is {height_text}, the end of the band"
+        if at_edge
+        else f"peak of the {name} {height_text}"
+    )
+    return f"{peak_text}. The model is valid {format_band(fit.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:
@@ -634,20 +638,25 @@ class MountedMass:
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
         """Return frequency and height of the largest magnitude, and whether it stands at an end."""
-        top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
-        low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
+        peak_line, last_line = int(np.abs(frf.value).argmax()), len(frf.value) - 1
+        low, high = (
+            frf.frequency[max(peak_line - 1, 0)],
+            frf.frequency[min(peak_line + 1, last_line)],
+        )
         fine_frf = self.frf(np.linspace(low, high, 2001))
         height = np.abs(fine_frf.value)
         peak = float(fine_frf.frequency[height.argmax()]), float(height.max())
-        return peak, top in {0, last} and peak[0] in {low, high}
+        return peak, peak_line in {0, last_line} and peak[0] in {low, high}
 
     @property
     def rival(self) -> RivalModes | None:
         """Resonance by the other family of solids that explains the test."""
-        other = self.fit.evidence.alternative
-        if other is None or not other.is_sufficient:
+        alternative = self.fit.evidence.alternative
+        if alternative is None or not alternative.is_sufficient:
             return None
-        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, self.load))
+        return RivalModes(
+            alternative.family, find_alternative_modes(self.fit, self.rests.point, self.load)
+        )
 
     def compute_limits(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
         """Return the limits of the response, over fewer lines."""
@@ -678,7 +687,7 @@ class MountedMass:
 def _compute_bounds(
     load: MountedMass, fit: Fit, tests: Sequence[RampHold], *, temperature: float | None
 ) -> Callable[..., FRFBounds] | None:
-    """Return what bounds the FRF by the relaxation tests; None without them."""
+    """Return the bounds of the FRF by the relaxation tests; None without tests."""
     if not tests:
         return None
     from dashpot.workflow.bench_tests import fill_missing_temperatures, refuse_unfitted_tests

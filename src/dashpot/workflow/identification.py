@@ -70,7 +70,7 @@ class DirectStiffness(Serialisable):
 
     @property
     def table(self) -> str:
-        """They as CSV, with the bands where they are good in the head."""
+        """The stiffnesses as CSV, with the usable bands in the header."""
         stiffness = self.stiffness
         head = (
             f"# {byline('stiffness from the FRF')}\n"

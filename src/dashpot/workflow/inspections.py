@@ -75,8 +75,8 @@ def convert_old_inspection(entries: dict[str, Any]) -> dict[str, Any]:
     account = entries.get("preparation", {})
     if "error" not in account:
         return entries
-    rest = {key: item for key, item in entries.items() if key != "preparation"}
-    return rest | {"refusal": account["error"]}
+    other_entries = {key: value for key, value in entries.items() if key != "preparation"}
+    return other_entries | {"refusal": account["error"]}
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def _inspect_path(
 
 
 def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
-    """The record of an open file by the reader of its kind; None of what cannot be read so."""
+    """Return the record of an open file by the reader of its kind; None if it cannot be read."""
     row = KINDS.get(kind)
     if row is None or not row.reader or str(path) == "-":
         return None

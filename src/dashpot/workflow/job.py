@@ -20,7 +20,7 @@ from dashpot.base.option_fields import (
     ShiftLaw,
     VerticalAsked,
     copy_option,
-    flags_of,
+    format_option_flags,
     get_choice_values,
     is_path_field,
     make_nested_options,
@@ -61,7 +61,7 @@ def require_test_for_machine(machine: Machine | None, *, tests: int, add: str) -
     """
     if machine is not None and machine != Machine() and not tests:
         raise DataError(
-            f"{flags_of(Machine)} describes the machine of a test, and there is none "
+            f"{format_option_flags(Machine)} describes the machine of a test, and there is none "
             f"here. Add {add}, or leave it out."
         )
 
@@ -134,8 +134,8 @@ class TimeLimits:
         """
         if self != TimeLimits() and tests != 1:
             raise DataError(
-                f"{flags_of(TimeLimits)} cuts one relaxation test, and there are {tests} here. "
-                "Leave it out, or fit that test alone."
+                f"{format_option_flags(TimeLimits)} cuts one relaxation test, and there are "
+                f"{tests} here. Leave it out, or fit that test alone."
             )
 
 

@@ -53,7 +53,7 @@ def has_edited_fit(value: Any) -> bool:
 
 
 def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return a JSON object whose keys each stand once."""
+    """Return a JSON object; raise an error if a key occurs twice."""
     entries = dict(pairs)
     if len(entries) < len(pairs):
         keys = [key for key, _ in pairs]
@@ -62,32 +62,34 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return entries
 
 
-def parts_of(value: Any, path: str) -> dict[str, Any]:
-    """Return what an object or an array holds by its place; nothing of any other value."""
+def list_children(value: Any, path: str) -> dict[str, Any]:
+    """Return the members of a JSON object or array by their path; none of other values."""
     if isinstance(value, dict):
-        return {f"{path}.{key}": item for key, item in value.items()}
+        return {f"{path}.{key}": child for key, child in value.items()}
     if isinstance(value, list):
-        return {f"{path}[{i}]": item for i, item in enumerate(value)}
+        return {f"{path}[{i}]": child for i, child in enumerate(value)}
     return {}
 
 
 def find_mistyped_number(value: Any, path: str = "$") -> str:
-    """Say which number of a document is a text; nothing if none is."""
+    """Return a message for a number that a document has as text; "" if there is none."""
     if isinstance(value, str) and re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", value):
         numeric = path.rpartition(".")[2].partition("[")[0] in _NUMERIC
         return f'{path} is the text "{value}"; expected a number, with a point' if numeric else ""
-    parts = parts_of(value, path).items()
+    children = list_children(value, path).items()
     return next(
-        filter(None, (find_mistyped_number(item, item_path) for item_path, item in parts)), ""
+        filter(None, (find_mistyped_number(child, item_path) for item_path, child in children)), ""
     )
 
 
 def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
-    """Report what a document holds beyond its value written again; nothing if all is known."""
+    """Return a message for keys that are not in the format; "" if there are none."""
     if value == reference:
         return ""
     if isinstance(value, dict | list) and type(value) is not type(reference):
-        text, expected = (_JSON_KINDS.get(type(item), "one value") for item in (value, reference))
+        text, expected = (
+            _JSON_KINDS.get(type(json_value), "one value") for json_value in (value, reference)
+        )
         return f"{path} is {text}; expected {expected}"
     if isinstance(value, dict):
         unknown = sorted(value.keys() - reference.keys())
@@ -96,14 +98,14 @@ def find_unknown_keys(value: Any, reference: Any, path: str = "$") -> str:
     # the bare contract's orders are left out: then there is nothing to hold the items against
     elif isinstance(value, list) and len(value) != len(reference):
         return ""
-    reference_parts = parts_of(reference, path)
-    parts = parts_of(value, path).items()
+    reference_parts = list_children(reference, path)
+    children = list_children(value, path).items()
     return next(
         filter(
             None,
             (
-                find_unknown_keys(item, reference_parts[item_path], item_path)
-                for item_path, item in parts
+                find_unknown_keys(json_value, reference_parts[item_path], item_path)
+                for item_path, json_value in children
             ),
         ),
         "",
@@ -130,7 +132,7 @@ def schemas() -> dict[str, type[Serialisable]]:
 
 
 def _find_schema_class(name: str) -> type[Serialisable] | None:
-    """Return what a schema name holds; only what it names is loaded."""
+    """Return the class of a schema name; only the module that it needs is imported."""
     return find_handler("document", name) or schemas().get(name)
 
 
@@ -265,11 +267,11 @@ def _map_to_fields(kind: Any, value: Any) -> Any:
         return [_map_to_fields(*pair) for pair in zip_longest(group, value)][: len(value)]
     cls = _find_value_class(kinds, value)
     if cls is None:
-        return {key: _map_to_fields(Any, item) for key, item in value.items()}
+        return {key: _map_to_fields(Any, entry) for key, entry in value.items()}
     types, entries = _evaluate_types(cls), decode_fields(cls, _find_completion(cls)(value))
-    layout = {name: _map_to_fields(types[name], item) for name, item in entries.items()}
+    layout = {name: _map_to_fields(types[name], entry) for name, entry in entries.items()}
     # the decoder knows no class with several subclasses
-    return _convert_to_class(cls, layout) if _CHOSEN.keys() & kinds else layout
+    return _convert_to_class(cls, layout) if _CLASS_CHOICES.keys() & kinds else layout
 
 
 def _convert_to_class(cls: type, layout: dict[str, Any]) -> Any:
@@ -285,7 +287,7 @@ def _decode_value(kind: type, value: Any) -> Any:
     if isinstance(value, list):
         array = np.asarray(value, dtype=float)
         return array.reshape(0, 0) if array.size == 0 and array.ndim == 1 else array
-    if isinstance(value, tuple(_CHOSEN)):
+    if isinstance(value, tuple(_CLASS_CHOICES)):
         return value
     raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
 
@@ -293,8 +295,8 @@ def _decode_value(kind: type, value: Any) -> Any:
 def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
     """Return the class of an object in a document; None of one with arbitrary keys."""
     for kind in kinds:
-        if kind in _CHOSEN:
-            return _CHOSEN[kind](value)
+        if kind in _CLASS_CHOICES:
+            return _CLASS_CHOICES[kind](value)
         if isinstance(kind, type) and is_dataclass(kind):
             return kind
     return None
@@ -302,9 +304,9 @@ def _find_value_class(kinds: Sequence[Any], value: dict[str, Any]) -> type | Non
 
 @cache
 def _find_completion(cls: type) -> Callable[[dict[str, Any]], dict[str, Any]]:
-    """Return what adds to the values of a document what its keys leave out."""
-    other = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
-    return _FILLED.get(cls) or other or dict
+    """Return the function that adds default values to the keys of a document."""
+    completion = find_handler("read document", getattr(cls, "schema", "") or cls.__qualname__)
+    return _FIELD_CONVERSIONS.get(cls) or completion or dict
 
 
 _evaluate_types = cache(get_type_hints)
@@ -326,7 +328,7 @@ def _make_solid(entries: dict[str, Any]) -> type:
     return FractionalZener if "alpha" in entries else GeneralizedMaxwell
 
 
-_CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
+_CLASS_CHOICES: dict[type, Callable[[dict[str, Any]], type]] = {
     Solid: _make_solid,
     TemperatureLaw: _make_law,
     RateIndependent: lambda entries: Cubic if "k3" in entries else Jenkins,
@@ -341,8 +343,8 @@ def _convert_model(entries: dict[str, Any]) -> dict[str, Any]:
     """Return the fields of a model from its list of arms."""
     if "arms" not in entries:
         raise ValueError('a model has no "arms"; that of a spring alone is []')
-    rest = {name: entries[name] for name in ("k_inf", "b") if name in entries}
-    return rest | {name: [arm[name] for arm in entries["arms"]] for name in ("k", "tau")}
+    model_entries = {name: entries[name] for name in ("k_inf", "b") if name in entries}
+    return model_entries | {name: [arm[name] for arm in entries["arms"]] for name in ("k", "tau")}
 
 
 def _fit(entries: dict[str, Any]) -> dict[str, Any]:
@@ -402,7 +404,7 @@ def _convert_elastic_law(entries: dict[str, Any]) -> dict[str, Any]:
     return entries | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
 
-_FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
+_FIELD_CONVERSIONS: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     GeneralizedMaxwell: _convert_model,
     Fit: _fit,
     ElasticLaw: _convert_elastic_law,
@@ -449,7 +451,7 @@ def read_fit(path: str | Path) -> Fit:
 
 
 def read_exported(path: str | Path) -> object:
-    """Return a solid or a fit of which a row says who exports it; ``-`` is stdin.
+    """Read a solid or a fit for an export; ``-`` is stdin.
 
     Raises
     ------
@@ -469,7 +471,7 @@ def _require_fit(path: str | Path, result: object) -> Fit:
 
 
 def format_unexpected_kind(path: str | Path, result: object) -> str:
-    """Return what a document holds that is not what was wanted, and who wants it."""
+    """Return the message for a document of another kind than the command needs."""
     return f"{path} is {_describe_kind(str(getattr(result, 'schema', '')))}"
 
 

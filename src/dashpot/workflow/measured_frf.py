@@ -13,7 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
-from dashpot.base.option_fields import flag_of, iterate_option_fields
+from dashpot.base.option_fields import get_option_flag, iterate_option_fields
 from dashpot.base.provenance import Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_columns
@@ -89,7 +89,7 @@ def measured_frf(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
 ) -> FRF:
-    """Return the FRF of what was measured, with what it says of itself.
+    """Return the FRF of a test, with the metadata of its file.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def refuse_choices_of_hits(
     """
     default = HammerChoices()
     unused = [
-        flag_of(field)
+        get_option_flag(field)
         for field in iterate_option_fields(choices)
         if field.name not in exceptions
         and getattr(choices, field.name) != getattr(default, field.name)
@@ -170,7 +170,7 @@ def add_frf_checks(
     mass: float | None = None,
     is_driven: bool = True,
 ) -> FRF:
-    """Return an FRF that was averaged elsewhere with what it says of itself at its peak.
+    """Return a measured FRF with the checks of its values at the peak.
 
     The peak is the highest in `band`, Hz, or that of a mode; a transmissibility needs the mass, kg.
     Only where a point is struck itself (`is_driven`) does its phase show whether the part
@@ -208,7 +208,7 @@ def average(
 
 
 def total_mass(block: BlockOnSeals) -> tuple[float | None, tuple[Check, ...]]:
-    """Return the block's mass with what moves of the seals, where both are known."""
+    """Return the mass of the block and the moving part of the seals, where both are known."""
     if block.mass is not None:
         SIZES["mass"].refuse(block.mass)
     if block.mass is None or block.seal_mass is None:
@@ -362,8 +362,11 @@ class ImpactResult(Modes):
     def peak(self) -> dict[str, float]:
         """Frequency, Hz, and magnitude of the highest line."""
         height = np.abs(self.frf.value)
-        top = int(height.argmax())
-        return {"frequency_hz": float(self.frf.frequency[top]), "value": float(height[top])}
+        peak_line = int(height.argmax())
+        return {
+            "frequency_hz": float(self.frf.frequency[peak_line]),
+            "value": float(height[peak_line]),
+        }
 
 
 def impact_files(

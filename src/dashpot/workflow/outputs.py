@@ -11,7 +11,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import validate_path, write_atomic
 from dashpot.base.version import is_ours, is_record
 
-_HEAD = 1 << 12
+_HEAD_BYTES = 1 << 12
 """Bytes in which a file's byline stands; a PDF has it anywhere."""
 
 
@@ -56,15 +56,15 @@ class Outputs:
             _refuse_closed(path)
 
     def write(self, path: str | Path, content: str | bytes) -> None:
-        """Write a file whole or not at all, and the folder it stands in if there is none."""
+        """Write a file atomically; create its folder if necessary."""
         self.claim([path])
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         write_atomic(path, content.encode() if isinstance(content, str) else content)
 
     def _refuse_input(self, path: Path) -> None:
-        for other in self.inputs:
-            if _is_same_file(path, Path(other)):
-                name = "" if str(path) == other else f" (it is {other})"
+        for input_file in self.inputs:
+            if _is_same_file(path, Path(input_file)):
+                name = "" if str(path) == input_file else f" (it is {input_file})"
                 raise ExportError(
                     f"{path} is a file that is read here{name} and is never written over; give "
                     "the output another name"
@@ -80,13 +80,13 @@ class Outputs:
             )
         if self.replace:
             return
-        head = _read_head(path)
-        if is_record(head) and not self.makes_records:
+        first_lines = _read_head(path)
+        if is_record(first_lines) and not self.makes_records:
             raise ExportError(
                 f"{path} is a simulated record, an input like any measured one; give another "
                 "name, or add --overwrite to replace it"
             )
-        if head and not is_ours(head):
+        if first_lines and not is_ours(first_lines):
             raise ExportError(
                 f"{path} exists and was not written by dashpot; give another name, or add "
                 "--overwrite to replace it"
@@ -102,8 +102,8 @@ def _is_same_file(path: Path, other: Path) -> bool:
 def _read_head(path: Path) -> bytes:
     """Return the part of a file that holds its byline."""
     with path.open("rb") as file:
-        head = file.read(_HEAD)
-        return head + file.read() if head.startswith(b"%PDF-") else head
+        first_lines = file.read(_HEAD_BYTES)
+        return first_lines + file.read() if first_lines.startswith(b"%PDF-") else first_lines
 
 
 def _refuse_closed(path: Path) -> None:

@@ -118,15 +118,15 @@ def recommend_solid(study: Study, *, allow_rejected: bool = False) -> Recommenda
     Intervals of the joint model are 95 % intervals of its parameters; those of the relaxation test
     are bounds over unresolved arms where these were computed.
     """
-    usable = study.verdict.use != "do not use"
-    joint_fit = study.joint if usable or allow_rejected else None
+    is_usable = study.verdict.use != "do not use"
+    joint_fit = study.joint if is_usable or allow_rejected else None
     solid = study.fit if joint_fit is None else joint_fit
     joint = joint_fit is not None
     point, resonance = _find_resonance(study, solid)
     frequency = solid.band[1] if resonance is None else resonance.frequency
-    bounds, bound = _select_bounds(study, solid, frequency, joint=joint)
-    stiffness = _evaluate_value(solid, bounds, "storage", frequency, is_limit=bound)
-    loss = _evaluate_value(solid, bounds, "loss_factor", frequency, is_limit=bound)
+    bounds, is_bound = _select_bounds(study, solid, frequency, joint=joint)
+    stiffness = _evaluate_value(solid, bounds, "storage", frequency, is_limit=is_bound)
+    loss = _evaluate_value(solid, bounds, "loss_factor", frequency, is_limit=is_bound)
     under_mass: tuple[RecommendedValue, ...] = ()
     if resonance is not None:
         under_mass = _list_values_under_mass(study, resonance, stiffness, loss, joint=joint)
@@ -136,7 +136,7 @@ def recommend_solid(study: Study, *, allow_rejected: bool = False) -> Recommenda
             stiffness, value=scaled_values[0], low=scaled_values[1], high=scaled_values[2]
         )
     one_seal = (*_list_end_of_hold(study, solid), stiffness, loss)
-    return Recommendation(usable, joint, solid, point, under_mass, one_seal)
+    return Recommendation(is_usable, joint, solid, point, under_mass, one_seal)
 
 
 class _Resonance(NamedTuple):
@@ -178,8 +178,8 @@ def _find_peak(solid: Solid, mass: float, around_hz: float) -> tuple[float, floa
     Without a peak: the frequency of the pole, and no height.
     """
     frf = predict_frf(solid, mass=mass, frequency=around_hz * np.geomspace(0.9, 1.6, 401))
-    top = int(np.argmax(np.abs(frf.value)))
-    if not 0 < top < len(frf.frequency) - 1:
+    peak_line = int(np.argmax(np.abs(frf.value)))
+    if not 0 < peak_line < len(frf.frequency) - 1:
         return around_hz, float("nan")
     peak = find_peak(frf)
     return peak.frequency, peak.height
@@ -228,13 +228,14 @@ def _list_values_under_mass(
     """
     c, frequency, limits = study.comparison, peak.frequency, None if joint else study.frf_band
     value_limits = [
-        frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)
+        frequency * np.sqrt(stiffness_limit / stiffness.value)
+        for stiffness_limit in (stiffness.low, stiffness.high)
     ]
     if limits is not None and limits.peak_frequency is not None:
         value_limits = _contain(limits.peak_frequency, frequency)
     damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
-    share = damping / loss.value if loss.value > 0 else 0.5
-    damping_range = _contain((share * loss.low, share * loss.high), damping)
+    damping_ratio = damping / loss.value if loss.value > 0 else 0.5
+    damping_range = _contain((damping_ratio * loss.low, damping_ratio * loss.high), damping)
     bound = stiffness.is_limit
     return (
         RecommendedValue(
@@ -267,10 +268,12 @@ def _list_peak_height(
     if limits is not None and limits.peak_height is not None:
         low, high = _contain(limits.peak_height, height)
     else:
-        low, high = (height * loss.value / end if end > 0 else np.inf
-                     for end in (loss.high, loss.low))  # fmt: skip
-    measured = None if comparison is None else comparison.measured_peak
-    return (RecommendedValue("peak", height, low, high, is_limit=loss.is_limit, measured=measured),)
+        low, high = (height * loss.value / loss_limit if loss_limit > 0 else np.inf
+                     for loss_limit in (loss.high, loss.low))  # fmt: skip
+    measured_peak = None if comparison is None else comparison.measured_peak
+    return (
+        RecommendedValue("peak", height, low, high, is_limit=loss.is_limit, measured=measured_peak),
+    )
 
 
 def _contain(limits: tuple[float, float], value: float) -> list[float]:
@@ -280,9 +283,9 @@ def _contain(limits: tuple[float, float], value: float) -> list[float]:
 
 def _list_end_of_hold(study: Study, solid: Fit) -> tuple[RecommendedValue, ...]:
     """Return the stiffness at the end of the hold, the best known of a relaxation test."""
-    end = solid.evidence.end_of_hold or study.fit.evidence.end_of_hold
-    if end is None:
+    end_of_hold = solid.evidence.end_of_hold or study.fit.evidence.end_of_hold
+    if end_of_hold is None:
         return ()
-    value = end.compute_stiffness(solid.solid)
-    low, high = _contain(end.k_end, value)
-    return (RecommendedValue("end of hold", value, low, high, end.end_time, is_limit=True),)
+    value = end_of_hold.compute_stiffness(solid.solid)
+    low, high = _contain(end_of_hold.k_end, value)
+    return (RecommendedValue("end of hold", value, low, high, end_of_hold.end_time, is_limit=True),)

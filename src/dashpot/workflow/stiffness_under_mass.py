@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 # lines of the limits over a band
 LIMIT_LINES = 401
 # what a tangent in doubt keeps at least of its value
-SOFTEST = 0.05
+MIN_TANGENT_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ def frf_limits(
 
 
 def _scale_bounds(bounds: FRFBounds, frequency: float, height: float) -> FRFBounds:
-    """Return limits on an axis so many times as long, so many times as high."""
+    """Return limits with both axes multiplied by factors."""
 
     def times(scale: float, interval: tuple[float, float] | None) -> tuple[float, float] | None:
         return None if interval is None else (scale * interval[0], scale * interval[1])
@@ -259,15 +259,15 @@ def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: Float
     )
 
 
-def rival_of(fit: Fit) -> Fit | None:
+def replace_by_alternative(fit: Fit) -> Fit | None:
     """A fit with the other family's solid in place of its own, if that explains the tests too."""
     other = fit.evidence.alternative
     return None if other is None or not other.is_sufficient else replace(fit, solid=other.solid)
 
 
-def rival_modes(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Mode, ...]:
+def find_alternative_modes(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[Mode, ...]:
     """Modes of a mass on the other family of solids, if one explains the tests as well."""
-    other_fit = rival_of(fit)
+    other_fit = replace_by_alternative(fit)
     return () if other_fit is None else model_modes(load.seals * point.solid(other_fit), load.mass)
 
 
@@ -276,7 +276,7 @@ def family_checks(fit: Fit, point: OperatingPoint, load: MassOnSeals) -> tuple[C
     if fit.evidence.alternative is None:
         return ()
     modes = model_modes(load.seals * point.solid(fit), load.mass)
-    other_modes = rival_modes(fit, point, load)
+    other_modes = find_alternative_modes(fit, point, load)
     return (families_predict_alike(next(iter(modes), None), next(iter(other_modes), None)),)
 
 
@@ -304,7 +304,10 @@ def _slide_limits(frequency: FloatArray, limits: FloatArray, point: OperatingPoi
     part = NORMAL * point.factor_se / point.factor
     if part <= 0:
         return limits
-    first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))
+    first, last = (
+        frequency / np.sqrt(1 + part),
+        frequency / np.sqrt(max(1 - part, MIN_TANGENT_SHARE)),
+    )
     end_values = [[np.interp(edge, frequency, row) for edge in (first, last)] for row in limits]
     low = np.min(end_values[0], axis=0)
     # beside a line that nothing limits, the straight line to it is no number

@@ -56,8 +56,8 @@ from dashpot.workflow.stiffness_under_mass import (
     family_checks,
     find_static_equilibrium,
     frf_limits,
+    replace_by_alternative,
     rest_checks,
-    rival_of,
 )
 
 # Logo of a report, as a data link.
@@ -70,7 +70,7 @@ LOGO_TYPES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 
 
 def read_logo(path: str | Path) -> str:
-    """Return an image as a data URI. As an image, an SVG runs nothing and loads nothing.
+    """Return an image as a data URI; an SVG in an image element runs no script.
 
     Raises
     ------
@@ -210,7 +210,7 @@ class Study(Plottable, Serialisable):
     @property
     def rival(self) -> FRF | None:
         """The FRF by the other family of solids, if one explains the relaxation test as well."""
-        other = rival_of(self.fit)
+        other = replace_by_alternative(self.fit)
         if other is None or self.mass is None or self.static_equilibrium is None:
             return None
         point = self.static_equilibrium.point
@@ -456,7 +456,7 @@ def _select_earlier_fit(
 
 
 class _MassResponse(NamedTuple):
-    """Predicted and measured response of the mass on the seals; else nothing."""
+    """Predicted and measured response of the mass on the seals; None where missing."""
 
     prediction: FRF | None = None
     comparison: Comparison | None = None
@@ -472,7 +472,7 @@ class _MassResponse(NamedTuple):
 
 
 class _JointResults(NamedTuple):
-    """Both tests fitted together, and what that fit says of the mass; else nothing."""
+    """Results of the joint fit of both tests, and its mass; None where missing."""
 
     joint: Fit | None = None
     joint_prediction: FRF | None = None

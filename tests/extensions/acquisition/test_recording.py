@@ -18,7 +18,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.file_writing import write_atomic
 from dashpot.base.version import is_ours
-from dashpot.extensions.acquisition.line_parser import LONGEST, Lines
+from dashpot.extensions.acquisition.line_parser import MAX_LENGTH, Lines
 from dashpot.extensions.acquisition.record_to_file import record
 from dashpot.extensions.acquisition.recorder import Description
 from dashpot.extensions.acquisition.replay_device import Paced, create_simulated_device, replay
@@ -172,9 +172,9 @@ def test_times_have_units_and_a_clock_that_begins_again_ends_the_record():
     assert lines.channels == ("force [N]",)
     assert lines.feed(b"\n7 500\n8;510\n")[0].tolist() == [0.5, 0.51]
     lines.feed(b"".join(b"1 %d\n" % t for t in range(9)))
-    assert not lines.begun_again
+    assert not lines.has_restarted
     lines.feed(b"1 9\n")
-    assert lines.begun_again
+    assert lines.has_restarted
     assert "the device's clock began again: the record ends there" in lines.notes()
 
 
@@ -190,14 +190,14 @@ def test_a_time_that_was_garbled_is_no_gap_and_ends_no_record():
         "two garbled lines left out, first 'time 5 s'",
         "two gaps in the clock, 6 samples missing, the longest gap 0.06 s",
     )
-    assert not lines.begun_again
+    assert not lines.has_restarted
 
 
 def test_a_line_without_an_end_is_no_memory_without_an_end():
     lines = Lines()
     for _ in range(100):
-        lines.feed(b"1" * LONGEST)
-    assert len(lines._rest) <= LONGEST
+        lines.feed(b"1" * MAX_LENGTH)
+    assert len(lines._incomplete_line) <= MAX_LENGTH
 
 
 @pytest.mark.parametrize(

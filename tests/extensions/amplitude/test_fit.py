@@ -18,7 +18,7 @@ from dashpot.extensions.amplitude.fit_frfs import fit_levels
 from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.preprocess import compute_sweep
 from dashpot.extensions.amplitude.response import resonance_at_level
-from dashpot.vibration.impact.amplitude_trend import trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import fit_amplitude_trend
 
 pytestmark = pytest.mark.once
 
@@ -307,7 +307,7 @@ def test_hits_that_leave_no_resonance_at_a_level_say_so():
         Hit(str(i), i, True, (), X, 0.01, 12.0, 4e-5 / X, 0.1, X)
         for i, X in enumerate(np.geomspace(1e-4, 8e-4, 6))
     ]
-    trend = trend_of_hits(made)
+    trend = fit_amplitude_trend(made)
     hit_levels = HitLevels(FRF(np.arange(1.0, 4.0), np.ones(3), units="SI"), trend, ())
     assert hit_levels.resonance(0.4)[0] > 10
     with pytest.raises(DataError, match="leaves no resonance: hit so that"):

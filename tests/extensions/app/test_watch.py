@@ -18,7 +18,7 @@ from kit.asgi import Client
 
 from dashpot.extensions.app.access_control import Guard
 from dashpot.extensions.app.file_watch import FileWatch
-from dashpot.extensions.app.server import MOST_BYTES, AppContext, application
+from dashpot.extensions.app.server import MAX_BYTES, AppContext, application
 from dashpot.extensions.app.upload_store import Store, TooLargeError, find_file
 
 PORT = 8124
@@ -152,7 +152,7 @@ def test_a_state_with_what_is_no_number_is_refused(page, number):
 def test_state_of_many_files_is_stored(page):
     files = [{"id": f"{i:016x}", "line": "x" * 8000} for i in range(200)]
     body = json.dumps({"files": files}).encode()
-    assert len(body) > MOST_BYTES
+    assert len(body) > MAX_BYTES
     assert page.request("PUT", "/api/state", body).status_code == 200
     assert len(json.loads(page.get("/api/state").content)["files"]) == 200
     page.request("PUT", "/api/state", b"{}")

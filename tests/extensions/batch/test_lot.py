@@ -26,7 +26,7 @@ from dashpot.base.version import is_ours
 from dashpot.extensions.batch import batch_run
 from dashpot.extensions.batch import parquet_parts as parts
 from dashpot.extensions.batch.batch_run import batch
-from dashpot.extensions.batch.process_pool import LIVES
+from dashpot.extensions.batch.process_pool import MAX_LOST_WORKERS
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.readers.relaxation import read_relaxation
@@ -410,10 +410,10 @@ def test_batch_has_a_row_for_a_file_that_kills_workers_and_retries_it(
     code = f"import dashpot as dp; dp.batch({str(folder)!r}, to={str(out)!r}, jobs=1, **{QUICK!r})"
     env = {**os.environ, "PYTHONPATH": path, "DEATHS": str(deaths)}
     subprocess.run([sys.executable, "-c", code], env=env, check=True)
-    assert deaths.read_text() == "x" * LIVES
+    assert deaths.read_text() == "x" * MAX_LOST_WORKERS
     parquet = pl.read_parquet(out / "*.parquet")
     assert row_of(parquet, "lotA_seal1_rep0.csv")["outcome"] == "died"
-    assert f"died {LIVES} times" in row_of(parquet, "lotA_seal1_rep0.csv")["reason"]
+    assert f"died {MAX_LOST_WORKERS} times" in row_of(parquet, "lotA_seal1_rep0.csv")["reason"]
     assert sum(parquet["outcome"] == "fitted") == 7
     again = batch(folder, output=out, jobs=1, **QUICK)
     assert again.computed == 1

@@ -14,7 +14,7 @@ import dashpot as dp
 from dashpot.datamodel.fit import list_known_values
 from dashpot.extensions.curves.curve_uncertainty import weight_curve
 from dashpot.extensions.curves.modulus.fit import fit_modulus
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.json_archive import from_json, to_json
 
@@ -84,7 +84,7 @@ def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it()
 
 def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
     values = curve(ZENER, noise=1e-2).modulus
-    block = hold_block(T, values, weights=1 / ZENER.relaxation(T), compress=False)
+    block = build_hold_block(T, values, weights=1 / ZENER.relaxation(T), compress=False)
     data = weight_curve(block, T, window=(1e-3, 1e3), common=0.0)
     rows = data.rows(np.log([1.0]), slopes=False)
     residual = rows.target - np.column_stack((rows.spring, rows.arms)) @ [1e6, 1e6]

@@ -5,7 +5,7 @@ import re
 import pytest
 from kit.shell import ran
 
-from dashpot.base.option_fields import iterate_option_fields, key_of
+from dashpot.base.option_fields import get_option_key, iterate_option_fields
 from dashpot.base.units import parse_quantity
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.guidance.machine_keys import MACHINE_SYNONYMS, suggest_machine_key
@@ -29,7 +29,7 @@ def test_stiffness_without_a_value_names_an_example(text):
 
 
 def test_every_synonym_means_a_key_and_is_none():
-    keys = {key_of(field) for field in iterate_option_fields(Machine)}
+    keys = {get_option_key(field) for field in iterate_option_fields(Machine)}
     assert set(MACHINE_SYNONYMS.values()) <= keys
     assert not MACHINE_SYNONYMS.keys() & keys
 

@@ -158,27 +158,30 @@ def test_holes_of_a_bulb():
     for speed, jet, gauge, force in ((0.1, 27.38, 449.85, 5.40), (0.3, 82.1, 4048.6, 48.6)):
         flow = 0.012 * 0.1 * speed
         assert flow / area == pytest.approx(jet, rel=1e-3)
-        still = 0.5 * air_flow.DENSITY * (flow / area) ** 2
+        still = 0.5 * air_flow.AIR_DENSITY * (flow / area) ** 2
         assert still == pytest.approx(gauge, rel=1e-4)
         assert still * 0.012 == pytest.approx(force, rel=1e-3)
         # what the compressible law needs: the flow of the chamber's own air
         needed = brentq(
             lambda p, flow=flow: area * _flux(p) / _density(p) - flow,
-            air_flow.AMBIENT,
-            2 * air_flow.AMBIENT,
+            air_flow.AMBIENT_PRESSURE,
+            2 * air_flow.AMBIENT_PRESSURE,
         )
-        above = needed - air_flow.AMBIENT
-        assert still < above < still * (1 + 2 * still / air_flow.AMBIENT)
+        above = needed - air_flow.AMBIENT_PRESSURE
+        assert still < above < still * (1 + 2 * still / air_flow.AMBIENT_PRESSURE)
     # at 1 m/s no pressure drives such a flow: the holes choke and the bulb is pressed
     assert (
-        area * _flux(50 * air_flow.AMBIENT) / _density(50 * air_flow.AMBIENT)
+        area * _flux(50 * air_flow.AMBIENT_PRESSURE) / _density(50 * air_flow.AMBIENT_PRESSURE)
         < 0.012 * 0.1 * 1.0 * 1.3
     )
-    assert area * _flux(2 * air_flow.AMBIENT) / _density(2 * air_flow.AMBIENT) < 0.012 * 0.1 * 1.0
+    assert (
+        area * _flux(2 * air_flow.AMBIENT_PRESSURE) / _density(2 * air_flow.AMBIENT_PRESSURE)
+        < 0.012 * 0.1 * 1.0
+    )
 
 
 def _density(pressure):
-    return air_flow.DENSITY * (pressure / air_flow.AMBIENT) ** (1 / 1.4)
+    return air_flow.AIR_DENSITY * (pressure / air_flow.AMBIENT_PRESSURE) ** (1 / 1.4)
 
 
 def _flux(pressure):
@@ -188,19 +191,19 @@ def _flux(pressure):
 def test_choked_flow_of_air():
     # m' sqrt(T)/(p A) = .0404 s sqrt(K)/m of air: Anderson, Modern
     # Compressible Flow, 3rd ed., eq. 5.21
-    kelvin = air_flow.AMBIENT / (287.05 * air_flow.DENSITY)
+    kelvin = air_flow.AMBIENT_PRESSURE / (287.05 * air_flow.AIR_DENSITY)
     for over in (1.9, 4.0):
-        p = over * air_flow.AMBIENT
+        p = over * air_flow.AMBIENT_PRESSURE
         flux = air_flow.mass_flux(p, p / (287.05 * kelvin))
         assert flux * np.sqrt(kelvin) / p == pytest.approx(0.040414, abs=1e-6)
-    assert pytest.approx(0.528282, abs=1e-6) == air_flow.CHOKED
+    assert pytest.approx(0.528282, abs=1e-6) == air_flow.CHOKED_PRESSURE_RATIO
     # little pressure: Bernoulli's
-    assert air_flow.mass_flux(air_flow.AMBIENT + 10, air_flow.DENSITY) == pytest.approx(
-        np.sqrt(24.0), rel=1e-4
-    )
-    assert air_flow.mass_flux(air_flow.AMBIENT, air_flow.DENSITY) == 0
-    assert air_flow.mass_flux(0.2 * air_flow.AMBIENT, 0.3) == air_flow.mass_flux(
-        0.5 * air_flow.AMBIENT, 0.9
+    assert air_flow.mass_flux(
+        air_flow.AMBIENT_PRESSURE + 10, air_flow.AIR_DENSITY
+    ) == pytest.approx(np.sqrt(24.0), rel=1e-4)
+    assert air_flow.mass_flux(air_flow.AMBIENT_PRESSURE, air_flow.AIR_DENSITY) == 0
+    assert air_flow.mass_flux(0.2 * air_flow.AMBIENT_PRESSURE, 0.3) == air_flow.mass_flux(
+        0.5 * air_flow.AMBIENT_PRESSURE, 0.9
     )
 
 
@@ -213,10 +216,12 @@ def test_a_sealed_bulb_is_a_gas_spring(exponent, isothermal):
     done = simulate_closing(a_door(vents=vents), np.array([3.0]))
     v = 1.2e-4, 1.2e-4 - 0.012 * 6e-3
     if isothermal:
-        value = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
+        value = air_flow.AMBIENT_PRESSURE * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
     else:
-        end = air_flow.AMBIENT * (v[0] / v[1]) ** 1.4
-        value = (end * v[1] - air_flow.AMBIENT * v[0]) / 0.4 - air_flow.AMBIENT * (v[0] - v[1])
+        end = air_flow.AMBIENT_PRESSURE * (v[0] / v[1]) ** 1.4
+        value = (
+            end * v[1] - air_flow.AMBIENT_PRESSURE * v[0]
+        ) / 0.4 - air_flow.AMBIENT_PRESSURE * (v[0] - v[1])
     assert sum_work(done, "vents") == pytest.approx(3.0 * value, rel=1e-3)
     assert done.stored["vents"][0] == pytest.approx(3.0 * value, rel=1e-9)
 
@@ -235,7 +240,7 @@ def test_a_cabin_without_a_leak_is_a_gas_spring_from_where_the_gap_closes():
     door = replace(door, lever=np.full(41, 1e-6))
     done = simulate_closing(replace(door, setup=replace(door.setup, start=0.05)), np.array([2.0]))
     v = 2.5 + 0.55 * 0.05, 2.5
-    whole = air_flow.AMBIENT * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
+    whole = air_flow.AMBIENT_PRESSURE * (v[0] * np.log(v[0] / v[1]) - (v[0] - v[1]))
     assert sum_work(done, "cabin air") == pytest.approx(whole, rel=2e-2)
 
 

@@ -12,9 +12,9 @@ from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.export.deck import Deck, DeckText, format_temperature_lines
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import text
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
 # Temperature dependence.
 
@@ -33,7 +33,7 @@ def abaqus_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]
         cards = ["*TRS, DEFINITION=ARRHENIUS"]
         constants = [
             "the model needs, above all materials, *PHYSICAL CONSTANTS, ABSOLUTE ZERO=0.,",
-            f"UNIVERSAL GAS={text(GAS)}: the energy on the card is in J/mol",
+            f"UNIVERSAL GAS={text(GAS_CONSTANT)}: the energy on the card is in J/mol",
         ]
     sentences = [
         "*TRS: temperatures of the model are in K",
@@ -86,7 +86,7 @@ def abaqus(
     if deck.form == "prony":
         return _prony(deck)
     if line is not None:
-        row = row_of(deck, line, shear)
+        row = make_springs(deck, line, shear)
         return _line(deck, row, frequency_range, tolerance, first_id)
     return _connector(deck, frequency_range, tolerance)
 
@@ -250,7 +250,9 @@ def _line(
         for direction, solid in row.springs(shares):
             tables.append(deck.table(frequency_range, tolerance, solid=solid))
             cards += _component(deck, direction + 1, tables[-1])
-    for number, (first, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
+    for number, (first, frame, shares, members) in enumerate(
+        iterate_groups(row, first_id), start=1
+    ):
         cards += [
             f"*ELEMENT, TYPE=CONN3D2, ELSET=SEAL_LINE_{number}",
             *(f"{first + i}, {a}, {b}" for i, (a, b) in enumerate(members)),
@@ -292,7 +294,7 @@ def _frames_of(row: SpringRow) -> list[tuple[tuple[float, ...], ...]]:
     return list(dict.fromkeys(station.frame for station in row.stations))
 
 
-def groups_of(
+def iterate_groups(
     row: SpringRow, first_id: int
 ) -> Iterator[tuple[int, int, tuple[float, float, float], list[tuple[int, int]]]]:
     """Iterate over groups of stations: first element, frame, shares and nodes."""

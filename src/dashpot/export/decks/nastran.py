@@ -14,7 +14,7 @@ from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Damping, Table
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import format_fixed_width
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
@@ -78,7 +78,7 @@ def nastran(
     """
     frequency_range = si_range(frequency_range, "frequency")
     nominal = convert_to_si(nominal, "frequency")
-    row = row_of(deck, line, shear)
+    row = make_springs(deck, line, shear)
     if deck.form == "arms":
         return _format_arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
@@ -109,7 +109,7 @@ def _format_tables(
             )
             for _, solid in direction_solids
         ]
-        property_id = first_id + 2 * row.ways * index
+        property_id = first_id + 2 * row.direction_count * index
         components = [
             _build_component(
                 deck, direction, solid, table, damping=damping, nominal=nominal_frequency
@@ -121,7 +121,7 @@ def _format_tables(
         )
         tables += frequency_tables
     direction_remark = "the bushing acts along its x axis"
-    if row.ways > 1:
+    if row.direction_count > 1:
         direction_remark = "components 1 to 3 act normal to the line, across it and along it"
     return deck.format_text(
         "$",
@@ -208,7 +208,7 @@ def _format_bushings(row: SpringRow, first_id: int) -> list[str]:
         for grid in (grid_a, grid_b):
             cards += _format_large_card("GRID*", [grid, "", *station.place])
         system = first_id + row.frames[station.frame] if station.frame in row.frames else 0
-        property_id = first_id + 2 * row.ways * row.shares[station.shares]
+        property_id = first_id + 2 * row.direction_count * row.shares[station.shares]
         cards.append(
             _format_small_card(
                 "CBUSH", first_id + i, property_id, grid_a, grid_b, "", "", "", system
@@ -260,7 +260,7 @@ def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         format_procedures("nastran", "arms") if format_procedures else [_VERIFIED]
     )
     direction_remark = "the network acts along component 1 of its grids"
-    if row.ways > 1:
+    if row.direction_count > 1:
         direction_remark = (
             "the networks act along components 1 to 3 of their grids, in whose own systems"
         )

@@ -12,7 +12,7 @@ from dashpot.extensions.acceptance.accept import read_limits
 from dashpot.extensions.acceptance.datamodel import JudgedResult
 from dashpot.extensions.acceptance.limit_files import is_expression, recognise_limits
 from dashpot.extensions.acceptance.page import render_section
-from dashpot.reading.toml import tables_of
+from dashpot.reading.toml import read_tables
 
 
 def judge_for_app(
@@ -54,9 +54,9 @@ def judge_for_app(
 
 
 def describe_limit_file(path: Path) -> dict[str, Any] | None:
-    """Return what the list of files says of a limit file; None of another TOML file."""
+    """Return the entry of a limit file in the list of files; None for another TOML file."""
     try:
-        _, tables = tables_of(path)
+        _, tables = read_tables(path)
     except ReadError:
         return None
     if recognise_limits(tables) is None:

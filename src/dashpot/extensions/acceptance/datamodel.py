@@ -22,7 +22,7 @@ _OF_RIG = (
     "what remains is uncertainty of the rig, the same in every such test. Measure its delay, gain "
     "and drift with blank tests."
 )
-_MOST_DIGITS = 9
+_MAX_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class JudgedLimit(Serialisable):
             )
 
         digits = 3
-        while not is_on_its_side(text) and digits < _MOST_DIGITS:
+        while not is_on_its_side(text) and digits < _MAX_DIGITS:
             text, digits = round_to_error(display_value, digits=digits), digits + 1
         return text
 
@@ -229,7 +229,7 @@ class Acceptance(Printable, Serialisable):
 
     @property
     def title(self) -> str:
-        """Both answers in one sentence: whether the model holds, and whether the seal does."""
+        """Both verdicts in one sentence: that of the model and that of the seal."""
         model = {
             "use": "The model holds",
             "use with care": "The model holds with care",

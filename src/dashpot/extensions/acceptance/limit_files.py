@@ -12,7 +12,7 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.units import Dimension, find_unit, parse_quantity
 from dashpot.reading.columns.file_kinds import Recognised
-from dashpot.reading.toml import Section, tables_of
+from dashpot.reading.toml import Section, read_tables
 
 _KEYS = ("lower", "upper", "cpk")
 _NUMBER = r"\s*[-+]?(?:\d+\.?\d*|\.\d+)"
@@ -101,7 +101,7 @@ def read_limits(path: str | Path, find_quantity: Callable[[str], Q]) -> tuple[Li
     ReadError
         If the file is no such TOML, or names no known quantity.
     """
-    _, tables = tables_of(path)
+    _, tables = read_tables(path)
     if not tables:
         raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
     entries = []

@@ -182,7 +182,7 @@ def _get_column(reported_value: ReportedValue) -> str:
 
 @singledispatch
 def _find_by_name(result: Any, name: _Name) -> ResultValue | None:
-    """Return a value that a result reports; None where it reports none of that name."""
+    """Return a value of a result by its name; None if there is none of that name."""
     reported_values: Iterable[ReportedValue] = getattr(result, "facts", ())
     matches = [
         reported_value
@@ -270,7 +270,7 @@ def _evaluate_at(solid: Solid, *, part: str, hertz: float) -> float:
 
 
 def _propagate_error(fit: Fit, evaluate: Callable[[Solid], float]) -> float:
-    """Return the standard error of a value of the solid, to first order; nan if none is known."""
+    """Return the standard error of a value of the solid, to first order; nan if unknown."""
     value = evaluate(fit.solid)
     changes = [evaluate(solid) - value for solid in off_by_error(fit)]
     return math.hypot(*changes) if changes else math.nan

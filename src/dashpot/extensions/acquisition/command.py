@@ -101,7 +101,7 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
 
 @contextmanager
 def _stop_on_signals(recorder: dp.files.acquisition.Recorder) -> Iterator[None]:
-    """Let Ctrl-C end the record in good order, not between a read and its write."""
+    """Stop recording on Ctrl-C only between a read and its write."""
     previous_handlers = {}
     with suppress(ValueError):  # not the main thread of whoever calls
         for number in (signal.SIGINT, signal.SIGTERM):

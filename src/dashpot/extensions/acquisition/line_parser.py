@@ -15,11 +15,11 @@ from dashpot.base.number_format import format_count
 from dashpot.base.units import find_unit
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
-LONGEST = 4096
+MAX_LENGTH = 4096
 """Bytes of a line, at most."""
 RESTART_LINES = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
-_GAP = 1.5
+_GAP_RATIO = 1.5
 """Steps of the usual size that a missing sample makes at least."""
 _MIN_STEPS, _MAX_STEPS = 3, 101
 """Steps of which the usual one is the median: at least, and at most."""
@@ -28,7 +28,7 @@ _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 
 def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
-    """Return the columns beside the time, where that stands, and its unit, s."""
+    """Return the columns without the time, its position, and its unit, s."""
     matches = [_NAMED.fullmatch(" ".join(column.split())) for column in columns]
     words = [(match[1].strip(), match[2].strip()) for match in filter(None, matches)]
     if not words or None in matches:
@@ -73,52 +73,54 @@ class Lines:
     def __init__(
         self, columns: Sequence[str] = COLUMNS, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        self.channels, self._at, self._factor = _split_time_column(columns)
+        self.channels, self._time_column, self._factor = _split_time_column(columns)
         self._width, self._clock = len(columns), clock
-        self._checked = False
-        self._rest, self._first, self._last = b"", True, -math.inf
-        self._held: tuple[float, list[float]] | None = None
+        self._is_checked = False
+        self._incomplete_line, self._skips_first_line, self._last_time = b"", True, -math.inf
+        self._pending_sample: tuple[float, list[float]] | None = None
         self._steps: deque[float] = deque(maxlen=_MAX_STEPS)
-        self._median, self._counted = math.inf, 0
-        self._garbled, self._example, self._fell, self._falls = 0, "", 0, 0
-        self._gaps, self._missing, self._longest = 0, 0, 0.0
-        self.begun_again = False
+        self._median, self._step_count = math.inf, 0
+        self._garbled_count, self._example, self._fall_count, self._falls_in_a_row = 0, "", 0, 0
+        self._gaps, self._missing_count, self._longest_gap = 0, 0, 0.0
+        self.has_restarted = False
 
     def feed(self, data: bytes) -> Block:
         """Return the samples of the lines that `data` completes."""
         # an end of \r\n is one of \r, and an empty line
-        *lines, self._rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
-        if len(self._rest) > LONGEST:
-            lines, self._rest = [*lines, self._rest[:LONGEST]], b""
-        if lines and self._first:
-            self._first, lines = False, lines[1:]
+        *lines, self._incomplete_line = (
+            (self._incomplete_line + data).replace(b"\r", b"\n").split(b"\n")
+        )
+        if len(self._incomplete_line) > MAX_LENGTH:
+            lines, self._incomplete_line = [*lines, self._incomplete_line[:MAX_LENGTH]], b""
+        if lines and self._skips_first_line:
+            self._skips_first_line, lines = False, lines[1:]
         rows = [row for line in lines if (row := self._row(line.strip())) is not None]
         clocked = (
             self._assign_arrival_times(rows)
-            if self._at is None
-            else self._extract_device_times(rows, self._at)
+            if self._time_column is None
+            else self._extract_device_times(rows, self._time_column)
         )
         times = np.array([clock for clock, _ in clocked])
         values = np.array([row for _, row in clocked]).reshape(len(clocked), len(self.channels))
         return times, values
 
     def notes(self) -> tuple[str, ...]:
-        """Return what was lost so far, in sentences."""
+        """Return the notes on lost samples so far."""
         names = []
-        if self._at is None:
+        if self._time_column is None:
             names.append("the device sends no time: it is that of this computer, as lines arrived")
-        if self._garbled:
-            lines = format_count(self._garbled, "garbled line")
+        if self._garbled_count:
+            lines = format_count(self._garbled_count, "garbled line")
             names.append(f"{lines} left out, first {self._example}")
-        if self._fell:
-            lines = format_count(self._fell, "line")
+        if self._fall_count:
+            lines = format_count(self._fall_count, "line")
             names.append(f"{lines} left out that came no later than the line before")
         if self._gaps:
             names.append(
-                f"{format_count(self._gaps, 'gap')} in the clock, {self._missing} samples missing, "
-                f"the longest gap {self._longest:.4g} s"
+                f"{format_count(self._gaps, 'gap')} in the clock, {self._missing_count} samples "
+                f"missing, the longest gap {self._longest_gap:.4g} s"
             )
-        if self.begun_again:
+        if self.has_restarted:
             names.append("the device's clock began again: the record ends there")
         return tuple(names)
 
@@ -128,9 +130,9 @@ class Lines:
             return None
         body, star, sent = line.partition(b"*")
         try:
-            if (star or self._checked) and int(sent, 16) != _compute_checksum(body):
+            if (star or self._is_checked) and int(sent, 16) != _compute_checksum(body):
                 raise ValueError
-            self._checked |= bool(star)
+            self._is_checked |= bool(star)
             row = [float(cell) for cell in _SEPARATOR.split(body) if cell]
         except ValueError:
             row = []
@@ -141,10 +143,10 @@ class Lines:
 
     def _assign_arrival_times(self, rows: list[list[float]]) -> list[tuple[float, list[float]]]:
         """Return rows that came together with times between the last look and now."""
-        now, last = self._clock(), self._last
+        now, last = self._clock(), self._last_time
         if not rows:
             return []
-        self._last = now
+        self._last_time = now
         if math.isinf(last):
             return [(now, rows[-1])]  # nobody knows since when the others had waited
         part = (now - last) / len(rows)
@@ -161,46 +163,49 @@ class Lines:
         kept_lines = []
         for row in rows:
             sample = row.pop(column) * self._factor, row
-            if self._held is not None and sample[0] <= self._held[0]:
-                self._count_garbled_line(f"time {self._held[0]:g} s")
-            elif self._held is not None:
-                kept_lines.append(self._register_sample(self._held))
-            self._held = None
-            if sample[0] <= self._last:
-                self._fell, self._falls = self._fell + 1, self._falls + 1
-                self.begun_again |= self._falls >= RESTART_LINES
-            elif sample[0] - self._last > _GAP * self._get_usual_step():
-                self._held = sample
+            if self._pending_sample is not None and sample[0] <= self._pending_sample[0]:
+                self._count_garbled_line(f"time {self._pending_sample[0]:g} s")
+            elif self._pending_sample is not None:
+                kept_lines.append(self._register_sample(self._pending_sample))
+            self._pending_sample = None
+            if sample[0] <= self._last_time:
+                self._fall_count, self._falls_in_a_row = (
+                    self._fall_count + 1,
+                    self._falls_in_a_row + 1,
+                )
+                self.has_restarted |= self._falls_in_a_row >= RESTART_LINES
+            elif sample[0] - self._last_time > _GAP_RATIO * self._get_usual_step():
+                self._pending_sample = sample
             else:
                 kept_lines.append(self._register_sample(sample))
         return kept_lines
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
         """Return a sample that is kept; its step is put in the account."""
-        step, usual_step = sample[0] - self._last, self._get_usual_step()
-        self._last, self._falls = sample[0], 0
+        step, usual_step = sample[0] - self._last_time, self._get_usual_step()
+        self._last_time, self._falls_in_a_row = sample[0], 0
         if math.isinf(step):
             return sample
-        if step > _GAP * usual_step:
+        if step > _GAP_RATIO * usual_step:
             self._gaps += 1
-            self._missing += round(step / usual_step) - 1
-            self._longest = max(self._longest, step)
+            self._missing_count += round(step / usual_step) - 1
+            self._longest_gap = max(self._longest_gap, step)
         else:
             self._steps.append(step)
-            self._counted += 1
-            if self._counted >= _MIN_STEPS and (
-                self._counted < _MAX_STEPS or self._counted % _MAX_STEPS == 0
+            self._step_count += 1
+            if self._step_count >= _MIN_STEPS and (
+                self._step_count < _MAX_STEPS or self._step_count % _MAX_STEPS == 0
             ):
                 self._median = float(np.median(self._steps))
         return sample
 
     def _get_usual_step(self) -> float:
         """The usual step, s; infinite before it is known, but for the first sample of all."""
-        return 0.0 if math.isinf(self._last) else self._median
+        return 0.0 if math.isinf(self._last_time) else self._median
 
     def _count_garbled_line(self, example: str) -> None:
         self._example = self._example or ascii(example)
-        self._garbled += 1
+        self._garbled_count += 1
 
 
 def _compute_checksum(body: bytes) -> int:

@@ -17,7 +17,7 @@ from dashpot.base.plain_text import escape_formula, format_csv_comment
 from dashpot.base.version import __version__
 from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
 
-SYNCED = 1.0
+SYNC_INTERVAL = 1.0
 """Seconds after which what was read is on the disk."""
 
 
@@ -98,7 +98,7 @@ class _Log:
             self._handle = os.open(path, flags, 0o666)
         except FileExistsError:
             raise ReadError(f"{path} is there already; a record is written to a new file") from None
-        self._path, self._synced = path, time.monotonic()
+        self._path, self._sync_time = path, time.monotonic()
         self._head = device
         try:
             if self._is_taken():
@@ -121,14 +121,14 @@ class _Log:
             return False
 
     def _begin(self) -> None:
-        """Take off what an earlier record left, and write the head."""
+        """Delete the rest of an earlier record, and write the header."""
         if self._begun:
             return
         self._begun = True
         if os.fstat(self._handle).st_size:
             os.ftruncate(self._handle, 0)
         timestamp = datetime.now().astimezone().isoformat(timespec="seconds")
-        self._say(f"{self._head.device}; recorded {timestamp} with dashpot {__version__}")
+        self._report(f"{self._head.device}; recorded {timestamp} with dashpot {__version__}")
         self._write(",".join(("time [s]", *map(escape_formula, self._head.channels))) + "\n")
 
     def __enter__(self) -> Self:
@@ -144,17 +144,17 @@ class _Log:
         self._begin()
         rows = zip(block[0].tolist(), block[1].tolist(), strict=True)
         self._write("".join(f"{t!r},{','.join(map(repr, row))}\n" for t, row in rows))
-        if time.monotonic() - self._synced >= SYNCED:
+        if time.monotonic() - self._sync_time >= SYNC_INTERVAL:
             os.fsync(self._handle)
-            self._synced = time.monotonic()
+            self._sync_time = time.monotonic()
 
     def close(self, notes: tuple[str, ...]) -> None:
-        """Say at the end what was lost, and see everything on the disk."""
+        """Report lost samples, and flush the file to the disk."""
         for note in notes if self._begun else ():
-            self._say(note)
+            self._report(note)
         os.fsync(self._handle)
 
-    def _say(self, message: str) -> None:
+    def _report(self, message: str) -> None:
         self._write(f"# {format_csv_comment(message)}\n")
 
     def _write(self, text: str) -> None:

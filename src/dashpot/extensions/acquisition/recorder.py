@@ -37,7 +37,7 @@ class Recorder(Protocol):
     """Acquisition device that is read until it ends or is stopped; a driver has these methods."""
 
     def describe(self) -> Description:
-        """Return what is read, and what went wrong with it so far."""
+        """Return the source and its errors so far."""
 
     def blocks(self) -> Iterator[Block]:
         """Yield what came since the block before, at least every few tenths of a second.

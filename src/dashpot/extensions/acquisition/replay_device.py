@@ -36,7 +36,7 @@ class Paced:
         self._time = test.time
         self._values = np.column_stack([convert_to_unit(test.displacement, "mm"), test.force])
         # a flag: a signal's handler must not wait for a lock that its own thread holds
-        self._device, self._speed, self._over = device, speed, False
+        self._device, self._speed, self._is_stopped = device, speed, False
 
     def describe(self) -> Description:
         """Return what is played."""
@@ -52,12 +52,12 @@ class Paced:
             sent = sent_end
             if sent < len(self._time):
                 time.sleep(BLOCK_PERIOD)
-            if self._over:
+            if self._is_stopped:
                 return
 
     def stop(self) -> None:
         """End the playing within a beat."""
-        self._over = True
+        self._is_stopped = True
 
 
 def replay(path: str | Path, *, speed: float = 1.0) -> Paced:

@@ -38,23 +38,23 @@ class SerialLine:
     """
 
     def __init__(self, port: str, *, columns: Sequence[str] = COLUMNS, baud: int = 115200) -> None:
-        self._lines, self._over = Lines(columns), False
-        self._device, self._said = f"serial line {port}, {baud} baud", ""
+        self._lines, self._is_stopped = Lines(columns), False
+        self._device, self._end_note = f"serial line {port}, {baud} baud", ""
         self._handle = _open_serial_line(port, baud)
 
     def describe(self) -> Description:
-        """Return what is read, and what was lost so far."""
-        stated = (self._said,) if self._said else ()
+        """Return the source and the lost samples so far."""
+        stated = (self._end_note,) if self._end_note else ()
         return Description(self._device, self._lines.channels, (*self._lines.notes(), *stated))
 
     def blocks(self) -> Iterator[Block]:
         """Yield the samples that came, until the line is closed or the clock begins again."""
         try:
-            while not self._over and not self._lines.begun_again:
+            while not self._is_stopped and not self._lines.has_restarted:
                 readable, _, _ = select.select([self._handle], [], [], READ_TIMEOUT)
                 data = self._read() if readable else b""
                 if data is None:
-                    self._said = "the device closed the line"
+                    self._end_note = "the device closed the line"
                     return
                 yield self._lines.feed(data)
         finally:
@@ -62,10 +62,10 @@ class SerialLine:
 
     def stop(self) -> None:
         """End the reading within a tenth of a second."""
-        self._over = True
+        self._is_stopped = True
 
     def _read(self) -> bytes | None:
-        """Return what has come; None at the end of the line."""
+        """Return the bytes that have arrived; None at the end of the stream."""
         try:
             return os.read(self._handle, 1 << 16) or None
         except BlockingIOError:

@@ -58,7 +58,7 @@ class FittedLaw:
         Their standard errors; 0 for an exponent that was set.
     residuals : complex array, shape (n,)
         Fit less sample, over the size of the sample.
-    loss_left : float
+    residual_loss : float
         What is left of the loss over the loss, rms, of the worst third of the amplitudes.
     bic, deviance : float
         n ln(rss/n), with and without what the parameters cost.
@@ -74,7 +74,7 @@ class FittedLaw:
     numbers: dict[str, float]
     se: dict[str, float]
     residuals: ComplexArray
-    loss_left: float
+    residual_loss: float
     bic: float
     deviance: float
     is_adequate: bool
@@ -95,7 +95,7 @@ class FittedLaw:
 
     @property
     def residual(self) -> float:
-        """Rms of what is left, of either part."""
+        """Rms of the residual, of both parts."""
         return float(np.sqrt((np.abs(self.residuals) ** 2).mean() / 2))
 
 
@@ -225,8 +225,8 @@ class _LawOnSweep:
     @cached_property
     def size(self) -> FloatArray:
         """Scale of the residuals: the size of the sample, more where its scatter is larger."""
-        size, sd = np.abs(self.sweep.value), self.sweep.sd
-        return size if sd is None else np.hypot(size, sd / _MIN_SCATTER)
+        magnitude, sd = np.abs(self.sweep.value), self.sweep.sd
+        return magnitude if sd is None else np.hypot(magnitude, sd / _MIN_SCATTER)
 
     @cached_property
     def tones(self) -> FloatArray:
@@ -257,7 +257,7 @@ class _LawOnSweep:
         return -join_complex_parts(best.residual)
 
     def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
-        """Return what a term of X^4 gains in deviance, and k3 beside it."""
+        """Return the fall of the deviance by a term of X^4, and k3 with it."""
         X, n = self.sweep.amplitude, len(best.residual)
         cubic_columns = stack_real_rows((X / X.max()) ** 4 / self.size)
         cubic_fit = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, cubic_columns)))
@@ -296,7 +296,7 @@ class _LawOnSweep:
         return {name: float(entry) for name, entry in entries.items()}
 
     def rises(self, residual: ComplexArray) -> bool:
-        """Return whether the storage rises at the end, where a spring stands beside Kraus's law.
+        """Return whether the storage rises at the end, as by a spring in parallel to Kraus's law.
 
         A spring that only bends how the storage falls is but another way to soften.
         """

@@ -40,7 +40,7 @@ from dashpot.workflow.job import LevelChoices, PartChoices, require_test_for_mac
 
 
 def get_height(part: PartChoices) -> float | None:
-    """Return the height of a pad, m; None of what has none, or where no shape is given."""
+    """Return the height of a pad, m; None if the part has none, or no shape is given."""
     shape = next(
         (
             parse_part_shape(flag, lengths)
@@ -248,9 +248,9 @@ class SweptPart(Serialisable):
             f[max(top - 2, 0)], f[min(top + 2, _COARSE_LINES - 1)], _FINE_LINES
         )
         frf, stretch = compute_frf(frequency=fine_frequency)
-        size = np.abs(frf.value)
-        top = min(max(int(size.argmax()), 1), _FINE_LINES - 2)
-        left, middle, right = size[top - 1 : top + 2]
+        magnitude = np.abs(frf.value)
+        top = min(max(int(magnitude.argmax()), 1), _FINE_LINES - 2)
+        left, middle, right = magnitude[top - 1 : top + 2]
         shift = (left - right) / (2 * (left - 2 * middle + right))
         return (
             float(fine_frequency[top] + shift * (fine_frequency[1] - fine_frequency[0])),
@@ -271,7 +271,7 @@ class SweptPart(Serialisable):
         coupled: float = 0.0,
         anchor: ReferencePoint | None = None,
     ) -> tuple[LevelResonance, ...]:
-        """The resonance at each level, and what strain measure, law and samples leave open of it.
+        """Return the resonance at each level, with its errors by strain measure, law and samples.
 
         `anchor` is the resonance that determined the part's geometry, if one did.
         """
@@ -334,7 +334,7 @@ class SweptPart(Serialisable):
         return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
     def _compute_law_misfit(self, strain: float) -> tuple[float, float]:
-        """Rms of what the law leaves of storage and of loss, relative, about a strain."""
+        """Return the rms misfit of the law in storage and loss, relative, about a strain."""
         assert self.record is not None  # noqa: S101
         record, tones = self.record, np.unique(self.record.frequency)
         model = np.zeros(len(record.amplitude), dtype=complex)
@@ -407,7 +407,7 @@ def fit_swept_part(
     part: PartChoices | None = None,
     options: ReadOptions | None = None,
 ) -> SweptPart | None:
-    """Return what the user's sweep says of the parts; None where none is given.
+    """Return the fit of the user's amplitude sweep; None if there is none.
 
     Parameters
     ----------
@@ -533,7 +533,7 @@ def _get_part_height(
 
 
 def _list_rival_laws(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
-    """The law as a factor where it stands beside the solid, and so on, if the sweep allows it."""
+    """Return the alternative laws that the sweep allows, such as one that scales the solid."""
     kraus, plus, spring = law.law.partition("+")
     other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
     scores = dict(law.orders)

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import convert_to_unit, get_display_unit
 from dashpot.vibration.impact.amplitude_trend import Trend
-from dashpot.vibration.impact.checks import MIN_HITS, SOFTENING
+from dashpot.vibration.impact.checks import MIN_HITS, MIN_SOFTENING
 
 SIGNIFICANT_DEVIANCE = 20.0
 FAR_ENOUGH = 2.0
@@ -251,7 +251,7 @@ def amplitude_in_tested_range(
 @criterion(
     "change of stiffness per doubling that 4 of 5 such tests find",
     "<=",
-    SOFTENING,
+    MIN_SOFTENING,
     "a change that matters",
 )
 def softening_detectable(trend: Trend | None) -> Finding:

@@ -436,7 +436,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def build_dependence(
         self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0, since: float = 0.0
     ) -> AmplitudeDependent | None:
-        """Return what amplitude changes of a solid that knows of none; None where none matters.
+        """Return the change of a linear solid with amplitude; None if it is negligible.
 
         Parameters
         ----------

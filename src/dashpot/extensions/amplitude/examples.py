@@ -30,8 +30,12 @@ def _simulate_loops() -> str:
         f"{t:.6g},{d:.6g},{f:.6g}"
         for t, d, f in zip(time, convert_to_unit(x + 4e-3, "mm"), force, strict=True)
     )
-    head = [f"# {byline('simulated loops')}", "# simulated", "time [s],displacement [mm],force [N]"]
-    return "\n".join([*head, *rows, ""])
+    header = [
+        f"# {byline('simulated loops')}",
+        "# simulated",
+        "time [s],displacement [mm],force [N]",
+    ]
+    return "\n".join([*header, *rows, ""])
 
 
 def _make_frf_writer(level: float, seed: int) -> Callable[[], str]:
@@ -46,8 +50,8 @@ def _make_frf_writer(level: float, seed: int) -> Callable[[], str]:
         draw = np.random.default_rng(seed).standard_normal
         value = frf.value * (1 + 0.005 * (draw(97) + 1j * draw(97)))
         rows = zip(frf.frequency, value.real, value.imag, strict=True)
-        head = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
-        lines = [f"# {byline('simulated shaker test')}", "# simulated", head]
+        header = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
+        lines = [f"# {byline('simulated shaker test')}", "# simulated", header]
         return "\n".join([*lines, *(",".join(f"{item:.6g}" for item in row) for row in rows), ""])
 
     return render_file

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.extensions.amplitude.datamodel import (
@@ -49,13 +49,13 @@ from dashpot.plot.plotted_data import (
     compute_padded_limits,
     compute_padded_log_limits,
     read_as,
-    unit_of,
+    select_plot_unit,
 )
 from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.vibration.impact.amplitude_trend import DECAYED
+from dashpot.vibration.impact.amplitude_trend import MEAN_AMPLITUDE_RATIO
 
 if TYPE_CHECKING:
     from dashpot.extensions.amplitude.fit_files import AmplitudeResult
@@ -122,7 +122,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     shown_loops = _select_distinct_loops(find_steady_cycles(test))
     of_material = isinstance(test, StressStrainLoops)
     amplitudes = np.array([loop.amplitude for loop in shown_loops])
-    word, mm = ("%", 100.0) if of_material else unit_of(amplitudes, "m")
+    word, mm = ("%", 100.0) if of_material else select_plot_unit(amplitudes, "m")
     unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
     panels: list[tuple[str, list[Line]]] = []
     for hysteresis_loop in shown_loops:
@@ -154,7 +154,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
         caption,
         strips,
         2,
-        stamp or format_stamp(sources_of([test]), test.specimen),
+        stamp or format_stamp(list_sources([test]), test.specimen),
         width=_WIDTH,
         rows=rows,
     )
@@ -187,7 +187,7 @@ def amplitude_sweep(
     """
     strips = tuple((panel,) for panel in _make_amplitude_panels(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
-    stamp = stamp or format_stamp(sources_of([sweep]), sweep.specimen)
+    stamp = stamp or format_stamp(list_sources([sweep]), sweep.specimen)
     return Picture("amplitude", caption, strips, 2, stamp, width=_WIDTH)
 
 
@@ -230,13 +230,15 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     hits = [hit for hit in levels.frf.hits if hit.amplitude]
-    X = DECAYED * np.array([hit.amplitude for hit in hits])
+    X = MEAN_AMPLITUDE_RATIO * np.array([hit.amplitude for hit in hits])
     low, high = levels.amplitudes
     dense = np.geomspace(low / 2, high * 2, 80)
     is_tested = (dense >= low * 0.999) & (dense <= high * 1.001)
-    word, mm = unit_of(X, "m")
+    unit_name, mm = select_plot_unit(X, "m")
     across = Scale(
-        f"amplitude of motion, {word}", compute_padded_log_limits(mm * dense, margin=1.0), log=True
+        f"amplitude of motion, {unit_name}",
+        compute_padded_log_limits(mm * dense, margin=1.0),
+        log=True,
     )
     strips = []
     f, zeta = [hit.frequency for hit in hits], [hit.damping_ratio for hit in hits]
@@ -293,7 +295,7 @@ def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> l
     """Return storage and loss, one colour a frequency; the law dashed where it was not measured."""
     quantity, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
-        quantity, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
+        quantity, (word, mm) = "displacement", select_plot_unit(sweep.amplitude, "m")
     letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
@@ -348,13 +350,13 @@ def _make_magnitude_panel(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         size = scale * np.abs(lines.value)
         curve = receptance_at_level(fit, force, dense).to(kind, mass=fit.mass)
         y = scale * np.abs(curve.value)
-        top = int(np.argmax(y))
+        peak_index = int(np.argmax(y))
         peak = (
-            f"{text}: {round_to_error(float(dense[top]), digits=4)} Hz, "
-            f"{round_to_error(float(y[top]))} {unit}"
+            f"{text}: {round_to_error(float(dense[peak_index]), digits=4)} Hz, "
+            f"{round_to_error(float(y[peak_index]))} {unit}"
         )
         marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
-        tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
+        tags.append(Tag(float(dense[peak_index]), float(y[peak_index]), peak, colour))
         fits.append(Line(dense, y, _THIN_PEN, "" if fits else "fit"))
         drawn_values += [size, y]
     limits = compute_padded_log_limits(*drawn_values)
@@ -405,9 +407,9 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     )
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
-    word, mm = unit_of(X, "m")
+    unit_name, mm = select_plot_unit(X, "m")
     across = Scale(
-        f"amplitude of displacement, {word}",
+        f"amplitude of displacement, {unit_name}",
         compute_padded_log_limits(mm * dense, margin=1.1),
         log=True,
     )

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import NORMAL
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.amplitude.amplitude_laws import (
@@ -37,7 +37,7 @@ from dashpot.preprocessing.checks import check_machine
 
 _MIN_SAMPLES = 6
 """Samples: two numbers of a level, three of the law, one to spare."""
-_LEAST_OF_LEVEL = 2
+_MIN_OF_LEVEL = 2
 """Loops at one amplitude, which have no law."""
 _WORDS = {
     "factor": "Kraus's law",
@@ -81,7 +81,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         If there are too few samples, or not two for each frequency.
     """
     has_several_amplitudes = _has_several_amplitudes(sweep)
-    min_samples = _MIN_SAMPLES if has_several_amplitudes else _LEAST_OF_LEVEL
+    min_samples = _MIN_SAMPLES if has_several_amplitudes else _MIN_OF_LEVEL
     if len(sweep.amplitude) < min_samples:
         requirement = (
             "a law of amplitude needs"
@@ -118,8 +118,8 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         *([detection] if has_several_amplitudes else []),
         amplitudes_spread(range_[1] / range_[0], sweep.of),
         residual_check,
-        loss_residual_small(best.loss_left),
-        *check_machine(sources_of([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
+        loss_residual_small(best.residual_loss),
+        *check_machine(list_sources([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
     if "lost" in best.numbers:
         checks.insert(2, softening_seen(reach_ratio))
@@ -149,7 +149,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         int(np.count_nonzero(is_stray)),
         sweep.unit,
         sweep.of,
-        (*checks, *caution_checks(sources_of([sweep]))),
+        (*checks, *caution_checks(list_sources([sweep]))),
         sweep.source,
         best.numbers.get("k3", 0.0),
         cubic,
@@ -192,7 +192,7 @@ def _compute_errors_with_delay(
 
 
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
-    """Size of a cubic spring that might stand beside a law that has none, 95 %."""
+    """Return the 95 % limit of a cubic spring in parallel to a law without one."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
     fixed_exponent = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
     fitted = fit_sweep_law(sweep, law, fixed_exponent)
@@ -236,19 +236,19 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
 
 
 def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
-    """Change of the modulus at the same amplitude on the way down; None if there is no such way."""
+    """Return the change of the modulus on the way down; None if there is no such way."""
     values = []
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)
-        X, size = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
-        top = int(np.argmax(X))
-        up, down = slice(0, top + 1), slice(top + 1, None)
-        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[top:]) > 0):
+        X, magnitude = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
+        peak_index = int(np.argmax(X))
+        up, down = slice(0, peak_index + 1), slice(peak_index + 1, None)
+        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[peak_index:]) > 0):
             continue
-        in_common_range = (X[down] >= X[0]) & (X[down] < X[top])
-        if top >= 2 and np.count_nonzero(in_common_range) >= 3:
-            size_on_way_up = np.interp(X[down][in_common_range], X[up], size[up])
-            values.append(float(median(size[down][in_common_range] / size_on_way_up)) - 1)
+        in_common_range = (X[down] >= X[0]) & (X[down] < X[peak_index])
+        if peak_index >= 2 and np.count_nonzero(in_common_range) >= 3:
+            size_on_way_up = np.interp(X[down][in_common_range], X[up], magnitude[up])
+            values.append(float(median(magnitude[down][in_common_range] / size_on_way_up)) - 1)
     return max(values, key=abs) if values else None
 
 
@@ -260,13 +260,13 @@ def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
 
 def _find_strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
     """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
-    size = np.abs(residual)
-    limit = _OUTLIER_SD * 1.4826 * median(size)
-    is_stray = np.zeros(len(size), dtype=bool)
+    magnitude = np.abs(residual)
+    limit = _OUTLIER_SD * 1.4826 * median(magnitude)
+    is_stray = np.zeros(len(magnitude), dtype=bool)
     for tone in np.unique(sweep.frequency):
         rows = np.flatnonzero(sweep.frequency == tone)
         for i in rows[np.argsort(sweep.amplitude[rows])]:
-            if size[i] <= limit:
+            if magnitude[i] <= limit:
                 break
             is_stray[i] = True
     return is_stray

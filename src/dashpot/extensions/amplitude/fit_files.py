@@ -113,7 +113,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def requested_levels(self) -> tuple[PeakAtLevel, ...] | None:
-        """The levels that were asked for; None where none can be."""
+        """Return the requested levels; None where there can be none."""
         return None if isinstance(self.fit, AmplitudeFit) else self.at
 
     def to_dict(self) -> dict[str, Any]:
@@ -193,7 +193,7 @@ def level_files(
 def fit_amplitude_record(
     record: AmplitudeSweep | LoopRecord, *, law: str = "auto", machine: Machine | None = None
 ) -> AmplitudeResult:
-    """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
+    """Fit stiffness and damping over amplitude to a sweep or to loops."""
     if not isinstance(record, AmplitudeSweep):
         sweep = compute_sweep(record, machine)
     else:
@@ -296,7 +296,7 @@ def hits_at_levels(
     band: tuple[float, float] | None = None,
     at: Sequence[float] = (),
 ) -> AmplitudeResult:
-    """Find what hits of different height say; the parameters are those of :func:`level_files`."""
+    """Fit hits of different height; the parameters are those of :func:`level_files`."""
     stated_forces = _get_peak_forces(levels, len(tests))
     frf = estimate_frf(tests, resonance_band=band, mass=mass)
     hit_levels = hits_as_levels(frf, band=band)
@@ -346,7 +346,7 @@ def frfs_at_levels(
 
 
 def _find_peak(level_fit: LevelFit, level: float) -> PeakAtLevel:
-    """Return the largest motion of the mass at a level, and what the draws say of it."""
+    """Return the largest motion of the mass at a level, and its interval by the draws."""
 
     def find_largest_motion(solid: GeneralizedMaxwell, elements: Elements) -> FloatArray:
         hz, X = resonance_at_level(level_fit, level, parts_of_model=(solid, elements))

@@ -28,13 +28,13 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.jenkins import Jenkins, jenkins_reduction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.nonlinear_springs import Cubic
-from dashpot.vibration.modal.pole_fit import FLOOR
+from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 _PER_DECADE = 10
-_FINER = 8
+_FINE_GRID_POINTS = 8
 """A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
 _ROUNDING = 1e-9
-_THIRD = float(np.sqrt(20 * np.log(2)))
+_THIRD_DIFFERENCE_RATIO = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
 _NEIGHBOUR_LINES = 20
 """Neighbouring lines that are taken to be known alike."""
@@ -206,7 +206,7 @@ class _TermsOptimum:
 
     @property
     def residual(self) -> float:
-        """Rms of what is left of F/X."""
+        """Rms of the residual of F/X."""
         return float(np.sqrt((np.abs(self.residuals) ** 2).mean()))
 
     @property
@@ -217,7 +217,7 @@ class _TermsOptimum:
 
     @property
     def parts(self) -> Parts:
-        """The solid and what stands beside it; what is nothing is left out."""
+        """The solid and the parts parallel to it that are not zero."""
         problem, k = self.problem, self.k
         min_stiffness = _ROUNDING * float(k.sum())
         arms, yield_stiffness = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
@@ -272,7 +272,9 @@ class _LineData:
         active = np.flatnonzero(sliders > _ROUNDING * float(optimum.k.sum()))
         if len(active):
             step = self.yields[1] / self.yields[0]
-            factors = step ** (np.arange(-_FINER, _FINER + 1) / _FINER)
+            factors = step ** (
+                np.arange(-_FINE_GRID_POINTS, _FINE_GRID_POINTS + 1) / _FINE_GRID_POINTS
+            )
             finer = np.unique((self.yields[active, None] * factors).round(15))
             optimum = replace(self, yields=finer)._solve(K, terms)
         for _ in range(passes if terms else 0):
@@ -290,10 +292,10 @@ class _LineData:
             stiffness_at(parts, self.omega, X * scale, self.inertia) for scale in (1 + h, 1 - h)
         )
         slope, direct = (up - down) / (2 * h), K - self.inertia * self.omega**2
-        size = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
+        magnitude = np.abs(direct) ** 2 + np.abs(slope) ** 2 / 2 + (direct * slope.conj()).real
         harmonic_factor = with_third_harmonic(parts, self.omega, X, self.inertia)
         return replace(
-            self, weight=self.reliability / np.sqrt(size), harmonic_factor=harmonic_factor
+            self, weight=self.reliability / np.sqrt(magnitude), harmonic_factor=harmonic_factor
         )
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
@@ -347,10 +349,10 @@ def compute_level_rows(
 
 
 def _compute_reliability(lines: FRF) -> FloatArray:
-    """Return how well lines are known beside most, by the error that the FRF states: at most 1."""
+    """Return the weights of lines by the stated error of the FRF, at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
-    relative = np.maximum(lines.line_scatter / np.abs(lines.value), FLOOR)
+    relative = np.maximum(lines.line_scatter / np.abs(lines.value), MIN_LINE_ERROR)
     return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
@@ -374,7 +376,8 @@ def _estimate_noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> f
         for values in np.array_split(np.abs(residual), max(len(residual) // _NEIGHBOUR_LINES, 1))
     ]
     size = [
-        min(float(np.median(values)) / _THIRD, MAX_RESIDUAL_SHARE) for values in group_residuals
+        min(float(np.median(values)) / _THIRD_DIFFERENCE_RATIO, MAX_RESIDUAL_SHARE)
+        for values in group_residuals
     ]
     rms = np.sqrt(np.average(np.square(size), weights=[len(values) for values in group_residuals]))
-    return max(float(rms), FLOOR)
+    return max(float(rms), MIN_LINE_ERROR)

@@ -26,7 +26,7 @@ from dashpot.solids.rate_independent import (
 
 __all__ = ["Berg", "Coulomb", "Iwan", "Jenkins", "Kraus", "RelativeToAmplitude", "jenkins_like"]
 
-_VANISHING = 1e-30
+_ZERO_AMPLITUDE = 1e-30
 """m."""
 
 
@@ -128,7 +128,7 @@ class Berg(RateIndependent):
     def __post_init__(self) -> None:
         require_positive_parameters(self, "limit", "half_way")
 
-    def _from(self, turning_point: Any, distance: Any, up: Any) -> Any:
+    def _compute_force_from(self, turning_point: Any, distance: Any, up: Any) -> Any:
         """Return force after moving `distance` >= 0 from a turning point; `up` is +1 or -1."""
         mu = up * turning_point / self.limit
         return turning_point + distance / (self.half_way * (1 - mu) + distance) * (
@@ -139,7 +139,7 @@ class Berg(RateIndependent):
         """Force, N, on the branch of the steady loop, whose tip force is in closed form."""
         X, h = np.asarray(amplitude), self.half_way
         tip = self.limit / (2 * h) * (np.sqrt(h**2 + X**2 + 6 * h * X) - h - X)
-        return np.asarray(self._from(tip, X - x, -1))
+        return np.asarray(self._compute_force_from(tip, X - x, -1))
 
     def start(self) -> tuple[float, float, float, float]:
         """Last turning point (m, N), then the present place (m, N)."""
@@ -155,7 +155,7 @@ class Berg(RateIndependent):
         up = 1 if x > position else -1
         if up * (position - x_r) < 0:
             x_r, f_r = position, force
-        force = float(self._from(f_r, abs(x - x_r), up))
+        force = float(self._compute_force_from(f_r, abs(x - x_r), up))
         return force, (x_r, f_r, x, force)
 
     def __mul__(self, count: float) -> Berg:
@@ -277,7 +277,7 @@ class RelativeToAmplitude(AmplitudeDependent):
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the equivalent stiffness, N/m."""
-        values = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
+        values = self.element.equivalent(omega, max(self.amplitude, _ZERO_AMPLITUDE))
         return self.element.equivalent(omega, amplitude) - values
 
     def start(self) -> Any:

@@ -9,18 +9,18 @@ from numpy.polynomial import Polynomial
 
 from dashpot.base.arrays import FloatArray, median
 
-_CROSSED = 5.0
+_CROSSING_SD = 5.0
 """SD of the displacement's noise beyond which its sign is sure."""
 _PASSES = 3
-_FEWEST = 2
+_MIN_COUNT = 2
 """Cycles: a creep that its drift is taken off looks like one."""
 _MIN_SAMPLES, _MANY = 7, 32
 """Fewest samples of a cycle that distinguish a sine from a triangle, and noise from misfit."""
-_DISTORTED = 0.04
+_MAX_DISTORTION = 0.04
 """Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
-_COVERED = 0.65
+_MIN_HARMONIC_SHARE = 0.65
 """Part of the time from the first harmonic cycle to the last that such cycles fill."""
-_SPANNED = 0.4
+_MIN_SPAN_SHARE = 0.4
 """Part of a record that this time is at least: before it may be a ramp and a rest."""
 
 
@@ -38,11 +38,13 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
     rises, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
     starts = max(rises, fall_starts, key=len)
     cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, motion, *pair)]
-    if len(cycles) < _FEWEST:
+    if len(cycles) < _MIN_COUNT:
         return False
     filled = sum(end - begin for begin, end in cycles)
     span = cycles[-1][1] - cycles[0][0]
-    return bool(filled >= _COVERED * span and span >= _SPANNED * float(np.ptp(time)))
+    return bool(
+        filled >= _MIN_HARMONIC_SHARE * span and span >= _MIN_SPAN_SHARE * float(np.ptp(time))
+    )
 
 
 def _is_sine(time: FloatArray, motion: FloatArray, begin: float, end: float) -> bool:
@@ -57,7 +59,7 @@ def _is_sine(time: FloatArray, motion: FloatArray, begin: float, end: float) -> 
     residual = x - A @ factors
     noise = estimate_scatter(residual) if count >= _MANY else 0.0
     mean_square = max(float(np.mean(residual**2)) - noise**2, 0.0)
-    return mean_square < (_DISTORTED * float(np.hypot(*factors[1:]))) ** 2
+    return mean_square < (_MAX_DISTORTION * float(np.hypot(*factors[1:]))) ** 2
 
 
 def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
@@ -66,7 +68,7 @@ def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
     noise = estimate_scatter(x)
     for _ in range(_PASSES):
         level = x - drift(t)
-        unsure, level_sd = _CROSSED * noise, float(np.std(level))
+        unsure, level_sd = _CROSSING_SD * noise, float(np.std(level))
         # of few samples a cycle a motion looks like noise, but of less than half its size
         starts = _find_rises(t, level, min(unsure, level_sd) if 2 * noise < level_sd else unsure)
         if len(starts) < 3:
@@ -91,5 +93,5 @@ def _find_rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
     is_clear = np.abs(deviation) > unsure
     t, deviation = t[is_clear], deviation[is_clear]
     turns = np.flatnonzero((deviation[:-1] < 0) & (deviation[1:] > 0))
-    share = deviation[turns] / (deviation[turns] - deviation[turns + 1])
-    return np.asarray(t[turns] + share * (t[turns + 1] - t[turns]))
+    ratio = deviation[turns] / (deviation[turns] - deviation[turns + 1])
+    return np.asarray(t[turns] + ratio * (t[turns + 1] - t[turns]))

@@ -20,7 +20,7 @@ from dashpot.vibration.impact.amplitude_trend import (
     TREND_CONFIDENCE,
     RegressionLine,
     Trend,
-    trend_of_hits,
+    fit_amplitude_trend,
 )
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
@@ -186,7 +186,7 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     DataError
         If there is no mode, or too few hits of different height.
     """
-    modes, trend = frf.modes(band=band), trend_of_hits(frf.hits)
+    modes, trend = frf.modes(band=band), fit_amplitude_trend(frf.hits)
     if not modes or trend is None:
         total = sum(hit.amplitude is not None for hit in frf.hits)
         raise DataError(

@@ -177,7 +177,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def k3(self) -> float:
-        """Coefficient of the cubic spring beside the solid, N/m^3; 0 where there is none."""
+        """Coefficient of the cubic spring parallel to the solid, N/m^3; 0 without one."""
         return _k3(self.solid, self.rate_independent)
 
     @property
@@ -214,7 +214,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def interval(
         self, function: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
     ) -> FloatArray:
-        """95 % interval of what follows from the solid and what is beside it (basic bootstrap).
+        """95 % interval of a quantity of the solid and its parallel parts (basic bootstrap).
 
         The fit leans to the side on which its draws lean: they are reflected about it. Shape
         (2,) of a number, (2, n) of several; not known, NaN, without draws.

@@ -64,9 +64,9 @@ _HARMONIC = 1e-4
 
 def _format_nonlinear_resonances(levels: Sequence[PreloadedLevel], unit: str) -> list[str]:
     """Return the table of resonance and harmonics at each amplitude by a nonlinear elastic law."""
-    head = [f"amplitude, {levels[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
+    header = [f"amplitude, {levels[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
             "3rd, mm", "mean shift, mm", "no contact", "growth"]  # fmt: skip
-    rows: list[list[str]] = [head]
+    rows: list[list[str]] = [header]
     message: list[str] = []
     for level in levels:
         orbit = level.orbit

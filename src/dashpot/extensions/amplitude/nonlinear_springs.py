@@ -44,9 +44,9 @@ class StagedSpring(RateIndependent):
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return the force, N: the same up and down."""
-        size, limits = np.abs(x), np.asarray(self.until)
-        excess = np.maximum(size[..., None] - limits, 0.0)
-        return np.asarray(np.copysign(self.k[0] * size + excess @ np.diff(self.k), x))
+        magnitude, limits = np.abs(x), np.asarray(self.until)
+        excess = np.maximum(magnitude[..., None] - limits, 0.0)
+        return np.asarray(np.copysign(self.k[0] * magnitude + excess @ np.diff(self.k), x))
 
     def start(self) -> None:
         """Return no state: a spring remembers nothing."""

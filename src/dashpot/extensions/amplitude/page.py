@@ -19,7 +19,7 @@ from dashpot.extensions.amplitude.hits_by_amplitude import HitLevels
 from dashpot.extensions.amplitude.level_prediction import LevelPrediction
 from dashpot.extensions.amplitude.level_results import Elements, LevelFit
 from dashpot.plot.picture import Picture
-from dashpot.plot.plotted_data import unit_of
+from dashpot.plot.plotted_data import select_plot_unit
 from dashpot.report import result_output, solid_and_frf_pages
 from dashpot.report.result_page import (
     AppCard,
@@ -36,7 +36,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.job import LevelJob
 
-_FINEST = 1e-6
+_MIN_RELATIVE_ERROR = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
 
 
@@ -56,12 +56,12 @@ def page(levels: AmplitudeResult) -> KindPage:
     if any(check.name in loss for check in levels.checks):
         topics.append(Topic("Damping", loss))
     low, high = fit.amplitudes
-    word, scale = unit_of(np.array(fit.amplitudes), "m")
+    unit_name, scale = select_plot_unit(np.array(fit.amplitudes), "m")
     if isinstance(fit, AmplitudeFit) and fit.of == "strain":
-        word, scale = "%", 100.0
+        unit_name, scale = "%", 100.0
     amplitude_fact = (
         "Amplitudes",
-        f"{round_to_error(scale * low)} to {round_to_error(scale * high)} {word}",
+        f"{round_to_error(scale * low)} to {round_to_error(scale * high)} {unit_name}",
     )
     frequencies: tuple[tuple[str, str], ...] = ()
     if isinstance(fit, AmplitudeFit):
@@ -135,15 +135,15 @@ def list_level_values(levels: AmplitudeResult) -> list[ReportedValue]:
 
 
 def format_residual_note(levels: AmplitudeResult) -> str:
-    """Return what the fit leaves, and where nothing is known of it."""
+    """Return a note on the residual of the fit, and on the range of the data."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
-        word, scale = _get_amplitude_unit(fit)
+        unit_name, scale = _get_amplitude_unit(fit)
         text = f"Leaves {round_to_error(100 * fit.residual, digits=2)} % rms"
         if fit.left_out:
             text += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
     elif isinstance(fit, HitLevels):
-        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        unit_name, scale = select_plot_unit(np.array(fit.amplitudes), "m")
         text = (
             "Four of five such tests find "
             f"{round_to_error(100 * fit.trend.detectable_stiffness_change, digits=2)} % of "
@@ -151,7 +151,7 @@ def format_residual_note(levels: AmplitudeResult) -> str:
             "% of damping per doubling"
         )
     else:
-        word, scale = unit_of(np.array(fit.amplitudes), "m")
+        unit_name, scale = select_plot_unit(np.array(fit.amplitudes), "m")
         arms, sliders = fit.solid.arms, len(fit.sliders)
         text = (
             f"{arms} arm{'s' * (arms != 1)}, {sliders} slider{'s' * (sliders != 1)}"
@@ -160,7 +160,7 @@ def format_residual_note(levels: AmplitudeResult) -> str:
             f"{round_to_error(100 * fit.linear_residual, digits=2)} %"
         )
     low, high = (round_to_error(scale * end) for end in fit.amplitudes)
-    return f"{text}. Nothing is known outside {low} to {high} {word}."
+    return f"{text}. Nothing is known outside {low} to {high} {unit_name}."
 
 
 def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
@@ -169,9 +169,13 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
     for hz, value, error in zip(
         fit.frequency.tolist(), fit.linear.tolist(), fit.linear_se.tolist(), strict=True
     ):
-        size = abs(value)
-        yield _make_fact(f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=size)
-        yield _make_fact(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=size)
+        magnitude = abs(value)
+        yield _make_fact(
+            f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=magnitude
+        )
+        yield _make_fact(
+            f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=magnitude
+        )
     error_of = dict(fit.se)
     word, stretch = _get_amplitude_unit(fit)
     if fit.k3:
@@ -204,14 +208,14 @@ def _get_amplitude_unit(fit: AmplitudeFit) -> tuple[str, float]:
     """Return the word and the factor in which an amplitude is read."""
     if fit.of == "strain":
         return "%", 100.0
-    return unit_of(np.array(fit.amplitudes), "m")
+    return select_plot_unit(np.array(fit.amplitudes), "m")
 
 
 def _make_fact(
     name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
 ) -> ReportedValue:
     """Return a number with its error; `size` is what it is a part of."""
-    error = max(error, _FINEST * max(abs(value), size))
+    error = max(error, _MIN_RELATIVE_ERROR * max(abs(value), size))
     return ReportedValue.from_error(name, value, error, unit=unit, read=read)
 
 
@@ -227,12 +231,12 @@ def _make_level_facts(fit: LevelFit) -> Iterator[ReportedValue]:
     value, (low, high) = read(fit.solid, fit.rate_independent), fit.interval(read)
     for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
         for j, amplitude in enumerate(X.tolist()):
-            word, mm = unit_of(np.array(amplitude), "m")
-            text = f"{name}, {round_to_error(mm * amplitude, digits=2)} {word}"
+            unit_name, mm = select_plot_unit(np.array(amplitude), "m")
+            text = f"{name}, {round_to_error(mm * amplitude, digits=2)} {unit_name}"
             yield ReportedValue(text, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
     if fit.k3:
-        word, mm = unit_of(X[1], "m")
+        unit_name, mm = select_plot_unit(X[1], "m")
         share = 0.75 * X[1] ** 2
-        text = f"cubic spring, {round_to_error(mm * X[1], digits=2)} {word}"
+        text = f"cubic spring, {round_to_error(mm * X[1], digits=2)} {unit_name}"
         low_end, high_end = (share * end for end in fit.k3_interval)
         yield ReportedValue(text, share * fit.k3, low_end, high_end, "N/m")

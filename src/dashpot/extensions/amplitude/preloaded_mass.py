@@ -45,13 +45,13 @@ REPORTED_HARMONICS = 5
 """Harmonics that are reported."""
 _MAX_HARMONICS, _HARMONIC_TOLERANCE = 80, 1e-7
 """Harmonics at most, and what twice as many may change of those shown, of the largest."""
-_PER_HARMONIC, _FEWEST = 32, 256
+_PER_HARMONIC, _MIN_COUNT = 32, 256
 """Samples of a cycle for each harmonic, and at least."""
 _FLOQUET_STEPS = 256
-_JUMP, _HALVES, _STEP = 0.2, 8, 1e-5
+_JUMP_RATIO, _MAX_HALVINGS, _STEP = 0.2, 8, 1e-5
 """Part of the first harmonic by which neighbours differ that may be two answers, and how often the
 last step along one is halved to find where it ends; step of frequency for a slope."""
-_STEPS, _SHORTEST, _WIDEST = 400, 1e-5, 0.5
+_MAX_STEPS, _MIN_STEP, _WIDEST = 400, 1e-5, 0.5
 """Steps of the level at most, the least of them, and how far an answer may lie from where the
 tangent points, in steps."""
 _STEPS_OF_SWEEP = 450
@@ -202,8 +202,10 @@ class PreloadedMass:
                 "the model relaxes to zero force: no compression carries a mass at rest; expected "
                 "one with k_inf > 0"
             )
-        if len(self._rests) > 1:
-            rest_positions = ", ".join(format_quantity(rest, "mm", ".4g") for rest in self._rests)
+        if len(self._rest_positions) > 1:
+            rest_positions = ", ".join(
+                format_quantity(rest, "mm", ".4g") for rest in self._rest_positions
+            )
             raise DataError(
                 f"the elastic law is not monotone: {self.static_force:.4g} N rests at "
                 f"{rest_positions}; expected a law that rises over all the compressions meant, or "
@@ -216,13 +218,13 @@ class PreloadedMass:
         return self.mass * GRAVITY if self.preload is None else self.preload
 
     @cached_property
-    def _rests(self) -> tuple[float, ...]:
+    def _rest_positions(self) -> tuple[float, ...]:
         return self.law.rests(self.static_force)
 
     @property
     def rest(self) -> float:
         """Compression at rest, m."""
-        return self._rests[0]
+        return self._rest_positions[0]
 
     def shaken(self, *, level: Quantity, frequency: Quantity) -> Orbit:
         """Return the steady answer to a harmonic force, in as many harmonics as it takes.
@@ -312,7 +314,9 @@ class PreloadedMass:
         found_jumps = []
         for last, next_orbit in pairwise(swept):
             if not (
-                last.stable and next_orbit.stable and _compare_orbits(next_orbit, last) > _JUMP
+                last.stable
+                and next_orbit.stable
+                and _compare_orbits(next_orbit, last) > _JUMP_RATIO
             ):
                 continue
             orbit_back = self._solve_near_orbit(next_orbit, last.frequency, next_orbit.level)
@@ -323,15 +327,15 @@ class PreloadedMass:
             ):
                 continue
             previous, excess = last, next_orbit.frequency
-            for _ in range(_HALVES):
-                middle = 0.5 * (previous.frequency + excess)
-                middle_orbit = self._solve_near_orbit(previous, middle, previous.level)
+            for _ in range(_MAX_HALVINGS):
+                midpoint = 0.5 * (previous.frequency + excess)
+                middle_orbit = self._solve_near_orbit(previous, midpoint, previous.level)
                 if (
                     middle_orbit is None
                     or not middle_orbit.stable
-                    or _compare_orbits(middle_orbit, previous) > _JUMP
+                    or _compare_orbits(middle_orbit, previous) > _JUMP_RATIO
                 ):
-                    excess = middle
+                    excess = midpoint
                 else:
                     previous = middle_orbit
             orbit_at_jump = (
@@ -399,7 +403,7 @@ def _compare_orbits(orbit: Orbit, other: Orbit) -> float:
 def _make_transforms(harmonic_count: int) -> tuple[AlternatingFrequencyTime, FloatArray]:
     """Return the transform between harmonics and samples, and the samples of each real unknown."""
     cycle = AlternatingFrequencyTime(
-        range(harmonic_count + 1), max(_FEWEST, _PER_HARMONIC * harmonic_count)
+        range(harmonic_count + 1), max(_MIN_COUNT, _PER_HARMONIC * harmonic_count)
     )
     turn = cycle.turn.T
     return cycle, np.hstack((turn.real, -turn.imag[:, 1:]))
@@ -459,7 +463,7 @@ class _PressedBalance:
         return x, self._apply_arms(self.of.law.force(np.maximum(x, 0.0)))
 
     def balance(self, z: FloatArray, share: float) -> FloatArray:
-        """Return what is left of the forces, N, at a share of the level."""
+        """Return the residual of the force balance, N, at a share of the level."""
         force = np.maximum(self.pressing(z)[1], 0.0)
         residual = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
         residual[0] -= self.of.static_force
@@ -514,7 +518,7 @@ class _PressedBalance:
         # lengths over those of the linear answer, and of the level
         scale, step = np.append(np.full(n, np.abs(direction[1:n]).max()), 1.0), 2.0
         tangent = direction / np.linalg.norm(direction / scale)
-        for _ in range(_STEPS):
+        for _ in range(_MAX_STEPS):
             ratio = float((1 - fraction) / tangent[n]) if tangent[n] > 0 else np.inf
             last = ratio <= step
             length = min(ratio, step)
@@ -524,7 +528,7 @@ class _PressedBalance:
             )
             if arclength_step is None:
                 step = length / 2
-                if step < _SHORTEST:
+                if step < _MIN_STEP:
                     break
                 continue
             if last:

@@ -291,8 +291,10 @@ class _AtLevels:
         orbits_in_sweep = self.preloaded_mass.sweep(level=force, frequency=lines)
         lasting = [orbit for orbit in orbits_in_sweep if orbit.stable]
         near_orbits = [orbit for orbit in lasting if range_hz[0] <= orbit.frequency <= range_hz[1]]
-        top = int(np.argmax([self.size(orbit) for orbit in near_orbits])) if near_orbits else 0
-        if top in {0, max(len(near_orbits) - 1, 0)}:
+        peak_index = (
+            int(np.argmax([self.size(orbit) for orbit in near_orbits])) if near_orbits else 0
+        )
+        if peak_index in {0, max(len(near_orbits) - 1, 0)}:
             raise DataError(
                 f"at {level:g} {get_level_unit(self.kind)} no resonance is found between "
                 f"{range_hz[0]:.4g} and {range_hz[1]:.4g} Hz, of steady responses; ask for a lower "
@@ -300,12 +302,12 @@ class _AtLevels:
             )
         jumps = self.preloaded_mass.jumps(orbits_in_sweep)
         jump_into, jump_out = _find_adjacent_jumps(
-            near_orbits[top - 1], near_orbits[top], near_orbits[top + 1], jumps
+            near_orbits[peak_index - 1], near_orbits[peak_index], near_orbits[peak_index + 1], jumps
         )
         run, best = self._summit(
             force,
-            jump_into.after if jump_into else near_orbits[top - 1],
-            jump_out.before if jump_out else near_orbits[top + 1],
+            jump_into.after if jump_into else near_orbits[peak_index - 1],
+            jump_out.before if jump_out else near_orbits[peak_index + 1],
         )
         # both sides of a jump, between which nothing is to be drawn
         orbits = {
@@ -330,17 +332,19 @@ class _AtLevels:
         fine_lines = np.linspace(start.frequency, last.frequency, _FINE_LINES)[1:-1]
         about_top = self.preloaded_mass.sweep(level=force, frequency=fine_lines, start=start)
         run = [start, *(orbit for orbit in about_top if orbit.stable), last]
-        best = int(np.argmax([self.size(orbit) for orbit in run]))
-        if 0 < best < len(run) - 1:
+        best_index = int(np.argmax([self.size(orbit) for orbit in run]))
+        if 0 < best_index < len(run) - 1:
             # between the lines, where the parabola through three is highest
-            top_orbits = run[best - 1 : best + 2]
+            top_orbits = run[best_index - 1 : best_index + 2]
             curvature, slope, _ = _fit_parabola(top_orbits) @ np.log(
                 [self.size(orbit) for orbit in top_orbits]
             )
             near_top = np.array([top_orbits[1].frequency - slope / (2 * curvature)])
             summit = self.preloaded_mass.sweep(level=force, frequency=near_top, start=top_orbits[1])
-            run[best : best + 1] = [orbit for orbit in summit if orbit.stable] or top_orbits[1:2]
-        return run, best
+            run[best_index : best_index + 1] = [
+                orbit for orbit in summit if orbit.stable
+            ] or top_orbits[1:2]
+        return run, best_index
 
     def frf(self, orbits: Sequence[Orbit], motion: complex = 0.0) -> FRF:
         """First harmonics, all changed by so much, m, as the kind has them."""
@@ -364,7 +368,7 @@ class _AtLevels:
     def interval(
         self, run: Sequence[Orbit], best: int, jump_into: Jump | None, shown_orbits: Sequence[Orbit]
     ) -> LevelInterval | None:
-        r"""Return the 95 % interval by the delta method; None where no error is known.
+        r"""Return the 95 % interval by the delta method; None if the error is unknown.
 
         The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
         :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.

@@ -17,11 +17,11 @@ from dashpot.extensions.amplitude.harmonic_motion import estimate_scatter, find_
 
 _MIN_SAMPLES_PER_CYCLE = 12
 """Samples of a cycle."""
-_STEADY = 0.05
+_STEADY_CHANGE = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
 _ONE_TONE = 1.05
 """Cycles whose frequencies lie no farther apart than this factor were asked for at one."""
-_TILT = 1e-3
+_MAX_TILT = 1e-3
 """Part of a force by which a drift tilts its flat end."""
 _ELASTIC = "a law of stress over strain is fitted with --kind stress-strain"
 
@@ -134,7 +134,7 @@ def find_steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
         x, F = signals[:, in_cycle] - means[:, i, None] - drift
         X1, F1 = _compute_harmonics(time_from_middle, np.array((x, F)), 2 * np.pi * tones[i])
         size = float(abs(X1))
-        if abs(size / last - 1) <= _STEADY:
+        if abs(size / last - 1) <= _STEADY_CHANGE:
             K = complex(F1 / X1)
             sd = estimate_scatter(F - K.real * x) * np.sqrt(2 / len(x)) / size
             loops.append(HysteresisLoop(float(tones[i]), size, K, sd, x, F))
@@ -164,7 +164,7 @@ def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
         if size < max(sizes) / 2:
             continue
         # a drift that was taken off tilts what was flat
-        tolerance = 6 * estimate_scatter(loop.force) + _TILT * size
+        tolerance = 6 * estimate_scatter(loop.force) + _MAX_TILT * size
         crest = float(np.sqrt(4 * tolerance / size) / np.pi)
         for values in (loop.force, -loop.force):
             edges = np.flatnonzero(
@@ -184,12 +184,12 @@ def _find_tones(frequency: FloatArray) -> FloatArray:
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))
     values = np.empty_like(frequency)
     for part in np.split(order, indices + 1):
-        middle = median(frequency[part])
-        is_near_tone = np.abs(np.log(frequency[part] / middle)) < np.log(_ONE_TONE) / 2
+        median_value = median(frequency[part])
+        is_near_tone = np.abs(np.log(frequency[part] / median_value)) < np.log(_ONE_TONE) / 2
         is_wide = frequency[part].max() > _ONE_TONE**2 * frequency[part].min()
         # between two amplitudes a cycle may be shorter or longer
         is_sweep = is_wide and np.mean(is_near_tone) <= 0.5
-        values[part] = frequency[part] if is_sweep else middle
+        values[part] = frequency[part] if is_sweep else median_value
     return values
 
 

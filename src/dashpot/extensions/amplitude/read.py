@@ -27,7 +27,7 @@ from dashpot.reading.readers.inspect import list_unit_questions
 from dashpot.reading.readers.relaxation import relaxation_in
 from dashpot.reading.readers.sweep_columns import (
     SWEEP_OPTIONS,
-    parts_of,
+    load_parts,
     sweep_columns,
 )
 from dashpot.reading.table import Question
@@ -118,7 +118,7 @@ def read_loops(
         return StressStrainLoops(**signals, units="SI")
 
 
-_WARMER = 10.0
+_MAX_SELF_HEATING = 10.0
 """K that a rubber does not warm by itself from one visit of an amplitude to the next."""
 _UNIT_OF_ROLE: dict[Role, str] = {"strain": "strain", "displacement": "m"}
 
@@ -148,8 +148,8 @@ def read_amplitude(
         )
         roles, ratio = sweep_columns(file)
         column = find_amplitude_column(file)
-        channels_chosen = channels.with_units(file, [*roles, column])
-        _, values, unit, notes = parts_of(file, channels_chosen, ratio)
+        channels_chosen = channels.add_units(file, [*roles, column])
+        _, values, unit, notes = load_parts(file, channels_chosen, ratio)
         column_name = file.table.columns[column.index]
         factor, word = get_amplitude_factor(f"{column_name.name} {column_name.unit or ''}")
         amplitude = values[column.role] / factor
@@ -190,7 +190,7 @@ def _require_single_temperature(
     order = np.lexsort((amplitude, frequency))
     f, X, T = frequency[order], amplitude[order], kelvin[order]
     is_repeat = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
-    if np.count_nonzero(np.abs(np.diff(T)[is_repeat]) > _WARMER) > 2:
+    if np.count_nonzero(np.abs(np.diff(T)[is_repeat]) > _MAX_SELF_HEATING) > 2:
         low, high = (convert_to_unit(float(value), "degC") for value in (T.min(), T.max()))
         raise ReadError(
             f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "

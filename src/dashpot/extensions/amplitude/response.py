@@ -90,21 +90,21 @@ def resonance_at_level(
         raise DataError(f"at {level:g} N no amplitude of motion near the fitted ones is found")
     low, high = grid[first - 1], grid[first]
     for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        X = np.exp([middle])
-        low, high = (low, middle) if X[0] * missing(X).min() >= level else (middle, high)
+        midpoint = (low + high) / 2
+        X = np.exp([midpoint])
+        low, high = (low, midpoint) if X[0] * missing(X).min() >= level else (midpoint, high)
     size = missing(np.exp([high]))[0]
-    top = int(size.argmin())
-    if top in {0, _LINES - 1}:
+    peak_index = int(size.argmin())
+    if peak_index in {0, _LINES - 1}:
         raise DataError(
             f"at {level:g} N the motion is largest at an end of the lines, {f[0]:.4g} to "
             f"{f[-1]:.4g} Hz: there is no resonance among them"
         )
     # the square is a parabola about its least
-    left, centre, right = size[top - 1 : top + 2] ** 2
+    left, centre, right = size[peak_index - 1 : peak_index + 2] ** 2
     shift = (left - right) / (2 * (left - 2 * centre + right))
     peak_square = centre - shift * (left - right) / 4
-    return float(f[top] + shift * (f[1] - f[0])), level / float(np.sqrt(peak_square))
+    return float(f[peak_index] + shift * (f[1] - f[0])), level / float(np.sqrt(peak_square))
 
 
 def stiffness_at(parts: Parts, omega: FloatArray, X: FloatArray, inertia: float) -> ComplexArray:

@@ -29,7 +29,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.networks import series, spring
 from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, amplitudes
 
-_VANISHING = 1e-30
+_ZERO_AMPLITUDE = 1e-30
 """m."""
 
 
@@ -59,7 +59,7 @@ class InSeries(AmplitudeDependent):
         return compute_series_stiffness(self.behind, self.solid, w, X)
 
     def start(self) -> tuple[Any, Any, float]:
-        """Both at rest, and the displacement of the part behind."""
+        """Return both elements at rest, and the displacement between them."""
         return InParallel((self.solid,)).start(), self.behind.start(), 0.0
 
     def advance(
@@ -73,7 +73,7 @@ class InSeries(AmplitudeDependent):
             return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
 
         # the difference rises with y: widen until it changes its sign
-        step_size = max(abs(x - previous_stretch), 1e-9 * abs(previous_stretch), _VANISHING)
+        step_size = max(abs(x - previous_stretch), 1e-9 * abs(previous_stretch), _ZERO_AMPLITUDE)
         low, high = previous_stretch - step_size, previous_stretch + step_size
         while compute_excess(low) > 0:
             low -= 2 * (high - low)
@@ -102,10 +102,10 @@ def compute_series_stiffness(
     # both dissipate, so the part behind never moves further than the whole
     low, high = np.full(amplitude.shape, np.log(1e-12)), np.zeros(amplitude.shape)
     for _ in range(60):
-        middle = (low + high) / 2
-        end = amplitude * np.exp(middle)
+        midpoint = (low + high) / 2
+        end = amplitude * np.exp(midpoint)
         short = end * np.abs(1 + series_part.equivalent(omega, end) / first) < amplitude
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
+        low, high = np.where(short, midpoint, low), np.where(short, high, midpoint)
     second = series_part.equivalent(omega, amplitude * np.exp(high))
     series = first * second / (first + second)
     return np.asarray(np.where(high < np.log(1e-11), first, series))
@@ -130,11 +130,11 @@ def _(slider: Coulomb, solid: Solid, omega: FloatArray, amplitude: FloatArray) -
     return values
 
 
-_STEPS, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
+_STEPS_PER_HALF_CYCLE, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
 """Steps of half a cycle, largest number of Newton iterations, and relative change when steady."""
-_AT_ONCE = 1e-4
+_BATCH_SIZE = 1e-4
 """Product omega tau of a dashpot that is represented by an arm."""
-_BEYOND = np.geomspace(1e-3, 1e8, 130)
+_TABULATED_RATIOS = np.geomspace(1e-3, 1e8, 130)
 """Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
 
 
@@ -150,44 +150,44 @@ def compute_slip_ratio(solid: GeneralizedMaxwell, omega: float, ratio: FloatArra
         Amplitude over the one at which it begins to slip, :math:`F_c / |K|`.
     """
     table = _tabulate_ratio(solid, omega)
-    clipped = np.clip(ratio - 1, _BEYOND[0], _BEYOND[-1])
+    clipped = np.clip(ratio - 1, _TABULATED_RATIOS[0], _TABULATED_RATIOS[-1])
     value = np.exp(-np.log1p(clipped)) * table(np.log(clipped)).view(complex)[..., 0]
     # below the first it grows from what sticks, beyond the last the force is all slip
-    near_value = 1 - (1 - value) * np.clip((ratio - 1) / _BEYOND[0], 0, 1) ** 1.5
-    far_value = value * (1 + _BEYOND[-1]) / np.maximum(ratio, 1 + _BEYOND[-1])
-    return np.asarray(np.where(ratio < 1 + _BEYOND[0], near_value, far_value))
+    near_value = 1 - (1 - value) * np.clip((ratio - 1) / _TABULATED_RATIOS[0], 0, 1) ** 1.5
+    far_value = value * (1 + _TABULATED_RATIOS[-1]) / np.maximum(ratio, 1 + _TABULATED_RATIOS[-1])
+    return np.asarray(np.where(ratio < 1 + _TABULATED_RATIOS[0], near_value, far_value))
 
 
 @lru_cache(maxsize=512)
 def _tabulate_ratio(solid: GeneralizedMaxwell, omega: float) -> PchipInterpolator:
     """Return stiffness times ratio over the solid's own, real and imaginary, over ln(ratio - 1)."""
-    ratio = 1 + _BEYOND
+    ratio = 1 + _TABULATED_RATIOS
     values = ratio * _march_steady_cycle(solid, omega, ratio)
-    return PchipInterpolator(np.log(_BEYOND), np.column_stack([values.real, values.imag]))
+    return PchipInterpolator(np.log(_TABULATED_RATIOS), np.column_stack([values.real, values.imag]))
 
 
 def _march_steady_cycle(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
     """Return the first harmonic of the steady cycle over the solid's stiffness, marched."""
     K = complex(solid.complex_stiffness(omega=omega))
     # what slips sticks again soon after the motion turns: the steps are finest there
-    theta = np.pi * (np.arange(_STEPS + 1) / _STEPS) ** 1.5
+    theta = np.pi * (np.arange(_STEPS_PER_HALF_CYCLE + 1) / _STEPS_PER_HALF_CYCLE) ** 1.5
     X = ratio / abs(K)  # of a slip force of 1
     dx = np.diff(X[:, None] * np.cos(theta), axis=1)
     k, tau = np.array([solid.k_inf, *solid.k]), np.array(solid.tau)
     if solid.b:  # a dashpot is an arm that relaxes at once
-        tau = np.append(tau, _AT_ONCE / omega)
+        tau = np.append(tau, _BATCH_SIZE / omega)
         k = np.append(k, solid.b / tau[-1])
     z = np.diff(theta)[:, None] / omega / tau
-    weights = np.ones((_STEPS, 1))
+    weights = np.ones((_STEPS_PER_HALF_CYCLE, 1))
     keeps, gains = np.hstack([weights, np.exp(-z)]), np.hstack([weights, -np.expm1(-z) / z])
     stiffness = gains @ k
     state = np.zeros((len(X), len(k)))
     unit = np.eye(len(k))
-    force = np.empty((len(X), _STEPS + 1))
+    force = np.empty((len(X), _STEPS_PER_HALF_CYCLE + 1))
     for _ in range(_MAX_ITERATIONS):
         current, turns = state, np.broadcast_to(unit, (len(X), *unit.shape))
         force[:, 0] = np.clip(current @ k, -1, 1)
-        for i in range(_STEPS):
+        for i in range(_STEPS_PER_HALF_CYCLE):
             base = current @ (k * keeps[i])
             trial = base + stiffness[i] * dx[:, i]
             force[:, i + 1] = np.clip(trial, -1, 1)

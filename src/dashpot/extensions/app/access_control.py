@@ -76,7 +76,7 @@ class Guard:
                 await self._app(scope, receive, _add_security_headers(send))
 
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> str:
-        """Why a request is not let through; nothing if it is."""
+        """Return why a request is refused; "" if it is allowed."""
         if headers.get("host") not in self._hosts:
             return "this page is served under 127.0.0.1 alone"
         origin = headers.get("origin")
@@ -95,7 +95,7 @@ class Guard:
 
 
 def _get_host(origin: str) -> str:
-    """Return host and port of an origin; of what is no address nothing, which is no host here."""
+    """Return host and port of an origin; "" for an invalid address."""
     try:
         return urlsplit(origin).netloc
     except ValueError:

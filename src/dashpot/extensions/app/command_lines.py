@@ -8,7 +8,7 @@ from glob import escape
 from pathlib import Path
 from typing import Any, TypeVar
 
-from dashpot.base.option_fields import flag_of, iterate_option_fields, key_of
+from dashpot.base.option_fields import get_option_flag, get_option_key, iterate_option_fields
 from dashpot.base.units import (
     Dimension,
     find_unit,
@@ -27,8 +27,11 @@ T = TypeVar("T")
 def format_command_words(attribute: Field[Any], text: str) -> list[str]:
     """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
     if "under" not in attribute.metadata:
-        return [flag_of(attribute), text]
-    return [flag_of(attribute), f"{key_of(attribute)}{attribute.metadata.get('sign', '=')}{text}"]
+        return [get_option_flag(attribute), text]
+    return [
+        get_option_flag(attribute),
+        f"{get_option_key(attribute)}{attribute.metadata.get('sign', '=')}{text}",
+    ]
 
 
 _part_files: dict[Any, str] = {}
@@ -42,7 +45,7 @@ def note_file(part: T, name: str) -> T:
 
 
 def format_options(result: Any, *names: str) -> list[str]:
-    """Return the options that say what a noun says, or these fields of it, as they are typed.
+    """Return the options of a dataclass value, or of some of its fields, as they are typed.
 
     Nothing of its defaults; its parts say theirs.
 
@@ -64,7 +67,7 @@ def format_options(result: Any, *names: str) -> list[str]:
             option_words += format_options(value)
         elif value != attribute.default and attribute in iterate_option_fields(result):
             if "is_flag" in attribute.metadata:
-                option_words.append(flag_of(attribute))
+                option_words.append(get_option_flag(attribute))
             else:
                 option_words += [
                     word
@@ -152,7 +155,7 @@ def format_predict_command(job: Job, frf: FRF, fit: str = FIT_FILE) -> str:
 
 
 def _merge_read_options(job: Job) -> ReadOptions:
-    """What the files are read by: the units of all of them, and of each what is its own.
+    """Return the reading options: the units of all files, and the other options of each.
 
     A column or a mark of one file would make the other another kind of test.
     """

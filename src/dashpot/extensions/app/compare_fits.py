@@ -132,7 +132,7 @@ class ComparedValue(NamedTuple):
 
 
 def _compare_numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
-    """The numbers that both have, each with what A left open of it."""
+    """Return the numbers that both fits have, with the limits of A."""
     values_of_b = {value.quantity: value for value in b.values}
     mass_quantities = {answer.quantity for answer in a.recommendation.under_mass}
     for value_of_a in a.values:
@@ -169,7 +169,7 @@ def _format_relative_difference(first: float, second: float) -> str:
 
 
 def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
-    """Return whether what B says was possible by A."""
+    """Return whether the values of B are within the limits of A."""
     if math.isnan(first.low) or math.isnan(first.high):
         return "A has no bound"
     is_in_interval_a = first.low <= second.value <= first.high
@@ -202,7 +202,7 @@ def _compare_arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
 def match_time_constants(
     first: tuple[float, ...], second: tuple[float, ...]
 ) -> list[tuple[int | None, int | None]]:
-    """Which time constants of two solids stand for the same, ascending; None of what has none.
+    """Return the pairs of equal time constants of two models, ascending; None without partner.
 
     >>> match_time_constants((0.1, 0.5, 16.0), (0.01, 0.07, 0.5, 16.0))
     [(None, 0), (0, 1), (1, 2), (2, 3)]
@@ -274,7 +274,7 @@ def _format_comparison(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]
 
 
 def _get_response(side: ComparedFit) -> Curve | None:
-    """Return what its solid predicts, with the peak that its own tab has; None without a mass."""
+    """Return the prediction of a model, with the peak of its own tab; None without a mass."""
     study = side.study
     comparison = study.joint_comparison if study.joint is not None else study.comparison
     frf = study.joint_prediction if study.joint is not None else study.prediction
@@ -306,7 +306,7 @@ def _render_responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) 
 
 
 def _render_residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
-    """Return what both leave of the hold, as means over log time since the end of the ramp."""
+    """Return both residuals of the hold, as means over log time since the end of the ramp."""
     marks: list[Mark] = []
     notes, spans = [], []
     for side in (a, b):

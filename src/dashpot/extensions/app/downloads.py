@@ -153,7 +153,7 @@ def _format_frf(job: Job) -> str:
 
 
 def keep_project(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Keep raw files, results and history in a project folder."""
+    """Save raw files, results and history in a project folder."""
     job = build_job(request.get("job"), folder)
     project_folder = request.get("folder")
     if not isinstance(project_folder, str) or not project_folder.strip():

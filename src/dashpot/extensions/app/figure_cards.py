@@ -27,7 +27,7 @@ class FigureCard(NamedTuple):
 
 
 def draw_cards(cards: Sequence[AppCard], width: float) -> list[FigureCard]:
-    """Return what an extension shows, as cards; of a drawing with a title the first strip alone."""
+    """Return the figures of an extension as cards; of a titled picture the first strip only."""
     figure_cards: list[FigureCard] = []
     for title, content, across in cards:
         if isinstance(content, Picture):
@@ -64,7 +64,7 @@ def make_figure_cards(picture: Picture, width: float) -> list[FigureCard]:
 
 
 def _arrange_rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
-    """The strips that stand beside each other: all that are alike, of three others the last two."""
+    """Return rows of strips: all equal ones in one row, of three others the last two."""
     strips = picture.strips
     if picture.rows:
         return [row for _, row in picture.strip_rows]

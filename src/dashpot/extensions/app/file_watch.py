@@ -27,7 +27,7 @@ class FileWatch:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._hashes: dict[str, str] = {}
-        self._seen: dict[str, tuple[int, ...]] = {}
+        self._stamps: dict[str, tuple[int, ...]] = {}
 
     def look(self, files: Sequence[Any]) -> dict[str, dict[str, Any]]:
         """Return hash, time and state of each file, and the new identity of a changed one.
@@ -66,8 +66,8 @@ class FileWatch:
             return row | {"state": "gone"}
         if now == stamp:
             return row
-        is_settled = self._seen.get(identity) == now
-        self._seen[identity] = now
+        is_settled = self._stamps.get(identity) == now
+        self._stamps[identity] = now
         if not is_settled:
             return row | {"state": "writing"}
         if path.stat().st_size > MAX_FILE_BYTES:

@@ -87,7 +87,7 @@ _single_hit_cache: dict[tuple[int, HammerChoices], tuple[ImpactTest, dict[str, F
 
 
 def get_single_hits(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
-    """Return the FRF of every hit alone; which hits are averaged changes none of them."""
+    """Return the FRF of every single hit, which does not depend on the selection."""
     key = id(impact), replace(choices, accept=(), reject=())
     if key not in _single_hit_cache:
         while len(_single_hit_cache) >= MAX_CACHED:

@@ -28,13 +28,13 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
-MOST_HITS = 24
+MAX_HITS = 24
 """Hits whose own FRFs are estimated, at most."""
 BAND_RATIO = 2.3
 """Highest of the compared frequencies over the resonance, and the resonance over the lowest."""
-LEAST_HITS = 3
+MIN_HITS = 3
 """Hits that are kept at least."""
-DEVIATION_RATIO, LEAST_DEVIATION = 3.0, 0.05
+DEVIATION_RATIO, MIN_DEVIATION = 3.0, 0.05
 """Times the median deviation, and the deviation, above which a hit is left out."""
 
 
@@ -47,9 +47,9 @@ class HitSelection(NamedTuple):
 
     @property
     def message(self) -> str:
-        """What is proposed, and why."""
+        """The proposed selection, and the reason."""
         if not self.deviations:
-            return "" if len(self.keep) >= LEAST_HITS else "Record at least three hits that pass."
+            return "" if len(self.keep) >= MIN_HITS else "Record at least three hits that pass."
         largest = max(self.deviations[name] for name in self.keep)
         distance_text = f"about the resonance by at most {_format_deviation(largest)}"
         if not self.drop:
@@ -69,7 +69,7 @@ def _format_deviation(value: float) -> str:
 
 
 def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
-    """Return the FRF of every hit alone, by its name; none of one that gives none.
+    """Return the FRF of every single hit, by its name; failed ones are left out.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> d
     names = [hit.name for hit in frf.hits]
     single_frfs: dict[str, FRF] = {}
     polarity = choices.polarity or (1,) * len(impact.acceleration)
-    for name in names[:MOST_HITS]:
+    for name in names[:MAX_HITS]:
         other_names = tuple(other for other in names if other != name)
         single_choices = replace(choices, accept=(name,), reject=other_names)
         # one hit may be too soft to show the polarity of its accelerometers
@@ -105,7 +105,7 @@ def propose_hits(frf: FRF, single_frfs: Mapping[str, FRF]) -> HitSelection:
     """
     accepted = tuple(hit.name for hit in frf.hits if hit.accepted)
     names = [name for name in accepted if name in single_frfs]
-    if len(names) < LEAST_HITS:
+    if len(names) < MIN_HITS:
         return HitSelection(accepted, (), {})
     peak = find_peak(frf).frequency
     # a softer blow reaches less far: only lines that all of them have are compared
@@ -118,11 +118,11 @@ def propose_hits(frf: FRF, single_frfs: Mapping[str, FRF]) -> HitSelection:
     }
     deviations = {name: _compute_deviation(aligned_frfs, name, names) for name in names}
     keep = list(names)
-    while len(keep) > LEAST_HITS:
+    while len(keep) > MIN_HITS:
         current_deviations = {name: _compute_deviation(aligned_frfs, name, keep) for name in keep}
         worst = max(current_deviations, key=lambda name: current_deviations[name])
         if current_deviations[worst] <= max(
-            DEVIATION_RATIO * float(np.median(list(current_deviations.values()))), LEAST_DEVIATION
+            DEVIATION_RATIO * float(np.median(list(current_deviations.values()))), MIN_DEVIATION
         ):
             break
         deviations[worst] = current_deviations[worst]

@@ -24,13 +24,13 @@ from dashpot.workflow.job import LevelJob
 
 @lru_cache(2 * MAX_CACHED)
 def _fit_job(job: Any) -> tuple[Any, JobPage]:
-    """Return what was found in the files of a job, and what the page shows of it."""
+    """Return the result of the files of a job, and its panels on the page."""
     result: tuple[Any, JobPage] = require_handler("fit job", job)(job)
     return result
 
 
 def _parse_level_job(request: Mapping[str, Any], folder: Path) -> LevelJob:
-    """The request; a mass and what goes with it are of FRFs alone, each of which has its level."""
+    """Return the parsed request; mass options are only for FRFs, each with its level."""
     job = build_from_request(LevelJob, request, folder)
     if not job.levels:
         return LevelJob(job.files, law=job.law, options=job.options)
@@ -54,7 +54,7 @@ def _build_message(
     indicators: Sequence[Light],
     **others: Any,
 ) -> bytes:
-    """Verdict, numbers, checks, figures, what else there is, and the command that gives it."""
+    """Return verdict, numbers, checks, figures, downloads, and the equivalent command."""
     result, page = _fit_job(job)
     terms = [view_models.make_term(fact) for fact in page.facts]
     message = {

@@ -77,7 +77,7 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
 
 @lru_cache(MAX_CACHED)
 def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
-    """Return what was found in such files, and what its page shows."""
+    """Return the result of files of such a kind, and its panels on the page."""
     send_progress(f"fitting {', '.join(Path(path).name for path in request.files)}")
     if find_handler("predict open files", request.kind) is not None:
         result = _predict_files(request)
@@ -95,7 +95,7 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
 
 
 def _predict_files(request: KindRequest) -> Any:
-    """What such files predict, with the fit of the relaxation test that is open, if it is asked."""
+    """Return the prediction of such files with the fit of the open relaxation test."""
     path = Path(request.files[0])
     home = path.parent.parent / f"{request.kind}s" / path.parent.name
 

@@ -35,37 +35,44 @@ class Trace:
     """Channel over time, thinned to the minimum and maximum of equal intervals."""
 
     def __init__(self) -> None:
-        self._each = 1
-        self._low = self._high = self._rest = np.empty((0, 2))
+        self._samples_per_point = 1
+        self._minima = self._maxima = self._remaining_samples = np.empty((0, 2))
 
     def add(self, time: FloatArray, value: FloatArray) -> None:
         """Take what came."""
-        samples = np.concatenate([self._rest, np.column_stack([time, value])])
-        complete_count = len(samples) // self._each * self._each
-        self._take(samples[:complete_count].reshape(-1, self._each, 2))
-        self._rest = samples[complete_count:]
-        while len(self._low) > MAX_CURVE_POINTS:
-            ends = np.stack([self._low, self._high], axis=1)
+        samples = np.concatenate([self._remaining_samples, np.column_stack([time, value])])
+        complete_count = len(samples) // self._samples_per_point * self._samples_per_point
+        self._take_block(samples[:complete_count].reshape(-1, self._samples_per_point, 2))
+        self._remaining_samples = samples[complete_count:]
+        while len(self._minima) > MAX_CURVE_POINTS:
+            ends = np.stack([self._minima, self._maxima], axis=1)
             if len(ends) % 2:
-                self._rest, ends = np.concatenate([ends[-1], self._rest]), ends[:-1]
-            self._low = self._high = np.empty((0, 2))
-            self._take(ends.reshape(-1, 4, 2))
-            self._each *= 2
+                self._remaining_samples, ends = (
+                    np.concatenate([ends[-1], self._remaining_samples]),
+                    ends[:-1],
+                )
+            self._minima = self._maxima = np.empty((0, 2))
+            self._take_block(ends.reshape(-1, 4, 2))
+            self._samples_per_point *= 2
 
     def curve(self) -> tuple[FloatArray, FloatArray]:
         """Return times and values, in the order in which they came."""
-        ends = [self._low, self._high]
-        if len(self._rest):
-            low, high = _find_extremes(self._rest[None, :, 1])
-            ends += [self._rest[low], self._rest[high], self._rest[-1:]]
+        ends = [self._minima, self._maxima]
+        if len(self._remaining_samples):
+            low, high = _find_extremes(self._remaining_samples[None, :, 1])
+            ends += [
+                self._remaining_samples[low],
+                self._remaining_samples[high],
+                self._remaining_samples[-1:],
+            ]
         points = np.unique(np.concatenate(ends), axis=0)
         return points[:, 0], points[:, 1]
 
-    def _take(self, stretches: FloatArray) -> None:
+    def _take_block(self, stretches: FloatArray) -> None:
         row = np.arange(len(stretches))
         low, high = _find_extremes(stretches[:, :, 1])
-        self._low = np.concatenate([self._low, stretches[row, low]])
-        self._high = np.concatenate([self._high, stretches[row, high]])
+        self._minima = np.concatenate([self._minima, stretches[row, low]])
+        self._maxima = np.concatenate([self._maxima, stretches[row, high]])
 
 
 def _find_extremes(values: FloatArray) -> tuple[IndexArray, IndexArray]:
@@ -85,13 +92,13 @@ class Live:
     """
 
     def __init__(self, store: Store) -> None:
-        self._store, self._lock, self._one = store, threading.Lock(), threading.Lock()
+        self._store, self._lock, self._request_lock = store, threading.Lock(), threading.Lock()
         self._thread: threading.Thread | None = None
         self._recorder: acquisition.Recorder | None = None
         self._traces: list[Trace] = []
-        self._rows, self._said, self._failed = 0, (), ""  # type: tuple[int, tuple[str, ...], str]
+        self._rows, self._notes, self._failed = 0, (), ""  # type: tuple[int, tuple[str, ...], str]
         self._path = Path()
-        self._kept: dict[str, str] | None = None
+        self._saved_file: dict[str, str] | None = None
 
     @property
     def running(self) -> bool:
@@ -106,10 +113,10 @@ class Live:
         DataError, ReadError
             If one is running, or the instrument or the folder is not there.
         """
-        with self._one:
-            self._start(options)
+        with self._request_lock:
+            self._start_recorder(options)
 
-    def _start(self, options: Mapping[str, Any]) -> None:
+    def _start_recorder(self, options: Mapping[str, Any]) -> None:
         if self.running:
             raise DataError("a record is running; stop it first")
         driver = str(options.get("driver", ""))
@@ -119,7 +126,7 @@ class Live:
         with self._lock:
             self._recorder, self._path = recorder, folder / name
             self._traces = [Trace() for _ in recorder.describe().channels]
-            self._rows, self._said, self._failed, self._kept = 0, (), "", None
+            self._rows, self._notes, self._failed, self._saved_file = 0, (), "", None
         self._thread = threading.Thread(target=self._run, args=(recorder,), daemon=True)
         self._thread.start()
 
@@ -138,10 +145,15 @@ class Live:
         description, running = recorder.describe(), self.running
         with self._lock:
             curves = [trace.curve() for trace in self._traces]
-            rows, sentences, failed, saved_file = self._rows, self._said, self._failed, self._kept
+            rows, sentences, failed, saved_file = (
+                self._rows,
+                self._notes,
+                self._failed,
+                self._saved_file,
+            )
         notes = description.notes if running else sentences
         message = "; ".join(
-            [f"{rows} samples", description.device, *notes, *self._whereabouts(rows)]
+            [f"{rows} samples", description.device, *notes, *self._format_location(rows)]
         )
         size = (
             min(max(width, _WIDTH_RANGE[0]), _WIDTH_RANGE[1]),
@@ -154,8 +166,8 @@ class Live:
             "kept": None if running else saved_file,
         }  # fmt: skip
 
-    def _whereabouts(self, rows: int) -> list[str]:
-        """Say where the record lies."""
+    def _format_location(self, rows: int) -> list[str]:
+        """Return the path of the record as text."""
         if not rows:
             return []
         if self._path.parent == self._store.folder:
@@ -178,7 +190,7 @@ class Live:
         except Exception as error:  # noqa: BLE001 -- a driver of anyone's; the page must hear of it
             failed = f"a fault in the driver: {type(error).__name__}: {error}"
         with self._lock:
-            self._failed, self._said, self._kept = failed, notes, saved_file
+            self._failed, self._notes, self._saved_file = failed, notes, saved_file
 
     def _add_block(self, block: acquisition.Block) -> None:
         with self._lock:

@@ -29,9 +29,9 @@ from dashpot.plot.style import sequential
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
 
-MOST_TESTS = 60
+MAX_TESTS = 60
 """Tests that are laid over each other, at most."""
-MOST_NAMES = 6
+MAX_NAMES = 6
 """Tests that have names in the key, at most; others have theirs in the table."""
 
 
@@ -71,8 +71,8 @@ class OverlaidRow(NamedTuple):
 def overlay_tests(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the figure and the table of all tests that are open, each fitted alone."""
     jobs = get_list(request, "jobs")
-    if not 0 < len(jobs) <= MOST_TESTS:
-        raise DataError(f"{format_count(len(jobs), 'test')}; expected 1 to {MOST_TESTS}")
+    if not 0 < len(jobs) <= MAX_TESTS:
+        raise DataError(f"{format_count(len(jobs), 'test')}; expected 1 to {MAX_TESTS}")
     tests = [_fit_test(options, folder) for options in jobs]
     fitted_tests = [test for test in tests if test.fit is not None]
     median = (
@@ -161,7 +161,7 @@ def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) 
     )
     note = (
         ""
-        if len(tests) <= MOST_NAMES
+        if len(tests) <= MAX_NAMES
         else f"{len(tests)} tests, coloured from the softest to the stiffest"
     )
     title = "Force over depth, N/mm"

@@ -35,7 +35,7 @@ def fill_form(page: str) -> str:
 
 
 def get_job_defaults() -> dict[str, Any]:
-    """Return what a page says of a job of which nothing was said; its parts and files apart."""
+    """Return the default fields of a job, without its parts and files."""
     return {
         field.name: "" if field.default is None else field.default
         for field in iterate_option_fields(Job)

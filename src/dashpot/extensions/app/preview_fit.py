@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.option_fields import Method
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.data_blocks import data_of, fit_all_orders
+from dashpot.fitting.data_blocks import build_fit_data, fit_all_orders
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.nonlinear_ramp.linearity import DelayedMotion, HoldBlocks
 from dashpot.fitting.relaxation import build_point_fit, build_setup
@@ -34,6 +34,6 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     arms = len(log_tau)
     method: Method = "hold" if fit.method == "hold" else "full"
     setup = build_setup([test], FitOptions(arms, method, max_arms=arms))
-    motion = DelayedMotion(HoldBlocks([test]), data_of([test], setup, log_tau), (0.0,))
+    motion = DelayedMotion(HoldBlocks([test]), build_fit_data([test], setup, log_tau), (0.0,))
     initial_fit = fit_all_orders(motion.data, arms, only_max_arms=True, log_tau_start=log_tau)
     return build_point_fit(motion, initial_fit, setup, arms)

@@ -25,7 +25,7 @@ def list_recent_folders() -> list[dict[str, Any]]:
 
 
 def add_recent_folder(folder: Path) -> None:
-    """Put a folder at the head of the list; where it cannot be written nothing is kept."""
+    """Put a folder at the head of the list; ignore a list that cannot be written."""
     path = str(folder.resolve())
     now = datetime.now(UTC).isoformat(timespec="seconds")
     other_entries = [entry for entry in _read_list() if entry["folder"] != path]

@@ -24,7 +24,7 @@ from dashpot.plot.plotted_data import (
     compute_padded_limits,
     downsample_to_extremes,
     downsample_to_means,
-    unit_of,
+    select_plot_unit,
 )
 from dashpot.plot.relaxation import SINCE_RAMP, PlottedFit, compute_time_step, residual_panel
 
@@ -51,7 +51,7 @@ def make_fit_panels(
     full_test : RampHold, optional
         The same test to its last sample, where the hold of `prepared` is cut.
     """
-    _, scale = unit_of(prepared.force, "N")
+    _, scale = select_plot_unit(prepared.force, "N")
     (ramp, hold), ramp_time = make_record_panels(prepared, full_test=full_test), prepared.ramp_time
     ramp_fit, hold_fit = make_fit_lines(plotted_fit, prepared, full_test or prepared)
     displacement_line, *ramp_marks = ramp.marks
@@ -79,7 +79,7 @@ def make_record_panels(
     prepared: RampHold, *, full_test: RampHold | None = None
 ) -> tuple[Panel, Panel]:
     """Ramp and hold of :func:`make_fit_panels` before there is any fit."""
-    unit, scale = unit_of(prepared.force, "N")
+    unit, scale = select_plot_unit(prepared.force, "N")
     t, force, ramp_time = prepared.time, scale * prepared.force, prepared.ramp_time
     full_test = full_test or prepared
     ramp_window, axis = _make_axes(prepared, full_test)
@@ -113,7 +113,7 @@ def make_fit_lines(
     plotted_fit: PlottedFit, prepared: RampHold, full_test: RampHold | None = None
 ) -> tuple[Line, Line]:
     """Return the fit on the ramp and on the hold of :func:`make_fit_panels`."""
-    _, scale = unit_of(prepared.force, "N")
+    _, scale = select_plot_unit(prepared.force, "N")
     (ramp_window, axis), ramp_time = _make_axes(prepared, full_test or prepared), prepared.ramp_time
     fit_pen = replace(FIT_BAND, colour=plotted_fit.pen.colour)
     return (
@@ -140,7 +140,7 @@ def compute_mean_residual(
 
 
 def _make_axes(prepared: RampHold, full_test: RampHold) -> tuple[tuple[float, float], Scale]:
-    """What is in sight of the ramp, s on the clock of the record, and the axis of the hold."""
+    """Return the visible range of the ramp, s on the clock of the record, and the hold's axis."""
     ramp_time, first, end = prepared.ramp_time, float(prepared.time[0]), float(full_test.time[-1])
     hold_length = end - prepared.ramp_end
     start = min(_get_axis_start(prepared), hold_length / 10)

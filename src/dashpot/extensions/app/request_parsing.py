@@ -66,7 +66,7 @@ def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) 
 
 
 def _read_field(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
-    """Return what a field is, by what a page says: nothing, or an empty text, is the default."""
+    """Return the value of a form field; missing or empty text is the default."""
     metadata, name, value = field.metadata, field.name, options[field.name]
     if "part" in metadata and isinstance(value, str) and value:
         return _read_part(metadata["part"], name, find_file(folder, value))
@@ -159,7 +159,7 @@ def _format_field(field: Field[Any], value: Any) -> Any:
 
 
 def _get_changed_fields(result: Any) -> dict[str, Any]:
-    """Return what a part of a job says that is not the default."""
+    """Return the fields of a part of a job that differ from the default."""
     changed_fields = {}
     for field in fields(result):
         value = getattr(result, field.name)
@@ -223,7 +223,7 @@ def get_panel_sizes(request: Mapping[str, Any]) -> dict[str, tuple[float, float]
 
 
 def get_deck_options(request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a deck is asked for besides its target and its units; nothing of what is not.
+    """Return the options of a deck besides target and units, without empty ones.
 
     Raises
     ------
@@ -265,7 +265,7 @@ def _convert_value(make: Callable[[Any], T], value: Any, name: str) -> T:
 
 
 def get_list(options: Mapping[str, Any], name: str) -> list[Any]:
-    """Return what must be a list; nothing is an empty one."""
+    """Return a value that must be a list; None is an empty one."""
     value = options.get(name, [])
     if not isinstance(value, list):
         raise DataError(f"{name} is {type(value).__name__}; expected a list")
@@ -273,7 +273,7 @@ def get_list(options: Mapping[str, Any], name: str) -> list[Any]:
 
 
 def read_quantity(options: Mapping[str, Any], name: str, dimension: Any) -> float | None:
-    """Return a quantity that is typed with its unit, in SI; nothing is None."""
+    """Return a quantity with a unit, in SI; empty text is None."""
     value = options.get(name)
     if value in (None, ""):
         return None
@@ -290,7 +290,7 @@ def require_number(value: object, name: str) -> float:
 
 
 def require_text(options: Mapping[str, Any], name: str) -> str:
-    """Return what must be a text; nothing is an empty one."""
+    """Return a value that must be text; None is ""."""
     value = options.get(name)
     if value is not None and not isinstance(value, str):
         raise DataError(f"{name} = {value!r}; expected a text")

@@ -92,7 +92,7 @@ def _shorten_hold(
 def downsample_test(
     test: RelaxationTest, max_samples: int | None = MAX_QUICK_SAMPLES
 ) -> RelaxationTest:
-    """Return the test with every second, third ... sample, so that at most so many are left."""
+    """Return the test with every n-th sample, so that at most `most` are left."""
     step = 1 if max_samples is None else -(-len(test.time) // max_samples)
     if step == 1:
         return test
@@ -128,7 +128,7 @@ def fit_while_dragging(job: Job) -> Fit:
 
 
 def _can_refit(previous_fit: Fit, job: Job) -> bool:
-    """Whether it is by the arms that are asked for, and by nothing else that a cut could change."""
+    """Whether only the number of arms was requested, and nothing that a cut could change."""
     law = previous_fit.elastic_law
     has_linear_law = law is not None and law.kind == "linear" and previous_fit.family == "maxwell"
     return (
@@ -137,7 +137,7 @@ def _can_refit(previous_fit: Fit, job: Job) -> bool:
 
 
 def fit_by_eq5(job: Job, fit: Fit, max_samples: int | None = None) -> Fit | None:
-    """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
+    """Return the fit of one test by eq. (5) with as many arms; None if it is impossible."""
     if fit.family != "maxwell" or job.other_tests:
         return None
     hold_job = replace(select_test_choices(job), arms=fit.model.arms, method="hold")

@@ -46,11 +46,11 @@ WORKERS = {
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Worker pool of each request."""
-MOST_BYTES = 1 << 20
+MAX_BYTES = 1 << 20
 """Most bytes of a request."""
-MOST_STATE_BYTES = 16 << 20
+MAX_STATE_BYTES = 16 << 20
 """Most bytes of the state of a page: files, choices and history."""
-MOST_CACHED = 32
+MAX_CACHED = 32
 """Number of cached answers, for a page that is reloaded."""
 _MEDIA_TYPES = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
 _READING_REQUESTS = {"inspect", "folder", "row"}
@@ -109,7 +109,7 @@ class AppContext:
         content = await self.workers[WORKERS[verb]].ask(verb, parse_json_object(body))
         if verb in _CACHED_REQUESTS:
             self.answers[name] = content
-            while len(self.answers) > MOST_CACHED:
+            while len(self.answers) > MAX_CACHED:
                 self.answers.popitem(last=False)
         return content
 
@@ -129,10 +129,10 @@ class AppContext:
         cancelled = [worker.cancel() for worker in workers]
         return any(cancelled)
 
-    def leave(self) -> None:
+    def shut_down(self) -> None:
         """End every worker at once: pending requests get an error, and none delays the end."""
         for worker in self.workers.values():
-            worker.leave()
+            worker.shut_down()
 
     async def close(self) -> None:
         """End every worker, and remove the files."""
@@ -246,7 +246,7 @@ def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of ro
 
     async def state(request: Request) -> Response:
         if request.method == "PUT":
-            context.state = parse_state(await _read_body(request, MOST_STATE_BYTES))
+            context.state = parse_state(await _read_body(request, MAX_STATE_BYTES))
             context.fresh.clear()
             await asyncio.to_thread(session.save_session, context.state, context.store)
         return JSONResponse(context.state)
@@ -337,7 +337,7 @@ def _get_size(request: Request, name: str) -> float:
     return float(text) if text.isdecimal() else 0.0
 
 
-async def _read_body(request: Request, max_bytes: int = MOST_BYTES) -> bytes:
+async def _read_body(request: Request, max_bytes: int = MAX_BYTES) -> bytes:
     body = bytearray()
     async for block in request.stream():
         body += block
@@ -417,7 +417,7 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
 
     class Server(uvicorn.Server):
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-            context.leave()
+            context.shut_down()
             await super().shutdown(sockets)
 
     Server(config).run(sockets=[listener])

@@ -22,7 +22,7 @@ _SESSION_FILE, _FILES_FOLDER = "session.json", "session"
 
 
 def save_session(state: dict[str, Any], store: Store) -> None:
-    """Keep what a page looks like, and the files that it has; where it cannot, nothing."""
+    """Save the state of a page and its files; ignore a folder that cannot be written."""
     names = [str(item.get("id", "")) for item in state.get("files", [])]
     if not names:
         delete_session()
@@ -57,7 +57,7 @@ def _link_or_copy(file: Path, folder: Path) -> None:
 
 
 def get_saved_session() -> dict[str, Any] | None:
-    """Return the names of its files, and when it was kept (UTC); None if none was left."""
+    """Return the names of its files, and when it was saved (UTC); None without one."""
     entries = _read_session()
     if entries is None:
         return None
@@ -84,7 +84,7 @@ def restore_session(store: Store) -> dict[str, Any]:
 
 
 def delete_session() -> None:
-    """Leave nothing of it."""
+    """Delete all its files."""
     with suppress(OSError):
         get_state_path(_SESSION_FILE).unlink(missing_ok=True)
     shutil.rmtree(get_state_path(_FILES_FOLDER), ignore_errors=True)

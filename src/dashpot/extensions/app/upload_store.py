@@ -46,9 +46,9 @@ class Store:
 
     def __init__(self, folder: str | Path | None = None) -> None:
         self.folder = Path(folder or tempfile.mkdtemp(prefix=_FOLDER_PREFIX))
-        self._held = ExitStack()
+        self._stored_size = ExitStack()
         if folder is None:
-            self._held.enter_context(
+            self._stored_size.enter_context(
                 open_exclusive_lock(self.folder / _LOCK_NAME, str(self.folder))
             )
 
@@ -168,13 +168,13 @@ class Store:
                 used -= size
 
     def remove(self) -> None:
-        """Leave nothing behind."""
-        self._held.close()
+        """Delete the store."""
+        self._stored_size.close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def get_file_stamp(path: Path) -> tuple[int, ...] | None:
-    """Return what changes whenever a file does: size, times, number; None if there is none.
+    """Return size, times and number of a file, which change with it; None if it is missing.
 
     The time of the directory entry cannot be set back, as that of the contents can.
     """
@@ -193,7 +193,7 @@ def _set_modified(path: Path, modified: float | None) -> None:
 
 
 def remove_stale_stores() -> None:
-    """Remove what servers left that were killed together with all their workers."""
+    """Delete the stores of servers that were killed with all their workers."""
     for lock in Path(tempfile.gettempdir()).glob(f"{_FOLDER_PREFIX}*/{_LOCK_NAME}"):
         with suppress(DataError, OSError), open_exclusive_lock(lock, ""):
             shutil.rmtree(lock.parent)

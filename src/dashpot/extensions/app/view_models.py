@@ -65,12 +65,12 @@ from dashpot.plot.picture import (
     Tag,
     joint_pen,
 )
-from dashpot.plot.plotted_data import downsample_to_extremes, unit_of
+from dashpot.plot.plotted_data import downsample_to_extremes, select_plot_unit
 from dashpot.plot.svg import strip, swatch
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.registry import KINDS
 from dashpot.report import first_screen
-from dashpot.report.figures import chart_of
+from dashpot.report.figures import draw_stabilisation_chart
 from dashpot.report.first_screen import GRADE_MARKS, Light, Row
 from dashpot.report.page_frame import VERDICT_COLOURS, environment
 from dashpot.report.result_page import Group
@@ -114,7 +114,7 @@ HIDDEN_SIZE = (400.0, 180.0)
 """Size of a panel one that is not shown yet, px."""
 LABELLED_AT_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
-LEAST_WIDTH, NARROW_WIDTH = 160.0, 480.0
+MIN_WIDTH, NARROW_WIDTH = 160.0, 480.0
 """Least width of a drawing, px; below which two peaks are named and no third."""
 HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 """Shares of the height of a drawing, to each of its panels."""
@@ -122,7 +122,7 @@ PULSE_SIZE, PULSE_EDGE = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 MAX_SAME_TAU_FACTOR = 3.0
 """Factor within which the arms of two solids stand for the same."""
-MOST_LISTED_ARMS = 8
+MAX_LISTED_ARMS = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
 MIN_PLOT_HEIGHT = 44.0
 """Least height of a plot, px: below it no curve can be read."""
@@ -179,7 +179,7 @@ def render_panels(
     key_marks = [] if note else [item for item in Picture(name, "", (panel_strip,)).key
                            if item.label not in LABELLED_AT_LINE]  # fmt: skip
     samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key_marks)]
-    svg = strip(panel_strip, name=name, width=max(width, LEAST_WIDTH), kind="figure")
+    svg = strip(panel_strip, name=name, width=max(width, MIN_WIDTH), kind="figure")
     return render_template("figure", key=samples, svg=svg, title=title, note=note)
 
 
@@ -219,8 +219,8 @@ def render_test_panels(
 
 
 def _format_noise_comparison(residual_text: str, prepared: RampHold, unit: str) -> str:
-    """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
-    force_unit, factor = unit_of(np.array([prepared.force_noise]), "N")
+    """Return the residual of a force against its noise, in `unit` if that is the axis'."""
+    force_unit, factor = select_plot_unit(np.array([prepared.force_noise]), "N")
     noise_text = round_to_error(factor * prepared.force_noise, digits=2)
     text = f"{residual_text.removesuffix(force_unit).rstrip()}, noise {noise_text}"
     return text if force_unit == unit else f"{text} {force_unit}"
@@ -262,7 +262,7 @@ def _recolour_panel(panel: Panel, colour: str) -> Panel:
 
 
 def _label_arms(panel: Panel, fit: Fit) -> Panel:
-    """Return the spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
+    """Return the spectrum of the arms, with a label on each; k∞ is in the table."""
     if fit.family != "maxwell" or not fit.model.arms:
         return panel
     k = convert_to_unit(np.array(fit.model.k), get_display_unit(fit.unit)).tolist()
@@ -270,7 +270,7 @@ def _label_arms(panel: Panel, fit: Fit) -> Panel:
     tags = [
         Tag(tau, tip, f"{symbol(f'tau_{j}')} {duration(tau)}", "fit", "filled")
         for j, (tau, tip) in enumerate(tips, 1)
-    ] if len(tips) <= MOST_LISTED_ARMS else []  # fmt: skip
+    ] if len(tips) <= MAX_LISTED_ARMS else []  # fmt: skip
     marks = (
         replace(mark, label="") if isinstance(mark, Line) and mark.label else mark
         for mark in panel.marks
@@ -371,7 +371,7 @@ def _make_coherence_panels(study: Study, frequency: Scale) -> tuple[Panel, ...]:
 
 
 def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBand, ...]]:
-    """Return the curves of the tab's solid, the hammer's, and what the prediction leaves open."""
+    """Return the curves of the tab's model, of the hammer, and the prediction's bounds."""
     joint, comparison = study.joint_comparison, study.comparison
     if joint is None or comparison is None or study.prediction is None:
         return _make_predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
@@ -401,7 +401,7 @@ def render_hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
     """Return the panels of the hits of a study, as :func:`render_pulse_panels` draws them."""
     if study.impact is None or study.measured is None:
         return {}
-    return render_pulse_panels(study.impact, study.measured, chart_of(study), sizes)
+    return render_pulse_panels(study.impact, study.measured, draw_stabilisation_chart(study), sizes)
 
 
 def render_pulse_panels(
@@ -419,7 +419,7 @@ def render_pulse_panels(
 
 
 def format_hammer_line(study: Study) -> str:
-    """Return what the list of files says of a hammer test once it was averaged."""
+    """Return the entry of an averaged hammer test in the list of files."""
     if study.measured is None or not study.measured.hits:
         return ""
     accepted = sum(hit.accepted for hit in study.measured.hits)
@@ -451,7 +451,7 @@ def compute_live_test(
     unit: str = "N",
     time_origin: float | None = None,
 ) -> LiveCurves:
-    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers.
+    """Return the curves, residual and numbers of a fit while a handle is dragged.
 
     The axes of the hold stand as they were drawn: they count from `time_origin` on the record's
     clock, s.
@@ -480,7 +480,7 @@ def compute_live_test(
 
 
 def format_end_stiffness(fit: Fit, prepared: RampHold) -> tuple[str, str]:
-    """What the stiffness of one seal at the end of the hold is called, and how large it is."""
+    """Return name and value of the stiffness of one seal at the end of the hold."""
     unit, hold_time_text = (
         get_display_unit(fit.unit),
         duration(prepared.hold_time).replace(".0 ", " "),
@@ -562,7 +562,7 @@ def find_explaining_mass(study: Study) -> str:
 
 
 def make_fit_indicators(fit: Fit) -> tuple[Light, ...]:
-    """Return what is known before the hammer is compared, or the limits are sought."""
+    """Return the indicators of a fit, before the hammer and the limits are computed."""
     return (
         first_screen.make_test_light(fit.checks),
         *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
@@ -617,7 +617,7 @@ def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
 
     A solid without arms, or with too many to read, is shown by its parameters.
     """
-    if fit.family != "maxwell" or fit.model.arms > MOST_LISTED_ARMS:
+    if fit.family != "maxwell" or fit.model.arms > MAX_LISTED_ARMS:
         return render_solid(fit)
     reported_values = {fact.name: fact for fact in list_known_values(fit)}
     row_parameters = [("k∞", "k_inf", "")]
@@ -651,7 +651,7 @@ def _format_error(fact: ReportedValue) -> str:
 def render_solid(fit: Fit) -> str:
     """Return the solid of one seal, each term with its interval and a mark."""
     shown_terms, spectrum_note = make_terms(fit), ""
-    if fit.family == "maxwell" and fit.model.arms > MOST_LISTED_ARMS:
+    if fit.family == "maxwell" and fit.model.arms > MAX_LISTED_ARMS:
         shown_terms = [new_term for new_term in shown_terms if new_term.name == symbol("k_inf")]
         spectrum_note = (
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
@@ -661,7 +661,7 @@ def render_solid(fit: Fit) -> str:
 
 
 def render_terms(title: str, terms: Sequence[Term], note: str = "", *, subject: str = "") -> str:
-    """Terms by unit, each with its interval and a mark, and what else is to be said of them.
+    """Render terms by unit, each with its interval and a mark, and notes on them.
 
     `subject` is the identity of the fit, by which a deck is requested.
     """
@@ -687,7 +687,7 @@ def _make_pads(texts: Sequence[str]) -> list[str]:
 
 
 def render_checks(checks: Sequence[Check]) -> str:
-    """Return what failed, the gravest first, and how many were judged, each grade apart."""
+    """Render the failed checks, the gravest first, and the number of checks by grade."""
     distinct = list(dict.fromkeys(checks))
     failed = [
         (GRADE_MARKS[check.grade], *_split_finding(check), check.message_with_remedy)
@@ -708,7 +708,7 @@ def render_checks(checks: Sequence[Check]) -> str:
 
 
 def _split_finding(check: Check) -> tuple[str, str]:
-    """Return what was found, in one sentence, and what to do about it."""
+    """Return the finding of a check in one sentence, and its remedy."""
     return sentences(check.message)[0], check.remedy.words if check.remedy else ""
 
 
@@ -729,7 +729,7 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
 
 
 def format_next_test(study: Study, checks: Sequence[Check]) -> str:
-    """What would show more of the end of the hold; nothing where a failed check has said so."""
+    """Return the test that would determine the end of the hold; "" if a check has said so."""
     end = study.fit.evidence.end_of_hold
     stated = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated:
@@ -818,7 +818,7 @@ def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
 
 
 def file_row(inspection: InspectedFile) -> dict[str, Any]:
-    """Return what the list of files says of one: its kind, one line, a mark."""
+    """Return the entry of a file in the list: its kind, one line, a mark."""
     is_unusable = _get_refusal(inspection) or _format_unplaced_kind(inspection)
     mark = "care" if inspection.questions else "bad" if is_unusable else "good"
     return {
@@ -845,7 +845,7 @@ def _format_file_line(inspection: InspectedFile) -> str:
 
 
 def _get_refusal(inspection: InspectedFile) -> str:
-    """Why a file is not fitted; that loops are no ramp and hold is no reason."""
+    """Return why a file is not fitted; not for loops, which have no ramp and hold."""
     return "" if get_section(inspection) == "level" else inspection.refusal
 
 

@@ -33,16 +33,16 @@ class WorkerProcess:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._one = asyncio.Lock()
+        self._request_lock = asyncio.Lock()
         self._process: asyncio.subprocess.Process | None = None
-        self._since = 0.0
-        self._cancelled = self._left = False
+        self._started_at = 0.0
+        self._cancelled = self._is_closed = False
         self.verb = self.doing = ""
 
     @property
     def seconds(self) -> float | None:
         """For how long it has been at work; None if it is not."""
-        return time.monotonic() - self._since if self._since else None
+        return time.monotonic() - self._started_at if self._started_at else None
 
     async def ask(self, verb: str, request: Any) -> bytes:
         """Return the answer to a question.
@@ -54,18 +54,18 @@ class WorkerProcess:
         StoppedError, FaultError
             If it was cancelled, or went wrong.
         """
-        async with self._one:
-            if self._left:
+        async with self._request_lock:
+            if self._is_closed:
                 raise StoppedError("cancelled")
             process = await self.start()
-            self._since, self.doing, self._cancelled = time.monotonic(), "", False
+            self._started_at, self.doing, self._cancelled = time.monotonic(), "", False
             self.verb = verb
             try:
                 return await self._answer(process, verb, request)
             except (asyncio.IncompleteReadError, ConnectionError):
                 await process.wait()
                 if self._cancelled:
-                    await self._stand_by()
+                    await self._prestart()
                 raise StoppedError(
                     "cancelled"
                     if self._cancelled
@@ -77,7 +77,7 @@ class WorkerProcess:
                 self.cancel()
                 raise
             finally:
-                self._since = 0.0
+                self._started_at = 0.0
 
     async def start(self) -> asyncio.subprocess.Process:
         """Start the worker if none is there."""
@@ -89,14 +89,14 @@ class WorkerProcess:
             )  # fmt: skip
         return self._process
 
-    async def _stand_by(self) -> None:
+    async def _prestart(self) -> None:
         """Start anew, so that the modules are there when the next question comes."""
-        if not self._left:
+        if not self._is_closed:
             await self.start()
         self._end_if_closed()
 
     def _end_if_closed(self) -> None:
-        if self._left:  # meanwhile
+        if self._is_closed:  # meanwhile
             self.end()
 
     async def _answer(self, process: asyncio.subprocess.Process, verb: str, request: Any) -> bytes:
@@ -132,13 +132,13 @@ class WorkerProcess:
         if self._process is not None and self._process.returncode is None:
             stop_process_group(self._process.pid)
 
-    def leave(self) -> None:
+    def shut_down(self) -> None:
         """End the worker, and start no other for who still waits."""
-        self._left = True
+        self._is_closed = True
         self.end()
 
     async def close(self) -> None:
         """End the worker, and see it gone."""
-        self.leave()
+        self.shut_down()
         if self._process is not None:
             await self._process.wait()

@@ -81,7 +81,7 @@ def main() -> None:
 
 
 def _wait_for_question(questions: queue.Queue[bytes]) -> bytes:
-    """Return the next question; a worker that has none for a while gives back what it needs not."""
+    """Return the next question; free unused memory if there is none for a while."""
     try:
         return questions.get(timeout=IDLE_SECONDS)
     except queue.Empty:
@@ -110,7 +110,7 @@ def _answer_all_with_fault(
 
 
 def _format_fault(error: Exception) -> bytes:
-    """Name a fault; its own words may tell of a file, those of an import tell of a module."""
+    """Return an error as text: its own message for a file, its type for an import."""
     name = type(error).__name__
     return (f"{name}, {error}" if isinstance(error, ImportError | SyntaxError) else name).encode()
 

@@ -42,7 +42,7 @@ class SealDecision(NamedTuple):
     guard: float | None
 
     def explain_decision(self, quantity: Quantity) -> str:
-        """Why it does not pass; empty where it does, or where there is nothing to judge."""
+        """Return why it does not pass; "" if it does, or if there is no limit."""
         if self.decision != "not proven" or self.guard is None:
             return "outside the limits" * (self.decision == "fail")
         guard = quantity.read(self.guard, digits=2)

@@ -179,7 +179,7 @@ def _fit_arrays(
 
 
 def _convert_arrays_to_si(units: str, **arrays: tuple[Any, Dimension]) -> list[Any]:
-    """Return arrays in SI, each given with what it is of; None stays None.
+    """Return arrays in SI, each given with its dimension; None stays None.
 
     Raises
     ------

@@ -20,7 +20,7 @@ from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job
 
-MOST_ARMS = 6
+MAX_ARMS = 6
 """The most that are tried where their number is left to choose."""
 
 
@@ -136,7 +136,7 @@ class BatchOptions:
     @property
     def columns(self) -> int:
         """Number of arms that a row can hold."""
-        return MOST_ARMS if self.arms == "auto" or self.joint else self.arms
+        return MAX_ARMS if self.arms == "auto" or self.joint else self.arms
 
     @property
     def bench(self) -> ReadOptions:

@@ -45,7 +45,7 @@ CHUNK = SMALL_PART
 _LAST_CHUNK_FILES = 5
 """Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
 _LOCK = ".lock"
-_TIMED = 3
+_TIMED_TESTS = 3
 """Tests that a dry run times."""
 
 
@@ -250,7 +250,7 @@ def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
 
 
 def plan_batch(job: BatchJob) -> BatchPlan:
-    """Say what :func:`batch` would do and how long it would take; nothing is written.
+    """Return the work of :func:`batch` and its expected time; write nothing.
 
     Raises
     ------
@@ -262,7 +262,7 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     missing = _select_missing_tasks(tasks, job.output)
     with executor as making:
         chunks = len(_split_into_chunks(missing, making.side))
-    value = _estimate_seconds_per_row(missing[:_TIMED], job.choices)
+    value = _estimate_seconds_per_row(missing[:_TIMED_TESTS], job.choices)
     seconds = value * len(missing) / min(making.at_once, max(chunks, 1))
     return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
 

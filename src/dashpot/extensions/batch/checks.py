@@ -11,7 +11,7 @@ from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT, Gaug
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
 
-MOST_DOUBTED = 0.5
+MAX_DOUBTED = 0.5
 """Part of the fits of a lot that may be doubted."""
 
 
@@ -41,7 +41,7 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
 @criterion(
     'fits with the verdict "use with care" / fits',
     "<=",
-    MOST_DOUBTED,
+    MAX_DOUBTED,
     "our choice: what most tests share, a mean does not remove",
 )
 def few_fits_doubted(doubtful_count: int, fitted: int) -> Finding:
@@ -106,13 +106,15 @@ def gauge_discriminates(study: Gauge) -> Finding:
         f"{100 * high:.0f})"
     )
     # from a good gauge to none: so few seals show nothing of it
-    outside = gauge.share > LIMIT and low > GOOD_SHARE
-    grade: Grade = "stop" if low > LIMIT else "limit" if outside else "note"
+    is_outside = gauge.share > LIMIT and low > GOOD_SHARE
+    grade: Grade = "stop" if low > LIMIT else "limit" if is_outside else "note"
     return Finding(
         message,
         high,
-        "One test does not judge a seal" if outside else "So few tests do not show it",
-        "Test every seal several times, and judge by the mean." if outside else "Test more seals.",
+        "One test does not judge a seal" if is_outside else "So few tests do not show it",
+        "Test every seal several times, and judge by the mean."
+        if is_outside
+        else "Test more seals.",
         grade=grade,
     )
 

@@ -55,7 +55,7 @@ def connect_to_cluster(address: str) -> Iterator[Executor]:
 
 @contextmanager
 def _silence_dask() -> Iterator[None]:
-    """Keep dask's log silent: an error is said in one sentence."""
+    """Silence dask's log: an error is reported in one sentence."""
     logs = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [log.level for log in logs]
     for logger in logs:

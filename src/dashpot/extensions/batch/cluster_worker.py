@@ -17,7 +17,7 @@ from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.parquet_parts import Task
 from dashpot.extensions.batch.process_pool import Worker
 
-LINGER = 60.0
+WAITING_TIME = 60.0
 """Seconds that a process waits for the next chunk, if nobody tells it to go."""
 
 _idle: list[tuple[tuple[str, str], Worker]] = []
@@ -78,7 +78,7 @@ def _pop_idle_worker(key: tuple[str, str]) -> Worker | None:
 def _add_idle_worker(key: tuple[str, str], worker: Worker) -> None:
     with _lock:
         _idle.append((key, worker))
-    timer = threading.Timer(LINGER, _stop_idle_worker, (key, worker))
+    timer = threading.Timer(WAITING_TIME, _stop_idle_worker, (key, worker))
     timer.daemon = True
     timer.start()
 

@@ -112,7 +112,7 @@ def list_number_columns(choices: BatchOptions) -> tuple[str, ...]:
 
 
 def make_empty_row(entry: Entry, sha256: str, choices: BatchOptions) -> dict[str, Any]:
-    """Return the row of a file of which nothing is known yet."""
+    """Return the empty row of a file."""
     numbers = dict.fromkeys((*COUNT_COLUMNS, *list_number_columns(choices)))
     entries = {name: getattr(entry, name) for name in ("file", *LABELS)}
     return (

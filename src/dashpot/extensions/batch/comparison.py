@@ -16,12 +16,12 @@ from dashpot.extensions.batch.lot import DEGREES, MAX_CONDITION_DIFFERENCE, Lot
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key
 from dashpot.extensions.batch.statistics.two_sample import SIGNIFICANCE, Difference, adjust_holm
 
-_TOLD_BY_OTHERS = ("k_inf", "E_inf", "loss_at_")
+_DEPENDENT_QUANTITIES = ("k_inf", "E_inf", "loss_at_")
 _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
 
 
 @dataclass(frozen=True)
-class Compared(Serialisable):
+class QuantityComparison(Serialisable):
     """Comparison of one quantity of two lots.
 
     Attributes
@@ -50,7 +50,7 @@ class Compared(Serialisable):
 
     @property
     def different(self) -> bool | None:
-        """Whether chance alone gives such a difference in fewer than 5 % of trials.
+        """Whether chance gives such a difference in fewer than 5 % of trials.
 
         None of lots that share records.
         """
@@ -69,7 +69,7 @@ class LotComparison(HasChecks, Serialisable):
     Attributes
     ----------
     lots : (str, str)
-    differences : tuple of Compared
+    differences : tuple of QuantityComparison
     checks : tuple of Check
     """
 
@@ -77,7 +77,7 @@ class LotComparison(HasChecks, Serialisable):
     _keys = ("lots", "verdict", "differences", "checks")
 
     lots: tuple[str, str]
-    differences: tuple[Compared, ...]
+    differences: tuple[QuantityComparison, ...]
     checks: tuple[Check, ...]
 
     @property
@@ -104,8 +104,8 @@ class LotComparison(HasChecks, Serialisable):
         return "\n".join(lines)
 
 
-def _format_comparison(item: Compared) -> Iterator[str]:
-    difference, read = item.difference, item.quantity.read
+def _format_comparison(item: QuantityComparison) -> Iterator[str]:
+    difference, format_value = item.difference, item.quantity.read
 
     def share(value: float) -> str:
         return f"{100 * item.share(value):+.2g} %"
@@ -118,7 +118,7 @@ def _format_comparison(item: Compared) -> Iterator[str]:
         result_text = f"not checked, the lots have {format_count(item.shared, 'record')} in common"
     yield f"{item.quantity.words}: {result_text}"
     means = " and ".join(
-        f"{read(mean)} ({count} seals, SD {read(sd, digits=2)})"
+        f"{format_value(mean)} ({count} seals, SD {format_value(sd, digits=2)})"
         for mean, count, sd in zip(
             difference.means, difference.counts, difference.deviations, strict=True
         )
@@ -183,28 +183,28 @@ def compare_two_lots(
     DataError
         If a lot has fewer than two seals, or lacks a quantity.
     """
-    (one_name, single_lot), (other_name, other_lot) = first, second
+    (first_name, first_lot), (second_name, second_lot) = first, second
     quantities = [
         _find_common_quantity(first, second, name)
-        for name in tuple(names) or _select_common_quantities(single_lot, other_lot)
+        for name in tuple(names) or _select_common_quantities(first_lot, second_lot)
     ]
     if not quantities:
-        raise DataError(f"{one_name} and {other_name} have no quantity in common")
-    differences = [single_lot.compare(other_lot, quantity.name) for quantity in quantities]
+        raise DataError(f"{first_name} and {second_name} have no quantity in common")
+    differences = [first_lot.compare(second_lot, quantity.name) for quantity in quantities]
     p_values = adjust_holm([difference.p_value for difference in differences])
     unnamed = sum(
-        int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (single_lot, other_lot)
+        int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (first_lot, second_lot)
     )
-    shared_count = _count_shared_records(single_lot, other_lot)
-    tests = single_lot.rows_in_statistics.height + other_lot.rows_in_statistics.height
+    shared_count = _count_shared_records(first_lot, second_lot)
+    tests = first_lot.rows_in_statistics.height + second_lot.rows_in_statistics.height
     return LotComparison(
-        (one_name, other_name),
+        (first_name, second_name),
         tuple(
-            Compared(*item, shared_count)
+            QuantityComparison(*item, shared_count)
             for item in zip(quantities, differences, p_values, strict=True)
         ),
         (
-            lots_tested_alike(tuple(_find_other_conditions(single_lot, other_lot))),
+            lots_tested_alike(tuple(_find_other_conditions(first_lot, second_lot))),
             seals_named(unnamed, tests),
             records_distinct(shared_count, tests),
             *(
@@ -235,7 +235,7 @@ def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
     return tuple(
         name
         for name in first_names
-        if name in second_names and not name.startswith(_TOLD_BY_OTHERS)
+        if name in second_names and not name.startswith(_DEPENDENT_QUANTITIES)
     )
 
 

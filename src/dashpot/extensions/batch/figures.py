@@ -24,7 +24,7 @@ from dashpot.plot.picture import Area, Dots, Line, Mark, Panel, Pen, Picture, Ri
 from dashpot.plot.plotted_data import compute_padded_limits, compute_padded_log_limits
 
 _SAMPLES = 80
-_BARS, _MOST_BARS = 6, 24
+_BARS, _MAX_BARS = 6, 24
 """Bars of a histogram, at least and at most."""
 CHART = 210.0
 """Height of the chart and of the histogram beside it, px."""
@@ -152,7 +152,7 @@ def histogram_picture(
     """Return the means of all seals as a histogram that lies on the axis of their chart."""
     means = quantity.scale * average_seals(seals)
     counts, edges = np.histogram(
-        means, bins=max(_BARS, min(_MOST_BARS, int(1.5 * len(means) ** 0.5)))
+        means, bins=max(_BARS, min(_MAX_BARS, int(1.5 * len(means) ** 0.5)))
     )
     gap = 0.06 * (edges[1] - edges[0])
     marks: list[Mark] = [

@@ -80,36 +80,41 @@ class _Watched:
 
     def __init__(self, job: BatchJob, clock: Callable[[], float]) -> None:
         self._job, self._clock = job, clock
-        self._since: dict[str, tuple[_State, float]] = {}
+        self._stable_since: dict[str, tuple[_State, float]] = {}
         self._hashes: dict[str, tuple[_State, str]] = {}
-        self._made: tuple[str, ...] = ()
-        self._said = ""
-        self._idle: tuple[Any, str] | None = None
+        self._lot_keys: tuple[str, ...] = ()
+        self._reported = ""
+        self._idle_state: tuple[Any, str] | None = None
 
     def look(self, lot: Lot | None, refreshed: Callable[[Lot], None]) -> Lot | None:
         """Make the rows of what has become still since the last look, if anything has."""
-        states, idle = self._read_folder_states(), self._idle
+        states, idle = self._read_folder_states(), self._idle_state
         if idle is not None and idle[0] == states:
             send_progress(idle[1])
             return lot
-        self._idle = None
+        self._idle_state = None
         try:
             entries = self._job.entries(allow_none=True)
-            tasks = self._tasks([entry for entry in entries if self._still(entry)])
+            tasks = self._tasks([entry for entry in entries if self._is_stable(entry)])
             keys = tuple(task.key for task in tasks)
-            if keys and keys != self._made:
+            if keys and keys != self._lot_keys:
                 lot = compute_missing_rows(self._job, tasks)
                 refreshed(lot)
-                self._made = keys
-                self._forget(lot)
+                self._lot_keys = keys
+                self._drop_missing(lot)
         except (DashpotError, OSError) as error:
-            self._say(f"waiting: {error}")
+            self._report(f"waiting: {error}")
         else:
             moving = len(entries) - len(tasks)
             text = f"watching: {len(tasks)} tests, {moving} still being written"
             send_progress(text)
-            if states is not None and not moving and keys == self._made and _are_all_read(tasks):
-                self._idle = states, text
+            if (
+                states is not None
+                and not moving
+                and keys == self._lot_keys
+                and _are_all_read(tasks)
+            ):
+                self._idle_state = states, text
         return lot
 
     def _read_folder_states(self) -> tuple[object, ...] | None:
@@ -126,18 +131,18 @@ class _Watched:
         except (DashpotError, OSError, ValueError):
             return None
 
-    def _still(self, entry: Entry) -> bool:
+    def _is_stable(self, entry: Entry) -> bool:
         """Return whether none of its files has changed for a while."""
         return all(list(map(self._is_unchanged, (entry.file, *entry.hammer))))
 
     def _is_unchanged(self, file: str) -> bool:
         current, state = self._clock(), _get_file_state(file)
         if state is None:
-            self._since.pop(file, None)
+            self._stable_since.pop(file, None)
             return False
-        previous_state, unchanged_since = self._since.setdefault(file, (state, current))
+        previous_state, unchanged_since = self._stable_since.setdefault(file, (state, current))
         if previous_state != state:
-            self._since[file] = state, current
+            self._stable_since[file] = state, current
             return False
         return current - unchanged_since >= UNCHANGED_SECONDS
 
@@ -155,17 +160,17 @@ class _Watched:
             self._hashes[file] = state, file_hash
         return file_hash
 
-    def _forget(self, lot: Lot) -> None:
+    def _drop_missing(self, lot: Lot) -> None:
         """Take a file that changed under the fit as one that is being written."""
         rows = lot.table.filter(lot.table["outcome"] == "changed")
         for file in rows["file"]:
-            self._since.pop(file, None)
-            self._made = ()
+            self._stable_since.pop(file, None)
+            self._lot_keys = ()
 
-    def _say(self, message: str) -> None:
+    def _report(self, message: str) -> None:
         send_progress(message)
-        if message != self._said:
-            self._said = message
+        if message != self._reported:
+            self._reported = message
             append_log_line(self._job.output, message)
 
 
@@ -181,7 +186,7 @@ def _are_all_read(tasks: Sequence[Task]) -> bool:
 
 
 def _scan_states(folder: str, results: Path) -> Iterator[tuple[object, ...]]:
-    """Yield name and state of what a folder holds at any depth, of links with what they lead to."""
+    """Yield name and state of all files of a folder at any depth, following links."""
     paths: list[str] = []
     with os.scandir(folder) as items:
         for item in items:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def compare_with_hammer(
     fit: Fit, record: Record, entry: Entry, choices: BatchOptions, mass: float | None
 ) -> tuple[Fit, dict[str, Any]]:
-    """Return the fit, or the joint one if that is asked for, and what the hammer says of it.
+    """Return the fit, or the joint fit if requested, and the comparison with the hammer.
 
     Of seals at another temperature the resonance alone: one test does not say how they move.
 
@@ -86,7 +86,7 @@ def read_hammer_resonance(
 
 
 def make_origin_column(*files: Source) -> dict[str, Any]:
-    """Return what a row says of files of which one was made by simulation."""
+    """Return the origin of files of which one was simulated."""
     return {"origin": SIMULATED} if any(file.simulated for file in files) else {}
 
 
@@ -101,7 +101,7 @@ def _find_resonance(frf: FRF) -> dict[str, Any]:
 
 
 def _compare_peaks(comparison: Comparison) -> dict[str, Any]:
-    """Return what the fit of the bench alone predicts, and what the hammer finds."""
+    """Return the peak predicted by the relaxation fit, and that of the hammer."""
     return {
         "predicted_Hz": comparison.predicted_hz,
         "predicted_damping_ratio": comparison.predicted_damping,

@@ -17,7 +17,7 @@ from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.file_writing import validate_path
-from dashpot.base.option_fields import iterate_option_fields, key_of
+from dashpot.base.option_fields import get_option_key, iterate_option_fields
 from dashpot.base.serialisation import to_plain_value
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
@@ -135,7 +135,7 @@ class Entry:
         return Entry(**{**values, "hammer": tuple(values["hammer"])})
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
-        """SHA-256 of the contents of its file and of its hammer's; of what is not read, none."""
+        """SHA-256 of its file and of its hammer's; none of files that are not read."""
         return (
             ("",) if self.aside else tuple(map(by or compute_file_hash, (self.file, *self.hammer)))
         )
@@ -347,7 +347,7 @@ def _scan_folder(folder: Path, output_folder: Path) -> Iterator[tuple[str, str]]
 
 
 def _get_skip_reason(path: Path, folder: Path) -> str:
-    """Why what stands in a folder is not read; empty of a file of its own, and of what went."""
+    """Return why a file of a folder is not read; "" if it is, or if it has vanished."""
     if path.is_symlink() and not path.resolve().is_relative_to(folder):
         return "a link that leads out of the folder is not followed; name it to read it"
     if path.exists() and not path.is_file():
@@ -386,7 +386,7 @@ def _may_be_row(line: str) -> bool:
 
 
 def _refuse_unreadable_folder(error: OSError) -> None:
-    """Refuse a folder whose tests would be left out unsaid; one that went has none."""
+    """Refuse a folder that cannot be read; ignore one that has vanished."""
     if not isinstance(error, FileNotFoundError):
         raise ReadError(
             f"{error.filename}: the folder cannot be read: {error.strerror}; allow it, or give the "
@@ -414,7 +414,7 @@ def _is_dashpot_result(path: Path) -> bool:
 def _parse_labels(
     label_pattern: str | None, files: Sequence[str], *, allow_none: bool
 ) -> Callable[[str], dict[str, Any]]:
-    """Return what an expression says of a file."""
+    """Return the labels of a file by a regular expression."""
     if label_pattern is None:
         return lambda _: {}
     pattern, group_names = _parse_label_pattern(label_pattern)
@@ -563,7 +563,7 @@ def _parse_machine(location: str, text: str, folder: Path) -> str:
 
 
 def _parse_machine_fields(text: str) -> dict[str, Any]:
-    known = {key_of(field): field for field in iterate_option_fields(Machine)}
+    known = {get_option_key(field): field for field in iterate_option_fields(Machine)}
     fields: dict[str, Any] = {}
     for part in filter(None, map(str.strip, re.split(r"[;,](?=\s*[A-Za-z][\w -]*=)", text))):
         key, _, value = part.partition("=")

@@ -116,7 +116,7 @@ def build_job(
 
 
 def summarise_lot(job: BatchJob, lot: dp.Lot) -> Summary:
-    """Return what a lot says of what was asked for."""
+    """Return the summary of a lot for these options."""
     from dashpot.extensions.batch.summary import summary
 
     return summary(lot, quantity=job.quantity or lot.main, limits=job.limits)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.batch.statistics.variance_components import Component
     from dashpot.extensions.batch.summary import Summary
 
-MOST_NAMED = 5
+MAX_NAMED = 5
 """Largest number of ignored files that are named."""
 
 
@@ -149,7 +149,7 @@ def _format_lot_counts(lot: dp.Lot) -> list[str]:
     if lot.simulated_count:
         lines.append(f"SIMULATED   {format_count(lot.simulated_count, 'file')}")
     if lot.ignored_files:
-        shown_names = [Path(file).name for file in lot.ignored_files[:MOST_NAMED]]
+        shown_names = [Path(file).name for file in lot.ignored_files[:MAX_NAMED]]
         unlisted_count = len(lot.ignored_files) - len(shown_names)
         names = ", ".join(shown_names) + (f" and {unlisted_count} more" if unlisted_count else "")
         lines.append(f"ignored     {names}: no table of numbers")

@@ -32,7 +32,7 @@ from dashpot.extensions.batch.statistics.control_chart import BEYOND, MIN_POINTS
 from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
 from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import PAPER, RenderedFigure, render_figure
+from dashpot.report.figures import PAPER_WIDTH, RenderedFigure, render_figure
 from dashpot.report.first_screen import MARK_ORDER
 from dashpot.report.page_frame import VERDICT_COLOURS, digest, environment, frame
 
@@ -173,7 +173,7 @@ def _read_page_part(name: str) -> str:
 def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
     """Return the picture for a screen, a phone and, where it is wider than a sheet, paper."""
     total_height = sum(panel.height for panel in picture.panels)
-    return render_figure(picture, width=width, low=total_height if width > PAPER else None)
+    return render_figure(picture, width=width, low=total_height if width > PAPER_WIDTH else None)
 
 
 def _make_chart(main: QuantitySummary, *, by_lots: bool) -> RenderedFigure | None:
@@ -376,7 +376,7 @@ def _select_other_quantities(
 def _make_seal_rows(
     summary: Summary, other_columns: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
 ) -> list[dict[str, Any]]:
-    """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
+    """Return a row per seal, the gravest first: failed, flagged, others."""
     decisions = {(decision.lot, decision.seal): decision for decision in summary.main.judged}
     seals = {(seal.lot, seal.name): seal for seal in summary.main.seals}
     reasons, rows = _build_seal_reasons(summary), []
@@ -502,7 +502,7 @@ def _encode_test_rows(
 
 
 def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
-    """Why each seal is to be looked at: its judgement, then its flags."""
+    """Return why each seal is flagged: its decision, then its flags."""
     reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
     for decision in summary.main.judged:
         reasons[decision.lot, decision.seal] += filter(
@@ -515,7 +515,7 @@ def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
 
 
 def _make_test_rows(summary: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
-    """Every file: those that were not fitted first, then what stands out, then the others."""
+    """Return a row per file: not fitted first, then outliers, then the others."""
     quantity = summary.main.quantity
     gravity = {"do not use": 1, "use with care": 2}
     marks: dict[Any, str] = {**VERDICT_COLOURS, None: "", "ignored": ""}

@@ -134,7 +134,7 @@ def build_row_frame(rows: Sequence[Mapping[str, Any]], choices: BatchOptions) ->
 
 
 def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
-    """Yield the parts in a folder; what cannot be read is left out, as if it were not there."""
+    """Yield the parts in a folder; skip those that cannot be read."""
     for path in sorted(folder.glob(PART_PATTERN)):
         try:
             frame = import_polars().read_parquet(path.read_bytes())
@@ -169,7 +169,7 @@ def list_done_keys(folder: Path) -> set[str]:
 
 
 def collect_table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
-    """Leave in the folder what is wanted, and return it, sorted by file.
+    """Keep only the wanted parts in the folder, and return them, sorted by file.
 
     An old row goes, one that is there twice, a half-written file. Rows that stay are written
     before what held them goes, so that a run that is cut short here loses none.

@@ -21,7 +21,7 @@ from dashpot.extensions.batch.parquet_parts import KEY, Task
 Chunk: TypeAlias = tuple[Task, ...]
 Rows: TypeAlias = list[dict[str, Any]]
 
-LIVES = 3
+MAX_LOST_WORKERS = 3
 """Workers that a file may cost before it is given up."""
 
 
@@ -64,7 +64,7 @@ def open_process_pool(jobs: int | None) -> Iterator[Executor]:
 def _compute_chunks(
     jobs: int, chunks: Sequence[Chunk], choices: BatchOptions
 ) -> Iterator[tuple[Chunk, Rows]]:
-    """A file whose workers die gets a row that says so."""
+    """Yield rows of chunks; a file whose worker processes die gets a row that says so."""
     waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for chunk in chunks:
         waiting.put(chunk)
@@ -118,7 +118,7 @@ class Worker:
 
     def rows(self, task: Task, stop_event: threading.Event) -> Rows:
         """Return the row of one file, or one for each of its specimens."""
-        for _ in range(LIVES):
+        for _ in range(MAX_LOST_WORKERS):
             if stop_event.is_set():
                 break
             reply = self._answer(task)
@@ -128,8 +128,9 @@ class Worker:
             self.end()
         died = make_empty_row(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
-            "reason": f"the process that read it died {LIVES} times: it may need more memory than "
-            "there is; run it again with fewer --jobs, or look at it with dashpot inspect",
+            "reason": f"the process that read it died {MAX_LOST_WORKERS} times: it may need more "
+            "memory than there is; run it again with fewer --jobs, or look at it with dashpot "
+            "inspect",
             KEY: task.key,
         }
         return [died]

@@ -141,14 +141,14 @@ def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, 
 
 
 def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
-    """The first file that is not what it was, if one is; `read` is what a fit read of the first."""
+    """Return the first file that has changed since `read`, if any."""
     current_hashes = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
     files = zip((entry.file, *entry.hammer), current_hashes, hashes, strict=True)
     return next((file for file, name, former_hash in files if name != former_hash), "")
 
 
 def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a fit says, or what the file is that has none."""
+    """Return the row of a fit, or of a file that cannot be fitted."""
     specimen = Specimen(temperature=entry.temperature)
     fit_keywords: dict[str, Any] = {
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
@@ -173,7 +173,7 @@ def _build_other_row(
     choices: BatchOptions,
     mass: float | None,
 ) -> dict[str, Any]:
-    """Return the row of what is no test of a bench: its own, or what it is and waits for."""
+    """Return the row of a file of another kind: its own, or its kind and what it needs."""
     specimen = _describe_lot_specimen(entry, choices, mass)
     if kind.lot_row and (
         not kind.required_value or getattr(specimen, kind.required_value) is not None
@@ -196,7 +196,7 @@ def _describe_lot_specimen(entry: Entry, choices: BatchOptions, mass: float | No
 
 
 def _get_machine(entry: Entry, choices: BatchOptions) -> Machine | None:
-    """Return the machine of a test without the hammer's rig; None if nothing is known of it."""
+    """Return the machine of a test without the hammer's rig; None if it is unknown."""
     machine = find_test_machine(entry, choices).on_bench
     return None if machine == Machine() else machine
 
@@ -328,7 +328,7 @@ def _select_arm_facts(fit: Fit, space: int) -> Iterator[ReportedValue]:
 
 
 def _get_column_name(reported_value: ReportedValue, suffix: str = "") -> str:
-    """Return the column of a number of a solid, or of what is known of it."""
+    """Return the column name of a number of a solid or of a nuisance parameter."""
     kind, _, index_text = reported_value.name.partition("_")
     if kind == "k":
         return format_stiffness_column(f"{index_text}{suffix}", reported_value.unit)

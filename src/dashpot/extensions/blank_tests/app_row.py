@@ -7,11 +7,11 @@ from typing import Any
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.blank_tests.machine_file import read_machine_file
-from dashpot.reading.toml import tables_of
+from dashpot.reading.toml import read_tables
 
 
 def describe_machine_file(path: Path) -> dict[str, Any] | None:
-    """Return what the list of files says of a machine file; None of another TOML file.
+    """Return the entry of a machine file in the list; None for another TOML file.
 
     Raises
     ------
@@ -19,7 +19,7 @@ def describe_machine_file(path: Path) -> dict[str, Any] | None:
         If it is a machine file that cannot be used.
     """
     try:
-        _, tables = tables_of(path)
+        _, tables = read_tables(path)
     except ReadError:
         return None
     if "machine" not in tables:

@@ -14,16 +14,16 @@ from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES
 if TYPE_CHECKING:
     from dashpot.extensions.blank_tests.estimation import Blanks, EmptyRun, Press
 
-MOST_COMPLIANCE = parse_quantity("200um/N", "compliance")
+MAX_COMPLIANCE = parse_quantity("200um/N", "compliance")
 """Compliance beyond which no machine is rigid enough for a seal."""
-MOST_CREEP = parse_quantity("30um", "length")
+MAX_CREEP = parse_quantity("30um", "length")
 """Creep in a factor e of time beyond which no crosshead settles."""
 _CLEAR_ERRORS = 3.0
 """Standard errors beyond which a departure is no chance."""
 _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
 """Difference of two records of one machine beyond their errors."""
-MOST_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
+MAX_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
 """Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
 _CELL_CLASS = 1.035
 """Gain of a cell of the lowest class, 3 % off, by a spring that is known to 0.5 %."""
@@ -113,7 +113,7 @@ def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
     )
 
 
-@criterion("m/N", "<=", MOST_COMPLIANCE, "our choice: four times a usual machine")
+@criterion("m/N", "<=", MAX_COMPLIANCE, "our choice: four times a usual machine")
 def stop_rigid(compliance: float | None) -> Finding:
     """The stop is stiff relative to usual machines."""
     if compliance is None:
@@ -151,7 +151,7 @@ def stop_follows_machine(misfit: float | None) -> Finding:
     return _judge_misfit("stop", misfit, "It relaxes as rubber does, or it slipped")
 
 
-@criterion("m", "|x| <=", MOST_CREEP, "three usual standard deviations at 8 mm")
+@criterion("m", "|x| <=", MAX_CREEP, "three usual standard deviations at 8 mm")
 def crosshead_creep_plausible(creep: float | None) -> Finding:
     """The creep of the crosshead is in the usual range."""
     if creep is None:
@@ -234,7 +234,7 @@ def repeated_springs_agree(difference: float | None) -> Finding:
     return _judge_repeats("spring", difference, "They were two springs, or one left its seat")
 
 
-@criterion("s", "<=", MOST_DELAY_ERROR, "our choice: a tenth of what is usual")
+@criterion("s", "<=", MAX_DELAY_ERROR, "our choice: a tenth of what is usual")
 def delay_determined(error: float | None) -> Finding:
     """The spring determines the delay of the force."""
     if error is None:

@@ -21,28 +21,28 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray, block_means, median
 from dashpot.base.errors import DataError
 from dashpot.extensions.blank_tests.datamodel import BlankTest
-from dashpot.numerics.inference.correlated_noise import Noise, noise_of
+from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise
 from dashpot.preprocessing.signal_conditioning import hum_lines
-from dashpot.signals.disturbances import MAINS
-from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.disturbances import MAINS_FREQUENCIES
+from dashpot.signals.noise import remove_spikes, scatter
 from dashpot.signals.segments import find_segments
 
-LOADED = 0.05
+MIN_LOADED_SHARE = 0.05
 """Part of the largest force from which a part is in contact all over."""
 _CONTACT_SHARE = 0.01
 """Part of the largest force that a contact begins with."""
-_MOST_SHIFTS, _DELAY_TOLERANCE = 8, 1e-7
+_MAX_SHIFTS, _DELAY_TOLERANCE = 8, 1e-7
 """Shifts of the motion at most, and a step of the delay that ends them, s."""
-_FEWEST = 20
+_MIN_COUNT = 20
 """Samples of a baseline or of a press that an estimate needs."""
 _PEAK_SHARE = 0.05
 """Part of a record's samples, the most loaded, by which its largest force is measured."""
 _REST_SPEED, _TRAVEL_SPEED = 0.05, 0.5
 """Parts of the largest speed: below the first a plate rests, above the second it travels."""
-_LEAST_SPAN, _LARGEST_SPAN, _SPEED_OVER_NOISE = 0.01, 0.25, 50.0
+_MIN_SPAN, _LARGEST_SPAN, _SPEED_OVER_NOISE = 0.01, 0.25, 50.0
 """Parts of a ramp over which a speed is taken, at least and at most, and how many times its noise
 it is to be."""
-_LEAST_EIGENVALUE = 1e-13
+_MIN_EIGENVALUE = 1e-13
 """Least eigenvalue of a Gram matrix of columns of size 1."""
 _MISFIT_BLOCKS = 32
 """Means of residuals that show a misfit."""
@@ -191,7 +191,7 @@ def solve_regression(
               C = \sigma^2 \kappa\,(A^T A - m\,\sigma_x^2\, e e^T)^{-1}
 
     with :math:`\sigma^2 \kappa` the power of the residuals by
-    :func:`~dashpot.numerics.inference.correlated_noise.noise_of`.
+    :func:`~dashpot.numerics.inference.correlated_noise.estimate_noise`.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def solve_regression(
         gram[noisy, noisy] -= weight * variance / scale[noisy] ** 2
     is_empty = ~columns.any(axis=0)
     gram[is_empty, is_empty] = 1.0
-    if np.linalg.eigvalsh(gram)[0] < _LEAST_EIGENVALUE:
+    if np.linalg.eigvalsh(gram)[0] < _MIN_EIGENVALUE:
         raise DataError(
             "a blank test does not determine the machine: its motion and its time cannot be "
             "distinguished. Record a rest, a ramp and a hold"
@@ -233,7 +233,7 @@ def solve_regression(
     inverse = np.linalg.inv(gram)
     scaled_values = inverse @ (scaled.T @ values)
     residual = values - scaled @ scaled_values
-    residual_noise = noise_of(residual, basis)
+    residual_noise = estimate_noise(residual, basis)
     errors = np.sqrt(residual_noise.power * np.diag(inverse))
     return Regression(scaled_values / scale, errors / scale, residual, residual_noise)
 
@@ -338,12 +338,12 @@ def read_press_history(record: BlankTest) -> PressHistory:
     first = _find_contact(force[:end], noise, peak)
     guard = 0.02 * float(time[first])
     before = np.flatnonzero(time < time[first] - guard)
-    loaded_indices = np.flatnonzero(force[:end] > LOADED * peak)
+    loaded_indices = np.flatnonzero(force[:end] > MIN_LOADED_SHARE * peak)
     loaded_indices = loaded_indices[loaded_indices > first]
-    if len(loaded_indices) < _FEWEST:
+    if len(loaded_indices) < _MIN_COUNT:
         raise DataError(
-            f"{name_record(record)}: {len(loaded_indices)} samples are loaded; expected {_FEWEST} "
-            "or more. Press further, or sample faster"
+            f"{name_record(record)}: {len(loaded_indices)} samples are loaded; expected "
+            f"{_MIN_COUNT} or more. Press further, or sample faster"
         )
     speed = compute_speed(time, x, _choose_speed_span(time, x, first, ramp))
     return PressHistory(
@@ -360,7 +360,7 @@ def name_record(record: BlankTest) -> str:
 def orient_channels(record: BlankTest) -> tuple[FloatArray, FloatArray]:
     """Return displacement and force, both rising as the plate presses, from their rest."""
     count = max(len(record.time) // 50, 1)
-    force = without_spikes(record.time, record.force)
+    force = remove_spikes(record.time, record.force)
     force = force - median(force[:count])
     force = force if force[np.argmax(np.abs(force))] >= 0 else -force
     x = record.displacement - median(record.displacement[:count])
@@ -398,15 +398,15 @@ def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -
     """Return over how many samples either way the speed of a ramp stands out of its noise."""
     samples, travel = max(ramp - first, 1), abs(float(x[ramp] - x[first]))
     min_samples = _SPEED_OVER_NOISE * scatter(time, x) / np.sqrt(2) * samples / max(travel, 1e-12)
-    return int(np.clip(max(min_samples, _LEAST_SPAN * samples), 1, max(_LARGEST_SPAN * samples, 1)))
+    return int(np.clip(max(min_samples, _MIN_SPAN * samples), 1, max(_LARGEST_SPAN * samples, 1)))
 
 
 def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
     """Return the speed over `half_span` samples either way, m/s; 0 where it is within noise."""
-    padded = np.pad(x, half_span, mode="edge")
+    padded_values = np.pad(x, half_span, mode="edge")
     clock = np.pad(time, half_span, mode="reflect", reflect_type="odd")
     span = clock[2 * half_span :] - clock[: -2 * half_span]
-    speed = (padded[2 * half_span :] - padded[: -2 * half_span]) / span
+    speed = (padded_values[2 * half_span :] - padded_values[: -2 * half_span]) / span
     noise = 5 * np.sqrt(2) * scatter(time, x) / span
     return np.where(np.abs(speed) > noise, speed, 0.0)
 
@@ -457,11 +457,11 @@ def _solve_press(history: PressHistory, *, rests_at_contact: bool = False) -> _P
     samples, baseline_count = np.concatenate((history.before, history.pressed)), len(history.before)
     contact = np.ones(len(samples))
     contact[:baseline_count] = 0.0
-    offset = [np.ones(len(samples))] if baseline_count >= _FEWEST else []
+    offset = [np.ones(len(samples))] if baseline_count >= _MIN_COUNT else []
     shift, ramp_time = 0.0, max(history.stop - float(history.time[history.first]), 1e-6)
     loaded_span = slice(history.first, int(history.pressed[-1]) + 1)
     stiffness = history.peak / max(float(np.ptp(history.displacement[loaded_span])), 1e-12)
-    for i in range(_MOST_SHIFTS):
+    for i in range(_MAX_SHIFTS):
         speed = np.interp(history.time - shift, history.time, history.speed)
         columns = np.column_stack((
             0.0 * contact if rests_at_contact else contact,
@@ -530,7 +530,7 @@ def _measure_hysteresis(history: PressHistory, model: FloatArray) -> float:
 def estimate_empty_run(record: BlankTest) -> EmptyRun:
     """Return what a run without a specimen determines: noise, drift, hum, and force by motion."""
     time = record.time - record.time[0]
-    force = without_spikes(record.time, record.force)
+    force = remove_spikes(record.time, record.force)
     force = force - median(force)
     x = record.displacement - median(record.displacement)
     columns = [np.ones(len(time)), time]
@@ -588,7 +588,7 @@ def _find_mains(time: FloatArray, residual: FloatArray) -> float:
     padded = 4 * len(time)
     power = np.abs(np.fft.rfft(residual, padded)) ** 2
     frequency = np.fft.rfftfreq(padded, step)
-    bands = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS]
+    bands = [np.abs(frequency - mains) <= _MAINS_SEARCH for mains in MAINS_FREQUENCIES]
     mask = np.logical_or.reduce(bands)
     if not mask.any():
         return float(frequency[len(frequency) // 2])
@@ -607,5 +607,5 @@ def _compute_relative_error(noise: Noise) -> float:
 
 def _measure_wander(speed: FloatArray) -> float:
     """Return the part of a record in which the plate neither rests nor travels."""
-    share = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
-    return float(np.mean((share > _REST_SPEED) & (share < _TRAVEL_SPEED)))
+    ratio = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
+    return float(np.mean((ratio > _REST_SPEED) & (ratio < _TRAVEL_SPEED)))

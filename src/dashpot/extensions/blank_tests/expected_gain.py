@@ -84,5 +84,5 @@ def advise_blank_tests(
 
 
 def _format_percent(value: float) -> str:
-    """Return a relative error in per cent; of one without limit "nothing" is known."""
+    """Return a relative error in per cent; "nothing" if it is unlimited."""
     return f"{round_to_error(100 * value, digits=2)} %" if math.isfinite(value) else "nothing"

@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import NORMAL
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, convert_to_si
@@ -87,7 +87,7 @@ def fit_blank_tests(
     blanks = estimate_blanks(records, roles)
     values = report_values(blanks, stiffness, relative_error)
     has_spring = stiffness is not None and bool(blanks.springs)
-    sources = sources_of(records)
+    sources = list_sources(records)
     return MachineFit(
         values,
         tuple(map(_thin_record, records, roles, blanks.series)),
@@ -144,7 +144,7 @@ def _estimate_record(record: BlankTest, role: AssignedRole) -> Press | EmptyRun:
 
 
 def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
-    r"""Return the mean of repeats by their weights; None of none.
+    r"""Return the weighted mean of repeats; None if there are none.
 
     Its error is wider by :math:`\sqrt{\chi^2/(n - 1)}` where they scatter by more than theirs.
     """
@@ -193,7 +193,7 @@ def report_values(
 def _compute_gain(
     compliance: RigEstimate, spring: RigEstimate, stiffness: float, relative_error: float
 ) -> RigEstimate | None:
-    """Return the gain of the force over the displacement; None where no spring is left."""
+    """Return the gain of the force over the displacement; None without a spring."""
     spring_compliance = 1 / spring.value - compliance.value
     if not spring_compliance > 0:
         return None
@@ -203,7 +203,7 @@ def _compute_gain(
 
 
 def _report_hum(empties: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
-    """Return amplitude and frequency of the strongest line; a bound where none stands out."""
+    """Return amplitude and frequency of the strongest line, or an upper limit."""
     if not empties:
         return ()
     strongest = max(empties, key=lambda run: run.hum.value)

@@ -17,7 +17,7 @@ from dashpot.base.units import Dimension, convert_to_unit
 from dashpot.base.version import __version__, byline
 from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine, MachineCalibration
 from dashpot.extensions.blank_tests.datamodel import MachineFit
-from dashpot.reading.toml import Section, tables_of
+from dashpot.reading.toml import Section, read_tables
 
 _DIMENSIONS: Mapping[str, Dimension] = {
     "delay": "time",
@@ -93,7 +93,7 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
     ReadError
         If it is no machine file, or a number of it cannot be used.
     """
-    raw, tables = tables_of(path)
+    raw, tables = read_tables(path)
     file_name = raw.name
     if "machine" not in tables:
         raise ReadError(

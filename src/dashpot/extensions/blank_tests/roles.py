@@ -91,14 +91,14 @@ def _is_loaded(record: BlankTest, load: Load, largest: float) -> bool:
     DataError
         If that is open.
     """
-    share = load.force / largest if largest > 0 else 0.0
-    if load.force <= _NOISE_SPAN * load.noise or share < _EMPTY_SHARE:
+    ratio = load.force / largest if largest > 0 else 0.0
+    if load.force <= _NOISE_SPAN * load.noise or ratio < _EMPTY_SHARE:
         return False
-    if share > _LOADED_SHARE:
+    if ratio > _LOADED_SHARE:
         return True
     raise DataError(
         f"{name_record(record)} rises to {format_quantity(load.force, 'N', '.3g')}, "
-        f"{100 * share:.2g} % of the largest force of these tests: neither an empty run nor a "
+        f"{100 * ratio:.2g} % of the largest force of these tests: neither an empty run nor a "
         f"press for certain. {_format_role_request(record)}"
     )
 

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import format_quantity_short
-from dashpot.fitting.checks.relaxation import MAX_FALLING
+from dashpot.fitting.checks.relaxation import MAX_END_SLOPE
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.signals.noise import estimate_robust_scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -30,7 +30,7 @@ MORE_TOGETHER = 1.3
 # scatter so many times as large is another solid
 CONTRADICTION_RATIO = 3.0
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
-LEVEL = 0.8
+MIN_PLATEAU_RATIO = 0.8
 # a curve that ended before it relaxed falls at its end by as much as it ever did
 OF_ALL = 0.2
 # what frame and load cell of an instrument give if nobody says, m/N
@@ -38,7 +38,7 @@ USUAL_COMPLIANCE = 3e-7
 # so much of the storage, and twice as much of the loss, may go unsaid
 UNSTATED_ERROR = 0.01
 # standard deviations by which a value scatters at most
-SCATTERED = 3.0
+MAX_SCATTER_SD = 3.0
 # of creep every record may hide a slow flow, which takes so much
 LEVEL_OF_CREEP = 0.65
 
@@ -171,7 +171,7 @@ def instrument_stiff(data: DynamicTest) -> Finding:
 def loss_positive(data: DynamicTest) -> Finding:
     """No loss is negative by more than its scatter."""
     part = data.loss / np.abs(data.value)
-    bad_indices = np.flatnonzero(part < -SCATTERED * _estimate_sweep_scatter(data, part))
+    bad_indices = np.flatnonzero(part < -MAX_SCATTER_SD * _estimate_sweep_scatter(data, part))
     if not bad_indices.size:
         return Finding("No loss is below zero beyond scatter", 0.0)
     return Finding(
@@ -190,13 +190,13 @@ def storage_rises(data: DynamicTest) -> Finding:
     storage, frequency = data.storage[order], data.frequency[order]
     top = np.maximum.accumulate(storage)
     relative_fall = 1 - storage / np.where(top > 0, top, np.inf)
-    worst = int(np.argmax(relative_fall))
+    worst_index = int(np.argmax(relative_fall))
     return Finding(
         "The storage does not fall with frequency beyond scatter",
-        float(relative_fall[worst]),
-        failure=f"The storage falls by {100 * relative_fall[worst]:.2g} % at "
-        f"{frequency[worst]:.3g} Hz. No relaxing part does that: mass moved along, or the part "
-        "warmed up",
+        float(relative_fall[worst_index]),
+        failure=f"The storage falls by {100 * relative_fall[worst_index]:.2g} % at "
+        f"{frequency[worst_index]:.3g} Hz. No relaxing part does that: mass moved along, or the "
+        "part warmed up",
         remedy=Remedy("Leave those frequencies out.", "band"),
     )
 
@@ -236,7 +236,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
 @criterion(
     "lowest k(10 T) / highest k(T)",
     ">=",
-    LEVEL,
+    MIN_PLATEAU_RATIO,
     "simulation: above it 1 plateau in 20 is off by more than 10 %",
     other_grade=f"{LEVEL_OF_CREEP:g} of creep",
 )
@@ -247,14 +247,14 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
         end.levels,
         "So k_inf is extrapolated, with no lower limit",
         end.remedy,
-        limit=LEVEL_OF_CREEP if end.test_kind == "creep" else LEVEL,
+        limit=LEVEL_OF_CREEP if end.test_kind == "creep" else MIN_PLATEAU_RATIO,
     )
 
 
 @criterion(
     "fall per factor e of time",
     "<=",
-    MAX_FALLING,
+    MAX_END_SLOPE,
     "as for a hold",
     other_grade=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
@@ -270,7 +270,7 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
         relative_slope,
         "A model that continues like this has another plateau, or none",
         end.remedy,
-        limit=min(MAX_FALLING, OF_ALL * max(decrease, 0.0)),
+        limit=min(MAX_END_SLOPE, OF_ALL * max(decrease, 0.0)),
     )
 
 
@@ -348,16 +348,16 @@ def data_agree(
         :math:`1/\sqrt{2\nu}`.
     """
     limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
-    worst = int(np.argmax(np.asarray(residual_ratios) / limits))
+    worst_index = int(np.argmax(np.asarray(residual_ratios) / limits))
     return Finding(
-        f"The joint model has {residual_ratios[worst]:.3g} times the residual of the own fit of "
-        f"{names[worst]}",
-        float(residual_ratios[worst]),
+        f"The joint model has {residual_ratios[worst_index]:.3g} times the residual of the own fit "
+        f"of {names[worst_index]}",
+        float(residual_ratios[worst_index]),
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
-        limit=float(limits[worst]),
-        grade="stop" if residual_ratios[worst] > CONTRADICTION_RATIO else None,
+        limit=float(limits[worst_index]),
+        grade="stop" if residual_ratios[worst_index] > CONTRADICTION_RATIO else None,
     )
 
 

@@ -17,7 +17,7 @@ from dashpot.fitting.admissible_spectra import (
     compute_upper_limit,
     deviance_limit,
 )
-from dashpot.fitting.data_blocks import find_largest_target, max_determinable_arms, solid_of
+from dashpot.fitting.data_blocks import build_solid, find_largest_target, max_determinable_arms
 from dashpot.fitting.marginal_relaxation import RelaxationRows
 from dashpot.fitting.nuisance_priors import ROUNDING, NuisanceTerms
 from dashpot.fitting.parameter_errors import estimate_covariance
@@ -32,8 +32,8 @@ from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.correlated_noise import (
     JacobianColumns,
     ResidualSeries,
-    marginal,
-    noise_of,
+    estimate_noise,
+    marginalise,
 )
 from dashpot.numerics.log_tau_descent import Stack
 from dashpot.numerics.nonnegative_least_squares import solve_linear
@@ -47,17 +47,17 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 #     \mathrm{cov}_{ij} = c^2 s_i s_j \sum_n h_n(\lg t_i)\, h_n(\lg t_j)
 #
 # with S the power of what the nearest non-negative spectrum leaves, by the rule of noise of every
-# fit (:func:`~dashpot.numerics.inference.correlated_noise.noise_of`), s the size of that spectrum,
-# and h_n straight lines between knots a quarter of a decade apart: what neighbours have in common -
-# a load cell, a thermostat, grips, smoothing - does not show in a residual.
+# fit (:func:`~dashpot.numerics.inference.correlated_noise.estimate_noise`), s the size of that
+# spectrum, and h_n straight lines between knots a quarter of a decade apart: what neighbours have
+# in common - a load cell, a thermostat, grips, smoothing - does not show in a residual.
 
 
 #: common error of neighbouring values, relative, one standard deviation
-COMMON = 2e-3
+COMMON_ERROR = 2e-3
 # knots per decade of the common error
-KNOTS = 4
+KNOTS_PER_DECADE = 4
 # relative rounding of a value with four digits
-DIGITS = 1e-4
+DIGITS_ERROR = 1e-4
 # points per decade of the grid of the nearest spectrum
 PER_DECADE = 12
 #: fewest values of a curve whose limits are computed
@@ -97,7 +97,7 @@ class CurveData:
         error_columns = (
             np.hstack((prior_columns, self.common)) if self.common.size else prior_columns
         )
-        white = marginal(np.zeros((len(mean), 0)), error_columns)
+        white = marginalise(np.zeros((len(mean), 0)), error_columns)
 
         def column(kinds: set[str]) -> FloatArray:
             indices = [i for i, name in enumerate(names) if name in kinds]
@@ -113,7 +113,11 @@ class CurveData:
 
 
 def weight_curve(
-    block: DataBlock, abscissa: FloatArray, *, window: tuple[float, float], common: float = COMMON
+    block: DataBlock,
+    abscissa: FloatArray,
+    *,
+    window: tuple[float, float],
+    common: float = COMMON_ERROR,
 ) -> CurveData:
     """Weight a curve by its residual about the nearest non-negative spectrum.
 
@@ -140,9 +144,9 @@ def weight_curve(
         part = slice(start, start + n)
         # a spring has no loss
         size = fitted_curve[part] if fitted_curve[part].any() else fitted_curve
-        rounding_limit = DIGITS * float(np.sqrt(np.mean(size**2)))
+        rounding_limit = DIGITS_ERROR * float(np.sqrt(np.mean(size**2)))
         series = ResidualSeries(rows.target[part] - fitted_curve[part])
-        noise = noise_of(
+        noise = estimate_noise(
             series, JacobianColumns(active[part], shared=True), rounding=rounding_limit
         )
         weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
@@ -160,9 +164,9 @@ def weight_curve(
 
 def _make_hat_functions(abscissa: FloatArray) -> FloatArray:
     """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
-    count = int(np.ceil(KNOTS * float(np.ptp(abscissa)))) + 1
-    knots = float(abscissa.min()) + np.arange(count) / KNOTS
-    return np.asarray(np.maximum(1 - KNOTS * np.abs(abscissa[:, None] - knots), 0.0))
+    count = int(np.ceil(KNOTS_PER_DECADE * float(np.ptp(abscissa)))) + 1
+    knots = float(abscissa.min()) + np.arange(count) / KNOTS_PER_DECADE
+    return np.asarray(np.maximum(1 - KNOTS_PER_DECADE * np.abs(abscissa[:, None] - knots), 0.0))
 
 
 # Where stiffness and loss factor are known, over every spectrum that a test does not reject.
@@ -181,7 +185,7 @@ def _make_hat_functions(abscissa: FloatArray) -> FloatArray:
 
 
 #: lines over the band of a curve, at least
-FEWEST_LINES = 3
+MIN_LINES = 3
 #: lines to a decade of a curve, which may have gaps
 LINES_PER_DECADE = 3
 #: fastest arm, as a fraction of the first time of a curve
@@ -208,7 +212,7 @@ def find_valid_band(
     if not has_loss_band(solid, band):
         return band, None
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
-    lines = np.geomspace(*band, max(count, FEWEST_LINES)).tolist()
+    lines = np.geomspace(*band, max(count, MIN_LINES)).tolist()
     errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
     if add_shift_errors is not None:
         errors = add_shift_errors(solid, errors)
@@ -405,7 +409,7 @@ def fit_single_test(
     peaks = [find_largest_target(block) for block in samples]
     estimate = estimate_covariance(best, samples, peak=max(peaks))
     # thirteen parameters of 32 values leave a third less than their scatter
-    model = solid_of(best)
+    model = build_solid(best)
     count = sum(len(residual) for residual in estimate.residuals)
     parameter_count = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
     ratio = max(count - parameter_count, 1) / count

@@ -22,8 +22,8 @@ def _simulate_sweep() -> str:
     storage, loss = (convert_to_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
     rows = zip(frequency, storage * noise[0], loss * noise[1], strict=True)
-    head = "frequency [Hz],storage stiffness [N/mm],loss stiffness [N/mm]"
-    lines = [f"# {byline('simulated dynamic test')}", "# simulated", head]
+    header = "frequency [Hz],storage stiffness [N/mm],loss stiffness [N/mm]"
+    lines = [f"# {byline('simulated dynamic test')}", "# simulated", header]
     return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
 
 
@@ -33,15 +33,15 @@ def _simulate_modulus() -> str:
     modulus = BROAD.relaxation(time) * 1e-2
     noise = 1 + 0.002 * np.random.default_rng(1).standard_normal(len(time))
     rows = (f"{t:.6g},{e:.6g}" for t, e in zip(time, modulus * noise, strict=True))
-    head = [f"# {byline('simulated relaxation modulus')}", "# simulated", "time [s],E(t) [MPa]"]
-    return "\n".join([*head, *rows, ""])
+    header = [f"# {byline('simulated relaxation modulus')}", "# simulated", "time [s],E(t) [MPa]"]
+    return "\n".join([*header, *rows, ""])
 
 
 def _simulate_sweeps() -> str:
     """Sweeps of a filled rubber at nine temperatures, 0.5 % noisy, MPa."""
     tau = np.logspace(-9, 3, 37)
-    share = np.exp(-0.5 * ((np.log10(tau) + 4) / 2.2) ** 2)
-    rubber = GeneralizedMaxwell(4.0, tuple(1500 * share / share.sum()), tuple(tau))
+    ratio = np.exp(-0.5 * ((np.log10(tau) + 4) / 2.2) ** 2)
+    rubber = GeneralizedMaxwell(4.0, tuple(1500 * ratio / ratio.sum()), tuple(tau))
     law, draw = WLF(7.0, 120.0, 296.15), np.random.default_rng(3).standard_normal
     frequency = np.geomspace(0.1, 20.0, 12)
     rows = []
@@ -54,8 +54,8 @@ def _simulate_sweeps() -> str:
             f"{f:.6g},{v.real:.6g},{v.imag:.6g},{celsius + 0.05 * draw():.2f}"
             for f, v in zip(frequency, value, strict=True)
         ]
-    head = "frequency [Hz],storage modulus [MPa],loss modulus [MPa],temperature [degC]"
-    return "\n".join([f"# {byline('simulated dynamic test')}", "# simulated", head, *rows, ""])
+    header = "frequency [Hz],storage modulus [MPa],loss modulus [MPa],temperature [degC]"
+    return "\n".join([f"# {byline('simulated dynamic test')}", "# simulated", header, *rows, ""])
 
 
 SWEEPS: Mapping[str, Example] = MappingProxyType(

@@ -38,7 +38,7 @@ def fit_curves(
     A sweep is fitted alone or with ramps and holds of the same part; a relaxation modulus, or a
     creep test, alone; sweeps or moduli at several temperatures by their master curve.
     """
-    curves, crept, relaxation_tests = (
+    curves, creep_tests, relaxation_tests = (
         _select_kind(tests, text) for text in ("modulus", "creep", "relaxation")
     )
     if curves and isinstance(curves[0], StressRelaxationTest):
@@ -50,9 +50,9 @@ def fit_curves(
         with _name_file(name):
             curve: Any = shift_to_one(curves, options.shifting, options.specimen)
             return fit_modulus(curve, arms=options.arms, thorough=options.thorough), (curve,)
-    if crept:
-        _refuse_beside_creep(options, other_count=len(tests) - len(crept))
-        return _fit_creep(crept, options, name)
+    if creep_tests:
+        _refuse_beside_creep(options, other_count=len(tests) - len(creep_tests))
+        return _fit_creep(creep_tests, options, name)
     prepared = prepare_ramps(relaxation_tests, options, among_others=True)
     return _fit_sweeps(_select_kind(tests, "dma"), prepared, options)
 
@@ -97,7 +97,7 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, other_count: int) -> Non
             "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
             "the other tests one by one"
         )
-    is_default = options.nothing_of("method", "depth_law", "family")
+    is_default = options.has_defaults("method", "depth_law", "family")
     if options.filter or options.law == "nonlinear" or not is_default:
         raise FitError(
             "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
@@ -106,14 +106,14 @@ def _refuse_beside_modulus(options: BenchFitOptions, *, other_count: int) -> Non
 
 
 def _refuse_beside_creep(options: BenchFitOptions, *, other_count: int) -> None:
-    """Refuse what is of ramps and holds, and tests that are none of creep."""
+    """Refuse options of ramps and holds, and tests of another kind than creep."""
     options.time_limits.refuse_several(0)
     if other_count or options.filter or options.depth_law:
         raise FitError(
             "a creep test is fitted alone, or with others at other temperatures, without "
             "--filter and --elastic by-depth"
         )
-    if not options.nothing_of("method", "law", "family"):
+    if not options.has_defaults("method", "law", "family"):
         raise FitError(
             "a creep test is fitted to its recorded force and to a linear model with arms: "
             "leave out --method, --elastic and --model"

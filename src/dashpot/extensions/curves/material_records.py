@@ -33,7 +33,7 @@ from dashpot.signals.segments import (
 MATERIAL: tuple[Role, ...] = ("time", "strain", "stress")
 _REST_SHARE, _HOLD_SHARE = 0.02, 0.5
 """Largest motion of a held strain, of its range; shortest hold, of the record."""
-_RELAXED = 0.02
+_MIN_RELAXATION = 0.02
 """Part of its size by which a stress falls in a hold that shows relaxation."""
 _OTHER_MOTIONS = ("cld", "cyclic")
 _HELD_REASON = "its strain is held while its stress goes on"
@@ -99,7 +99,7 @@ def _has_relaxing_holds(time: FloatArray, strain: FloatArray, stress: FloatArray
         if previous.kind == "load":
             tenth = max(len(part) // 10, 1)
             first, last = abs(float(part[:tenth].mean())), abs(float(part[-tenth:].mean()))
-            relaxing_count += first - last > _RELAXED * first
+            relaxing_count += first - last > _MIN_RELAXATION * first
             loaded_count += 1
     return held_samples >= _HOLD_SHARE * len(time) and 2 * relaxing_count > loaded_count
 

@@ -30,7 +30,7 @@ FindBand: TypeAlias = Callable[[GeneralizedMaxwell], tuple[tuple[float, float], 
 EDGE_FACTOR = float(np.sqrt(10.0))
 # a loss below this part of the modulus is not weighed by its own value
 _SMALL_LOSS = 1e-3
-_FINEST = 24
+_MAX_POINTS_PER_DECADE = 24
 # a grid on which one sharp arm between two others is followed to 1 %
 _TAU_PER_DECADE = 8
 
@@ -210,10 +210,10 @@ def compute_passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] |
 
 
 def _make_grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
-    if not 1 <= per_decade <= _FINEST:
+    if not 1 <= per_decade <= _MAX_POINTS_PER_DECADE:
         raise FitError(
             f"per_decade = {per_decade!r}; expected a number of relaxation times per decade, "
-            f"1 to {_FINEST}"
+            f"1 to {_MAX_POINTS_PER_DECADE}"
         )
     count = int(np.ceil(np.log10(longest / shortest) * per_decade)) + 1
     return np.geomspace(shortest, longest, count)
@@ -225,13 +225,13 @@ def _make_solid(values: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:
 
 
 def _compute_misfit(curve: str, error: FloatArray, abscissa: FloatArray) -> Misfit:
-    worst = int(np.argmax(np.abs(error)))
+    worst_index = int(np.argmax(np.abs(error)))
     return Misfit(
         curve,
         len(error),
         float(np.sqrt(np.mean(error * error))),
-        float(abs(error[worst])),
-        float(abscissa[worst]),
+        float(abs(error[worst_index])),
+        float(abscissa[worst_index]),
     )
 
 

@@ -23,18 +23,18 @@ from dashpot.base.option_fields import ShiftLaw, require_choice
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.inference.model_order import bic_of_deviance, is_significant_fall
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 MAX_MISSED = 0.15
 """Decades by which a law may miss a shift: a factor 1.4 in time."""
 # of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
 _EQUAL_BIC = 2.0
 # a temperature is the odd one if a law follows the others so much better, two of them to spare
-_OUTLIER_SHARE, _LEAST_LEFT = 0.1, 2
+_OUTLIER_SHARE, _MIN_LEFT = 0.1, 2
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
 MIN_TEMPERATURES = 3
 # C_2 less the least it can be, and C_2 beyond which WLF is a straight line in T, K
-_SHORTEST, _LONGEST = 1e-3, 1e5
+_SHORTEST, _MAX_LENGTH = 1e-3, 1e5
 # part of the largest eigenvalue of a covariance that rounding can make
 _ROUNDING = 1e-13
 
@@ -182,7 +182,7 @@ def fit_shift_law(
     entries: dict[str, tuple[TemperatureLaw, FloatArray]] = {"free": (free, np.empty((0, 0)))}
     bic = bic_of_deviance(0.0, effective=max(n, 1), parameters=n)
     scores = [LawScore("free", 0.0, 0, bic, 0.0, reference)]
-    for kind, lay in _LAID.items():
+    for kind, lay in _FIT_FUNCTIONS.items():
         if n < (MIN_TEMPERATURES - 1 if law == "auto" else 1) or (solution := lay(shifts)) is None:
             continue
         temperature_law, fit, constants = solution
@@ -194,15 +194,15 @@ def fit_shift_law(
         uncertainty = estimate(fit, noises=[white_noise(fit, error_factor)])
         entries[kind] = temperature_law, uncertainty.derive_quantity(constants).covariance
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
-        worst = int(np.argmax(deviation))
+        worst_index = int(np.argmax(deviation))
         scores.append(
             LawScore(
                 kind,
                 deviance,
                 n - size,
                 bic,
-                float(deviation[worst]),
-                float(shifts.temperature[worst]),
+                float(deviation[worst_index]),
+                float(shifts.temperature[worst_index]),
             )
         )
     scores.sort(key=lambda score: score.bic)
@@ -229,14 +229,14 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
     """
     pairs: list[tuple[float, ShiftOutlier]] = []
     n = len(shifts.temperature)
-    for kind, lay in _LAID.items():
+    for kind, lay in _FIT_FUNCTIONS.items():
         dof = n - len(_PARAMETERS[kind])
         if dof < 1 or (solution := lay(shifts)) is None:
             continue
         deviance = solution.optimum.sse
         if not is_significant_fall(deviance, dof):
             return None
-        if dof < _LEAST_LEFT:
+        if dof < _MIN_LEFT:
             continue
         for i in range(n):
             other_indices = np.delete(np.arange(n), i)
@@ -280,7 +280,7 @@ def _compute_whitener(covariance: FloatArray) -> FloatArray:
 
 
 def _fit_arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
-    column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
+    column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS_CONSTANT * np.log(10.0))
     best = require_optimum(Problem(lambda _: shifts.rows(column), positive=True))
     energy = float(best.beta[0])
     return _SolvedLaw(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
@@ -297,7 +297,7 @@ def _fit_wlf(shifts: _Shifts) -> _SolvedLaw | None:
             -temperature_difference / denominator, (temperature_difference / denominator) ** 2
         )
 
-    range_ = Parameter(1 / _LONGEST, 1 / (min_c2 + _SHORTEST), scale=0.01)
+    range_ = Parameter(1 / _MAX_LENGTH, 1 / (min_c2 + _SHORTEST), scale=0.01)
     # linear where every shift is multiplied by what it is divided by
     linear_columns = np.column_stack(
         (-shifts.log10 * temperature_difference, -temperature_difference)
@@ -316,7 +316,7 @@ def _compute_constants(values: FloatArray) -> FloatArray:
     return np.array([beta / u, 1 / u])
 
 
-_LAID: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {
+_FIT_FUNCTIONS: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {
     "arrhenius": _fit_arrhenius,
     "wlf": _fit_wlf,
 }

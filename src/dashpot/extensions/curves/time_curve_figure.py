@@ -63,7 +63,7 @@ def response_panels(
     axis: str,
 ) -> tuple[Panel, Panel]:
     """The answer to a step over log time with that of a solid, and the residual in per cent."""
-    word, scale = read_as(unit)
+    shown, scale = read_as(unit)
     is_positive_time = time > 0
     t, measured = time[is_positive_time], scale * values[is_positive_time]
     dense = np.geomspace(t[0], t[-1], 300)
@@ -71,7 +71,7 @@ def response_panels(
     residual = 100 * (measured / (scale * compute_response(t)) - 1)
     horizontal = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, curve), log=True),
+        horizontal, Scale(f"{name}, {shown}", compute_padded_log_limits(measured, curve), log=True),
         (Line(dense, curve, FIT, "fit"), Dots(t, measured, "measured", "measured")),
         height=240,
     )  # fmt: skip
@@ -94,7 +94,7 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    word, scale = read_as("Pa")
+    unit, scale = read_as("Pa")
     sign = float(np.sign(np.median(data.strain) - data.strain[0])) or 1.0
     strain = sign * (data.strain - data.strain[0])
     time = data.time - data.time[0]
@@ -105,7 +105,7 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     residual = measured - stress
     horizontal = Scale(TIME, (float(time[0]), float(time[-1])))
     upper = Panel(
-        horizontal, Scale(f"stress, {word}", compute_padded_limits(measured, stress)),
+        horizontal, Scale(f"stress, {unit}", compute_padded_limits(measured, stress)),
         (
             Line(*downsample_to_extremes(time, stress, bins=350), FIT_BAND, "fit"),
             Line(*downsample_to_extremes(time, measured, bins=350), DATA_ON_FIT, "measured"),
@@ -114,7 +114,7 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     )  # fmt: skip
     x, y = downsample_to_extremes(time, residual, bins=350)
     lower = Panel(
-        horizontal, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
+        horizontal, Scale(f"residual, {unit}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)), height=90,
     )  # fmt: skip
     caption = "Relaxation in stress: measured, the fit to it, and what that leaves."

@@ -6,7 +6,7 @@ import math
 
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.number_format import format_band
-from dashpot.datamodel.bounds import WELL_KNOWN
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR
 
 
 @criterion("distance from the valid band, as a factor", "<=", 1.0, "the valid band of the fit")
@@ -33,7 +33,9 @@ def frequencies_in_valid_band(frequencies: tuple[float, ...], band: tuple[float,
     )
 
 
-@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice, as in the valid band")
+@criterion(
+    "error of the loss factor", "<=", MAX_LOSS_FACTOR_ERROR, "our choice, as in the valid band"
+)
 def loss_factor_determined_at(error: float | None, *, with_hammer: bool) -> Finding:
     """The loss factor at the requested frequencies is known."""
     if error is None:

@@ -219,7 +219,7 @@ def _compute_limits_in_band(
 
 
 def _compute_relative_error(value: ReportedValue) -> float | None:
-    """Return the larger distance of a value to its limits over it; None where none is known."""
+    """Return the larger relative distance of a value to its limits; None if unknown."""
     if math.isnan(value.low) and math.isnan(value.high):
         return None
     if not (value.low > 0 and math.isfinite(value.high)):

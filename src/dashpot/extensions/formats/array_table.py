@@ -111,12 +111,12 @@ def gather(
 
 
 def window_line(name: str, value: object) -> str:
-    """Return a line of a header for what a file states of a window; empty of anything else."""
+    """Return a header line for the window that a file states; "" for other attributes."""
     return f"{name}: {value}" if any(word in name.casefold() for word in _WINDOWS) else ""
 
 
 def _window_lines(arrays: Sequence[NamedArray]) -> list[str]:
-    """Return what single numbers say of a window."""
+    """Return header lines for the window stated in single numbers."""
     single = [
         array
         for array in arrays
@@ -137,7 +137,7 @@ def _make_column(array: NamedArray, factor: str) -> Column:
 def _stated_factors(
     arrays: Sequence[NamedArray], columns: Sequence[NamedArray]
 ) -> tuple[list[str], list[Caution]]:
-    """Return what is stated of each column that would change its numbers, and what of none of them.
+    """Return stated factors of columns, and those that belong to no column.
 
     A single number named for a factor belongs to the column that it is named for (``force_gain``),
     or inside whose struct or dataset it stands (``force.gain``).
@@ -268,7 +268,7 @@ def _split_parts(array: NamedArray) -> tuple[NamedArray, ...]:
 
 
 def contradict_rate(arrays: Sequence[NamedArray], stated_rate: float | None) -> list[Caution]:
-    """Note what single numbers say of the sampling rate otherwise than the user does."""
+    """Note a sampling rate in the file that differs from the user's."""
     stated_rates = (
         {array.name: rate for array in arrays if (rate := _read_rate(array))} if stated_rate else {}
     )
@@ -282,7 +282,7 @@ def contradict_rate(arrays: Sequence[NamedArray], stated_rate: float | None) -> 
 
 
 def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:
-    """Return what single numbers say about the sampling rate, each rate once."""
+    """Return the sampling rates stated in single numbers, each once."""
     hints: dict[str, str] = {}
     for array in arrays:
         rate = _read_rate(array)
@@ -327,7 +327,7 @@ def stated_rate(name: str, value: float, unit: str | None = None) -> float:
 
 @lru_cache(maxsize=4096)
 def names_start(name: str) -> bool:
-    """Whether an attribute of this name says when a signal begins; its unit may stand behind it.
+    """Whether a name means the start of a signal; its unit may follow it.
 
     >>> names_start("t0"), names_start("delay_s"), names_start("start_of_test")
     (True, True, False)
@@ -350,7 +350,7 @@ def _split_name_and_unit(name: str) -> tuple[str, str | None]:
 
 
 def convert_to_floats(values: object) -> FloatArray | ComplexArray | None:
-    """Return an array of numbers as floats, complex ones as such, or None for anything else."""
+    """Return an array of numbers as floats or complex numbers; None for other types."""
     array = np.asarray(values)
     if array.dtype.kind == "c":
         return array.astype(complex)

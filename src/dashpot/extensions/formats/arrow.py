@@ -109,7 +109,7 @@ def _number_labels(frame: Any, arrays: list[NamedArray]) -> list[str]:
 
 
 def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> NamedArray | None:
-    """Return a column of numbers, or of time as seconds, None of anything else."""
+    """Return a column of numbers, or of time as seconds; None for other types."""
     kind, name = column.dtype, column.name
     start = ", ".join(f"{key} = {value}" for key, value in metadata.items() if names_start(key))
     if kind.is_temporal():

@@ -12,7 +12,7 @@ _CONTINUATION_MARK = b"\xff\xff\xff\xff"
 
 
 def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """Return what the schema in an encapsulated message says of the table, and of each field.
+    """Return the metadata of table and fields in the schema of an encapsulated message.
 
     References
     ----------
@@ -40,7 +40,7 @@ def decode_parquet_schema(text: str) -> bytes:
 
 
 def _find_member(data: bytes, table: int, member_index: int) -> int:
-    """Return where a member of a table stands, 0 of one that is left out."""
+    """Return the position of a member of a table, 0 if it is left out."""
     members = table - struct.unpack_from("<i", data, table)[0]
     size = struct.unpack_from("<H", data, members)[0]
     entry = 4 + 2 * member_index

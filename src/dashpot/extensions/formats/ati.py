@@ -17,10 +17,10 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import Column, FileTable, LoadedColumns
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
-_NEAR = 0.9
+_NEAR_RANGE_SHARE = 0.9
 _LOW_RANGE_SHARE = 0.05
 """Part of a range of which its maker's error, a hundredth of the range, is a fifth and more."""
-_LARGEST = 1 << 20
+_MAX_SIZE = 1 << 20
 _GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
 _UNLOADED_SHARE = 0.02
 """Share of the record, from its start, whose median is taken as the unloaded voltages."""
@@ -54,17 +54,17 @@ class Calibration(EqualByValue):
         return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - unloaded[:, None]))
 
     def overload(self, load: FloatArray) -> list[str]:
-        """Say which axes pass 90 % of their range."""
-        share = np.abs(load).max(axis=1) / self.limit
+        """Return a note on axes that pass 90 % of their range."""
+        ratio = np.abs(load).max(axis=1) / self.limit
         return [
             f"{axis} reaches {100 * part:.0f} % of its range {limit:g} "
             f"{'N' if axis[0] == 'F' else 'N m'}: a transducer may saturate before its limit"
-            for axis, part, limit in zip(AXES, share, self.limit, strict=True)
-            if part > _NEAR
+            for axis, part, limit in zip(AXES, ratio, self.limit, strict=True)
+            if part > _NEAR_RANGE_SHARE
         ]
 
     def small(self, load: FloatArray, axis: str) -> list[str]:
-        """Say if an axis uses little of its range."""
+        """Return a note on axes that use little of their range."""
         axis_index = AXES.index(axis)
         limit, max_load = float(self.limit[axis_index]), float(np.abs(load[axis_index]).max())
         if not 0 < max_load < _LOW_RANGE_SHARE * limit:
@@ -88,7 +88,7 @@ def read_calibration(path: str | Path) -> Calibration:
     ReadError
         If the file is no calibration, lacks an axis or a unit, or its transform turns the axes.
     """
-    content = open_raw(path).head(_LARGEST + 1)
+    content = open_raw(path).head(_MAX_SIZE + 1)
     with add_name_to_errors(Path(path).name):
         root, sensor = _parse_calibration(content)
         force = _get_factor(sensor.get("ForceUnits"), "force")
@@ -108,7 +108,7 @@ def read_calibration(path: str | Path) -> Calibration:
 def _parse_calibration(content: bytes) -> tuple[ET.Element, ET.Element]:
     """Return the root of a calibration file and its calibration."""
     no = "not an ATI calibration file"
-    if len(content) > _LARGEST or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+    if len(content) > _MAX_SIZE or b"<!DOCTYPE" in content or b"<!ENTITY" in content:
         raise ReadError(no)
     try:
         root = ET.fromstring(content)  # noqa: S314 - entities are refused above

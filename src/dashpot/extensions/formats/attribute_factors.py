@@ -43,13 +43,13 @@ _LINKS = {
 """Words beside a factor that say of no channel."""
 _OF_THE_CLOCK = {"start", "begin", "time", "trigger", "wf", "x"}
 """Words beside which an offset is when a signal begins."""
-_BESIDES = {
+_ACCOMPANYING_WORDS = {
     "full", "range", "date", "name", "type", "status", "id", "number", "poisson", "second",
     "seconds", "samples", "sample", "rate", "loss", "shape", "form", "safety", "quality", "crest",
     "damping", "noise", "aspect", "compression", "chunk", "fill", "time",
 }  # fmt: skip
 """Words beside which no factor of the numbers is meant."""
-_TURNED = {
+_INVERSION_WORDS = {
     "inverted",
     "negative",
     "reversed",
@@ -109,7 +109,7 @@ def names_factor(name: str) -> bool:
     words = set(words_of_name(name))
     words |= {"factor" for word in words if word.endswith(("factor", "faktor"))}
     begins = words & _SHIFTS and words & _OF_THE_CLOCK
-    return not words & _BESIDES and not begins and bool(words & (_FACTORS | _SHIFTS))
+    return not words & _ACCOMPANYING_WORDS and not begins and bool(words & (_FACTORS | _SHIFTS))
 
 
 def stated_unit(value: object) -> str | None:
@@ -120,7 +120,7 @@ def stated_unit(value: object) -> str | None:
 
 
 def select_channel_words(name: str) -> list[str]:
-    """Return the words of a factor's name that say of what it is one.
+    """Return the words of a factor's name that name its channel.
 
     >>> select_channel_words("force_gain"), select_channel_words("gain")
     (['force'], [])
@@ -137,7 +137,7 @@ def _as_text(value: object) -> str:
 
 
 def changes_numbers(name: str, value: object) -> bool:
-    """Whether an attribute of this name and value states what would change the numbers beside it.
+    """Whether an attribute states a factor that would change the numbers.
 
     >>> changes_numbers("gain", 10.0), changes_numbers("gain", 1), changes_numbers("full_scale", 5)
     (True, False, False)
@@ -152,7 +152,7 @@ def changes_numbers(name: str, value: object) -> bool:
     if not numbers and isinstance(value, str | bytes) and _EXPRESSION.search(_as_text(value)):
         return True
     if not numbers and set(words_of_name(name)) & _SIGNS:
-        return _as_text(value).strip().casefold() in _TURNED
+        return _as_text(value).strip().casefold() in _INVERSION_WORDS
     return any(number != neutral for number in numbers)
 
 
@@ -175,7 +175,7 @@ def stated_numbers(value: object) -> tuple[float, ...]:
 
 
 def factors_among(attributes: Mapping[str, object]) -> str:
-    """Return what attributes state that would change the numbers beside them, "" if nothing.
+    """Return the attributes that would change the numbers; "" if there are none.
 
     >>> factors_among({"gain": 10.0, "offset": 0.0, "serial": 17})
     'gain = 10'
@@ -198,7 +198,7 @@ def _format_factor_value(value: object) -> str:
 
 
 def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
-    """Return the numbers that are stated to stand where there is none.
+    """Return the stated fill values of missing numbers.
 
     >>> find_fill_values({"fill_value": "-9999", "gain": 10.0})
     (-9999.0,)
@@ -221,16 +221,16 @@ def remove_fill_values(
     fill_masks = find_fill_values(attributes)
     missing = np.isin(values, fill_masks) if fill_masks else np.zeros(np.shape(values), bool)
     low, high = _find_valid_range(attributes)
-    outside = ((values < low) | (values > high)) & ~missing
+    is_outside = ((values < low) | (values > high)) & ~missing
     notes = [
         f"{np.count_nonzero(is_fill)} numbers of '{name}' are stated to be none, {reason}"
         for is_fill, reason in (
             (missing, "as fill values"),
-            (outside, f"outside the valid range {low:g} to {high:g}"),
+            (is_outside, f"outside the valid range {low:g} to {high:g}"),
         )
         if is_fill.any()
     ]
-    return (np.where(missing | outside, np.nan, values), notes) if notes else (values, [])
+    return (np.where(missing | is_outside, np.nan, values), notes) if notes else (values, [])
 
 
 def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
@@ -251,7 +251,7 @@ def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
 
 
 def split_full_scale(name: str) -> str | None:
-    """Return the channel of which a name is that of the full scale, None of any other name.
+    """Return the channel of a name of a full scale; None for any other name.
 
     >>> split_full_scale("force_full_scale"), split_full_scale("FullScale"), split_full_scale("fs")
     ('force', '', '')

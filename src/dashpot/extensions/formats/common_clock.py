@@ -60,7 +60,7 @@ def interpolate_to_slowest(channels: Sequence[SampledChannel], notes: list[str])
     )
     # straight lines dull what is near half the sampling rate
     has_acceleration = any(
-        vocabulary.matches(c.name).get("acceleration", 0.0) >= vocabulary.LEAST_SCORE
+        vocabulary.matches(c.name).get("acceleration", 0.0) >= vocabulary.MIN_SCORE
         for c in channels
     )
     notes.append(Caution(message) if has_acceleration else message)

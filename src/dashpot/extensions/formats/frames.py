@@ -126,18 +126,18 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
     if len({len(values) for _, values, _ in columns}) > 1:
         counts = ", ".join(f"'{name}' {len(values)}" for name, values, _ in columns[:6])
         raise DataError(f"its columns differ in length ({counts}): give those of one clock")
-    header_lines, head = [], []
+    header_lines, header = [], []
     for name, _, metadata in columns:
         stem, unit = split_heading(name, find_stated_unit(metadata))
         factor = factors_among(metadata)
-        head.append(f"{stem} [{unit}]" if unit else name)
+        header.append(f"{stem} [{unit}]" if unit else name)
         header_lines += [f"{LABELS}{name}: {metadata[LABELS]}"] if LABELS in metadata else []
         header_lines += [f"# factor stated of {name}: {factor}"] if factor else []
     cells = [
         ["" if isnan(value) else repr(value) for value in values.tolist()]
         for _, values, _ in columns
     ]
-    lines = [*header_lines, "\t".join(head), *map("\t".join, zip(*cells, strict=True))]
+    lines = [*header_lines, "\t".join(header), *map("\t".join, zip(*cells, strict=True))]
     with TemporaryDirectory() as folder:
         path = Path(folder) / type(frame).__name__
         path.write_text("\n".join(lines) + "\n", "utf-8")
@@ -151,7 +151,7 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
 
 
 def _format_python_line(text: str) -> str:
-    """Return the call of `read` that says what the options in a message say.
+    """Return the call of `read` with the options in a message.
 
     >>> _format_python_line('add --units "strain=%,stress=MPa"')
     'dp.read(frame, units={"strain": "%", "stress": "MPa"})'
@@ -269,7 +269,7 @@ def _convert_objects(values: np.ndarray) -> np.ndarray:
 
 
 def _is_missing(value: Any) -> bool:
-    """Return whether a cell is None, NaN or NaT, of which the last two differ from themselves."""
+    """Return whether a cell is None, NaN or NaT; the last two differ from themselves."""
     return value is None or bool(value != value)  # noqa: PLR0124
 
 

@@ -101,7 +101,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _get_group_member(group: Any, key: str) -> Any:
-    """Return the member of a group, or None; what a soft link names has a place of its own."""
+    """Return a member of a group, or None; the targets of soft links are found on their own."""
     h5py = extra("h5py", "h5py", "HDF5 files")
     link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
     if isinstance(link, h5py.ExternalLink):
@@ -128,7 +128,7 @@ def _visit_node(node: Any, name: str, visitor: _FileFindings) -> None:
 
 
 def _take_dataset(node: Any, name: str, visitor: _FileFindings) -> None:
-    """Keep a dataset that holds numbers of its own, no more than may be read."""
+    """Keep a numeric dataset, up to the size limit."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_OTHER_FILE_REASON}")
     if node.dtype.kind not in _NUMERIC_KINDS + _INSTANT_KINDS or not node.size:

@@ -14,18 +14,18 @@ from xml.sax.saxutils import unescape
 _CHUNK = 1 << 20
 _TAG = 1 << 12
 """Bytes of a tag, at most."""
-_TOLD = 8
+_MAX_LISTED = 8
 _LISTED = re.compile(rb"<(?:\w{1,20}:)?(Relationship|sheet)\b([^<>]{0,4000})>")
 """Tags that name the parts of a workbook."""
 _TAGS = re.compile(
     rb"<(?:\w{1,20}:)?(row|col|table-row|table-column|table)(?=[\s/>])([^<>]{0,4000})>"
 )
 _WORD = re.compile(rb"(?<![\w:-])([\w:-]{1,60}+)\s*+=\s*+\"([^\"]{0,1000})\"")
-_UNSEEN = {b"1", b"true", b"collapse", b"filter"}
+_HIDING_ATTRIBUTES = {b"1", b"true", b"collapse", b"filter"}
 
 
 def list_hidden_cells(stream: BinaryIO) -> dict[str, str]:
-    """Return what is hidden by the name of the sheet, such as "rows 3, 4 and column D"."""
+    """Return the hidden rows and columns of each sheet, such as "rows 3, 4 and column D"."""
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
         return {}
@@ -97,13 +97,13 @@ def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[i
     columns: list[int] = []
     row = 0
     for tag, words in tags:
-        unmeasured = words.get("hidden", "").encode() in _UNSEEN
+        unmeasured = words.get("hidden", "").encode() in _HIDING_ATTRIBUTES
         if tag == "row":
             row = _parse_whole_number(words.get("r", "")) or row + 1
             rows += [row] if unmeasured else []
         elif tag == "col" and unmeasured:
             first = _parse_whole_number(words.get("min", "")) or 1
-            last = min(_parse_whole_number(words.get("max", "")) or first, first + _TOLD)
+            last = min(_parse_whole_number(words.get("max", "")) or first, first + _MAX_LISTED)
             columns += range(first, last + 1)
     return rows, columns
 
@@ -117,14 +117,16 @@ def _scan_ods_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, st
             name, positions = unescape(words.get("name", "")), dict.fromkeys(positions, 0)
             entries[name] = [], []
         elif tag in positions and name in entries:
-            unmeasured = words.get("visibility", "").encode() in _UNSEEN
+            unmeasured = words.get("visibility", "").encode() in _HIDING_ATTRIBUTES
             count = max(
                 _parse_whole_number(words.get("number-rows-repeated", "")),
                 _parse_whole_number(words.get("number-columns-repeated", "")), 1,
             )  # fmt: skip
             if unmeasured:
                 first = positions[tag] + 1
-                entries[name][tag == "table-column"].extend(range(first, first + min(count, _TOLD)))
+                entries[name][tag == "table-column"].extend(
+                    range(first, first + min(count, _MAX_LISTED))
+                )
             positions[tag] += count
     return {name: text for name, entry in entries.items() if (text := _format_hidden_cells(*entry))}
 
@@ -134,7 +136,7 @@ def _parse_whole_number(text: str) -> int:
 
 
 def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
-    """Return what is hidden, in words; "" if nothing is."""
+    """Return the hidden cells as text; "" if there are none."""
     parts = [
         _format_places("row", [str(row) for row in rows]),
         _format_places("column", [_get_column_letters(column) for column in columns]),
@@ -145,8 +147,8 @@ def _format_hidden_cells(rows: list[int], columns: list[int]) -> str:
 def _format_places(noun: str, names: list[str]) -> str:
     if not names:
         return ""
-    more_text = f" and {len(names) - _TOLD} more" if len(names) > _TOLD else ""
-    return f"{noun}{'s' * (len(names) > 1)} {', '.join(names[:_TOLD])}{more_text}"
+    more_text = f" and {len(names) - _MAX_LISTED} more" if len(names) > _MAX_LISTED else ""
+    return f"{noun}{'s' * (len(names) > 1)} {', '.join(names[:_MAX_LISTED])}{more_text}"
 
 
 def _get_column_letters(column: int) -> str:

@@ -226,7 +226,7 @@ def _read_segments(blocks: Iterable[str], sign: str, decimal_mark: Mark) -> list
 
 
 def _read_headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
-    """Return what each header says: the cells after its keys."""
+    """Return the values of each header: the cells after its keys."""
     headers: list[dict[str, list[str]]] = [{}]
     with_keys = (block for block in blocks if "\nDelta_X" in block or "\nChannels" in block)
     for key, cells in chain.from_iterable(map(_KEYS.findall, with_keys)):
@@ -277,7 +277,7 @@ def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
 def _classify_columns(
     names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, decimal_mark: Mark
 ) -> tuple[Content, ...]:
-    """Return what each column holds; one that is blank in every row holds nothing."""
+    """Return the content of each column; "blank" if all rows are."""
     cut = [cell.split(row, sign) for row in rows if row.strip()]
     contents: list[Content] = []
     for i in range(len(names)):

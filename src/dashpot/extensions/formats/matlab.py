@@ -45,8 +45,8 @@ _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE = range(1, 6)
 _NUMERIC = range(_SPARSE, 16)
 _COMPLEX = 0x800
 _DIMENSIONS = range(8, 132, 4)  # two to 31 whole numbers
-_DEEPEST = 32
-_AT_ONCE = 1 << 16
+_MAX_DEPTH = 32
+_BATCH_SIZE = 1 << 16
 
 _VERSION_4 = bytes(4)
 """A full matrix of doubles, the least significant byte first."""
@@ -220,7 +220,7 @@ def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """The elements of an array: class, dimensions, name, then as many as its class holds."""
     if not size:
         return
-    if depth > _DEEPEST:
+    if depth > _MAX_DEPTH:
         raise _Damaged("arrays nested too deep")
     kind, length, flags, _ = struct.unpack(file.order + "4I", _read_exactly(take, min(16, size)))
     class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
@@ -303,9 +303,9 @@ def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: in
         while len(waiting) < count and (bytes_left or inflate.unconsumed_tail):
             source = inflate.unconsumed_tail
             if not source:
-                source = _read_exactly(take, min(bytes_left, _AT_ONCE))
+                source = _read_exactly(take, min(bytes_left, _BATCH_SIZE))
                 bytes_left -= len(source)
-            fresh = inflate.decompress(source, _AT_ONCE)
+            fresh = inflate.decompress(source, _BATCH_SIZE)
             if not fresh and inflate.eof:
                 break
             waiting += fresh
@@ -318,7 +318,7 @@ def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: in
 
 def _skip_bytes(take: Take, count: int) -> None:
     while count > 0:
-        count -= len(_read_exactly(take, min(count, _AT_ONCE)))
+        count -= len(_read_exactly(take, min(count, _BATCH_SIZE)))
 
 
 def _read_exactly(take: Take, count: int) -> bytes:

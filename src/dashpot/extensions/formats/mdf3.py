@@ -13,7 +13,7 @@ from dashpot.extensions.formats.mdf4 import Content
 from dashpot.extensions.formats.mdf_conversions import Conversion, NoNumbersError
 from dashpot.extensions.formats.mdf_records import PIECE, MdfChannel, MdfGroup
 
-_MOST_BLOCKS = 1 << 18
+_MAX_BLOCKS = 1 << 18
 _KINDS = {0: "u", 1: "i", 2: "f", 3: "f", 9: "u", 10: "i", 11: "f", 12: "f", 13: "u", 14: "i",
           15: "f", 16: "f"}  # fmt: skip
 _WORDS = {
@@ -49,10 +49,8 @@ class _Mdf3Blocks:
     def read_block(self, address: int, kind: bytes, min_size: int) -> bytes:
         """Return the bytes of the block of a kind at an address, of so many bytes at least."""
         self._count += 1
-        if self._count > _MOST_BLOCKS:
-            raise ReadError(
-                f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
-            )
+        if self._count > _MAX_BLOCKS:
+            raise ReadError(f"more than {_MAX_BLOCKS} blocks: its links go round, or it is no test")
         self._stream.seek(address)
         head = self._stream.read(4)
         block_kind, size = struct.unpack(f"{self.order}2sH", head) if len(head) == 4 else (b"", 0)
@@ -83,7 +81,7 @@ class _Mdf3Blocks:
 
 
 def read_blocks(stream: BinaryIO) -> Content:
-    """Return what the blocks of an open file say.
+    """Return the contents of the blocks of an open file.
 
     Raises
     ------
@@ -108,7 +106,7 @@ def read_blocks(stream: BinaryIO) -> Content:
 
 
 def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -> None:
-    """Add the groups whose records stand in the same data."""
+    """Read the channel groups of one data group."""
     numbers = blocks.unpack("H", data_group, 22)[0]
     if numbers > 2:
         raise ReadError(f"damaged: records carry {numbers} numbers")
@@ -150,7 +148,7 @@ def _read_data_group(blocks: _Mdf3Blocks, data_group: bytes, content: Content) -
 
 
 def _rate_hints(steps: dict[str, float]) -> dict[str, str]:
-    """Return what channels without a clock say of their steps, by the rate."""
+    """Return notes on the sampling rate of channels without a clock."""
     return {
         f"{1 / step:.10g}": f"the file says that '{label}' has a sample each {step:g} s; if that "
         f"is right, add --rate {1 / step:.10g}Hz"
@@ -215,7 +213,7 @@ def _read_conversion(blocks: _Mdf3Blocks, address: int) -> tuple[str | None, Con
 
 
 def _iterate_bytes(address: int, length: int) -> Callable[[BinaryIO], Iterator[bytes]]:
-    """Return what yields so many bytes from an address."""
+    """Return a reader of bytes from an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         address_read, end = address, address + length * bool(address)

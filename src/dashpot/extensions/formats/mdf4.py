@@ -19,8 +19,8 @@ from dashpot.extensions.formats.mdf_conversions import Conversion, NoNumbersErro
 from dashpot.extensions.formats.mdf_records import PIECE, MdfChannel, MdfGroup
 
 _HEADER = struct.Struct("<4s4xQQ")
-_MOST_LINKS = 1 << 20
-_MOST_BLOCKS = 1 << 18
+_MAX_LINKS = 1 << 20
+_MAX_BLOCKS = 1 << 18
 """Groups, channels and lists of data of a file, at most."""
 _LARGEST_TEXT = 1 << 20
 _LAST_BYTE = 1 << 62
@@ -96,10 +96,8 @@ class _Mdf4Blocks:
     def read_block(self, address: int, *kinds: bytes, read_all: bool = True) -> _Mdf4Block:
         """Return the block at an address, which is one of the kinds."""
         self._count += 1
-        if self._count > _MOST_BLOCKS:
-            raise ReadError(
-                f"more than {_MOST_BLOCKS} blocks: its links go round, or it is no test"
-            )
+        if self._count > _MAX_BLOCKS:
+            raise ReadError(f"more than {_MAX_BLOCKS} blocks: its links go round, or it is no test")
         self._stream.seek(min(address, _LAST_BYTE))
         head = self._stream.read(_HEADER.size)
         if len(head) < _HEADER.size:
@@ -109,7 +107,7 @@ class _Mdf4Blocks:
                 "end of the file"
             )
         kind, length, count = _HEADER.unpack(head)
-        if kind not in kinds or count > _MOST_LINKS or length < _HEADER.size + 8 * count:
+        if kind not in kinds or count > _MAX_LINKS or length < _HEADER.size + 8 * count:
             raise ReadError(
                 f"damaged: no block of kind {_name_conversion_kinds(kinds)} at byte {address}"
             )
@@ -147,7 +145,7 @@ class _Mdf4Blocks:
 
 
 def read_blocks(stream: BinaryIO) -> Content:
-    """Return what the blocks of an open file say.
+    """Return the contents of the blocks of an open file.
 
     Raises
     ------
@@ -175,7 +173,7 @@ def _read_header(blocks: _Mdf4Blocks, header: _Mdf4Block) -> list[str]:
 
 
 def _read_data_group(blocks: _Mdf4Blocks, data_group: _Mdf4Block, content: Content) -> None:
-    """Add the groups whose records stand in the same data."""
+    """Read the channel groups of one data group."""
     id_size = data_group.data[0]
     if id_size not in {0, 1, 2, 4, 8}:
         raise ReadError(f"damaged: records carry a number of {id_size} bytes")

@@ -17,13 +17,13 @@ from dashpot.reading.sandbox.limits import check_value_count
 Bytes: TypeAlias = NDArray[np.uint8]
 PIECE = 1 << 23
 """Bytes of records that are decoded at a time."""
-_LONGEST = 8
+_MAX_LENGTH = 8
 """Bytes of a whole number."""
 
 
 @dataclass(frozen=True)
 class MdfChannel:
-    """Channel of a group: where its bits stand in a record, and what they mean.
+    """Channel of a group: the position of its bits in a record, and their type.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ def _convert_raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> Flo
         return np.arange(first, first + len(records), dtype=float)
     size = (channel.bit + channel.bits + 7) // 8
     parts = records[:, channel.byte : channel.byte + size]
-    if parts.shape[1] < size or not 0 < size <= _LONGEST:
+    if parts.shape[1] < size or not 0 < size <= _MAX_LENGTH:
         raise ReadError(f"'{channel.name}' stands outside its record: the file is damaged")
     order = ">" if channel.big else "<"
     aligned = channel.bit == 0 and channel.bits == 8 * size and size in {1, 2, 4, 8}

@@ -32,8 +32,8 @@ _SURE_SCORE, _LIKELY_SCORE = 2.0, 1.0
 """Scores of the name of a channel for a role of a test: sure, and likely."""
 _MAX_GAP_STEPS = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
-_FEW = 8
-_UNFINISHED = b"UnFinMF "
+_MIN_ROWS = 8
+_UNFINISHED_SIGNATURE = b"UnFinMF "
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class MdfTable:
 
     def __init__(self, stream: BinaryIO, sheet: str | None) -> None:
         head = stream.read(64)
-        if head.startswith(_UNFINISHED):
+        if head.startswith(_UNFINISHED_SIGNATURE):
             raise ReadError(
                 "an MDF file whose recording was not finished (UnFinMF): its counts of samples are "
                 "not to be trusted; open and save it with the program that recorded it"
@@ -79,9 +79,9 @@ class MdfTable:
             for group in content.groups
             if group.rows and any(not channel.clock for channel in group.channels)
         ]
-        self._choose(_name_groups_apart(groups), sheet)
+        self._choose_groups(_name_groups_apart(groups), sheet)
 
-    def _choose(self, groups: list[MdfGroup], sheet: str | None) -> None:
+    def _choose_groups(self, groups: list[MdfGroup], sheet: str | None) -> None:
         names = [group.name for group in groups]
         if sheet is not None:
             if sheet not in names:
@@ -146,7 +146,7 @@ class MdfTable:
         return tuple(named_columns), column_places
 
     def _note_clock(self, i: int) -> bool:
-        """Return whether a group can stand beside the base, and note how."""
+        """Return whether a group can be joined to the base group, and note how."""
         group, base = self._groups[i], self._base
         if group.clock is None or base.clock is None:
             if group.clock is None and base.clock is None and group.rows == base.rows:
@@ -276,13 +276,13 @@ class MdfTable:
         lower_index = np.clip(
             np.searchsorted(ticks, base_ticks, side="right") - 1, 0, max(len(ticks) - 2, 0)
         )
-        outside = (base_ticks < ticks[0]) | (base_ticks > ticks[-1])
-        outside |= (is_gap[lower_index] if len(is_gap) else False) & (
+        is_outside = (base_ticks < ticks[0]) | (base_ticks > ticks[-1])
+        is_outside |= (is_gap[lower_index] if len(is_gap) else False) & (
             base_ticks != ticks[lower_index]
         )
         columns = [_interpolate(base_ticks, ticks, lower_index, column) for column in part.T]
         result = np.column_stack(columns)
-        result[outside] = np.nan
+        result[is_outside] = np.nan
         return result
 
     def table(self) -> FileTable:
@@ -331,14 +331,14 @@ def read_columns(raw: RawFile, options: ReadOptions, columns: Sequence[int]) -> 
 def _interpolate(
     time: FloatArray, ticks: FloatArray, lower_index: np.ndarray, column: FloatArray
 ) -> FloatArray:
-    """Return a column on straight lines between its samples, NaN beside one that is none."""
+    """Return a column interpolated linearly, NaN next to an invalid sample."""
     if len(ticks) == 1:
         return np.where(time == ticks[0], column[0], np.nan)
     low, high = column[lower_index], column[lower_index + 1]
     with np.errstate(over="ignore", invalid="ignore"):
-        share = (time - ticks[lower_index]) / (ticks[lower_index + 1] - ticks[lower_index])
-        interpolated: FloatArray = low + share * (high - low)
-    interpolated[share == 0], interpolated[share == 1] = low[share == 0], high[share == 1]
+        ratio = (time - ticks[lower_index]) / (ticks[lower_index + 1] - ticks[lower_index])
+        interpolated: FloatArray = low + ratio * (high - low)
+    interpolated[ratio == 0], interpolated[ratio == 1] = low[ratio == 0], high[ratio == 1]
     return interpolated
 
 
@@ -373,5 +373,5 @@ def _format_rate(ticks: FloatArray) -> str:
 
 
 def _list(names: Sequence[str]) -> str:
-    names_text = ", ".join(f"'{name}'" for name in names[:_FEW])
-    return names_text + (f" and {len(names) - _FEW} more" if len(names) > _FEW else "")
+    names_text = ", ".join(f"'{name}'" for name in names[:_MIN_ROWS])
+    return names_text + (f" and {len(names) - _MIN_ROWS} more" if len(names) > _MIN_ROWS else "")

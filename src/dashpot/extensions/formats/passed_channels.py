@@ -11,11 +11,11 @@ from dashpot.reading.columns.vocabulary import Role
 
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "strain")
 
-_FEW = 8
+_MIN_ROWS = 8
 
 
 def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
-    """Say which channels are passed over, by what they hold.
+    """Note the channels that are left out, by their content.
 
     A caution where one is named for a role of a test as well as any channel that is kept: another
     may then have taken its place.
@@ -27,9 +27,9 @@ def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[st
         reasons.setdefault((reason, has_role), []).append(f"'{name}'")
     notes: list[str] = []
     for (reason, has_role), names in reasons.items():
-        more_text = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+        more_text = f" and {len(names) - _MIN_ROWS} more" if len(names) > _MIN_ROWS else ""
         hold = "hold" if len(names) > 1 else "holds"
-        note = f"{', '.join(names[:_FEW])}{more_text} {hold} {reason}: passed over"
+        note = f"{', '.join(names[:_MIN_ROWS])}{more_text} {hold} {reason}: passed over"
         notes.append(Caution(note) if has_role else note)
     return notes
 
@@ -42,7 +42,7 @@ def names_role_as_well(passed: Iterable[str], names: Iterable[str]) -> bool:
     """
     scores, best = _score_roles(passed), _score_roles(names)
     return any(
-        max(scores[role], default=0.0) >= max(vocabulary.LEAST_SCORE, *best[role], 0.0)
+        max(scores[role], default=0.0) >= max(vocabulary.MIN_SCORE, *best[role], 0.0)
         for role in _ROLES
     )
 

@@ -45,9 +45,9 @@ _LETTER = compile_on_use(r"(?:([A-W])[ _\-](\w.*)|(.*\w)[ _\-]([A-W]))")
 """A signal whose specimen is a letter before or behind it; X, Y and Z are axes."""
 _LINE = compile_on_use(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
 """A line over a block that says of which specimen it is."""
-_MOST_SPECIMENS = 256
+_MAX_SPECIMENS = 256
 """Specimens of one file, at most; a column of more labels counts rows."""
-_LEAST_ROWS = 8
+_MIN_ROWS = 8
 """Rows of a specimen, at least."""
 _RESTART_SHARE = 0.02
 """Part of the first record within which the clock of the next begins."""
@@ -76,7 +76,7 @@ def adapt_table(table: FileTable, raw: RawFile, options: ReadOptions) -> FileTab
 
 
 def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
-    """Refuse a sweep of storage without loss, of which nothing else can be said.
+    """Refuse a sweep of storage without loss.
 
     Raises
     ------
@@ -128,14 +128,12 @@ def format_labels(labels: Sequence[str]) -> tuple[list[int], str]:
     ([1, 2, 1], '1 = A; 2 = B')
     """
     numbers = {label: i for i, label in enumerate(dict.fromkeys(labels), start=1)}
-    labels_text = "; ".join(
-        f"{i} = {label}" for label, i in list(numbers.items())[:_MOST_SPECIMENS]
-    )
+    labels_text = "; ".join(f"{i} = {label}" for label, i in list(numbers.items())[:_MAX_SPECIMENS])
     return [numbers[label] for label in labels], labels_text
 
 
 def names_specimen(name: str) -> bool:
-    """Return whether a column of this name says of which specimen its row is.
+    """Return whether a column of this name holds the specimen of each row.
 
     >>> names_specimen("Specimen No."), names_specimen("Prüfkörper"), names_specimen("Sample rate")
     (True, True, False)
@@ -198,7 +196,7 @@ class _SpecimenLoader:
         return self._part_by_clock(loaded_columns, signals)
 
     def _find_roles(self) -> tuple[int, ...]:
-        """Return the columns of the clock and of both signals of a test; none if it has none."""
+        """Return the columns of clock and signals of a test; none if they are missing."""
         if "roles" not in self.cache:
             self.cache["roles"] = ()
             for pair in _PAIRS:
@@ -222,7 +220,7 @@ class _SpecimenLoader:
             if i != force_column
             and column.content == "number"
             and (column.unit or "") == (columns[force_column].unit or "")
-            and vocabulary.matches(column.name).get(role, 0.0) >= vocabulary.LEAST_SCORE
+            and vocabulary.matches(column.name).get(role, 0.0) >= vocabulary.MIN_SCORE
         ][:4]
 
     def _has_pair(self, pair: tuple[Role, Role], roles: Sequence[int]) -> bool:
@@ -285,13 +283,13 @@ class _SpecimenLoader:
                 doubts=(*loaded_columns.doubts, (None, _make_question(names, message))),
             )
         fall_indices = np.flatnonzero(np.diff(time) < 0)
-        if not 0 < fall_indices.size < _MOST_SPECIMENS or not _begins_anew(
+        if not 0 < fall_indices.size < _MAX_SPECIMENS or not _begins_anew(
             time, signals, fall_indices + 1
         ):
             return loaded_columns
         starts = (0, *(fall_indices + 1).tolist())
         parts = slices(starts, len(time))
-        if any(part.stop - part.start < _LEAST_ROWS or np.ptp(time[part]) <= 0 for part in parts):
+        if any(part.stop - part.start < _MIN_ROWS or np.ptp(time[part]) <= 0 for part in parts):
             return loaded_columns  # rows of padding
         names = ("",) * len(starts)
         i, unit_word = int(fall_indices[0]), self.table.columns[self._find_roles()[0]].unit
@@ -328,7 +326,7 @@ def _list_names(names: Sequence[str]) -> str:
 
 
 def _name_blocks(loaded_columns: LoadedColumns, header: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of blocks: their own, or what the lines over each say of a specimen."""
+    """Return the names of blocks: their own, or the specimen in the lines above each."""
     headers = (
         [header, *loaded_columns.above[1:]]
         if len(loaded_columns.above) == len(loaded_columns.starts)
@@ -394,7 +392,7 @@ def _read_labels(table: FileTable, raw: RawFile) -> tuple[int, list[str]] | None
 def _are_specimens(labels: Sequence[str]) -> bool:
     """Return whether labels are few, and each of several rows."""
     names, counts = np.unique(np.asarray(labels), return_counts=True)
-    return 1 < len(names) <= _MOST_SPECIMENS and int(counts.min()) >= _LEAST_ROWS
+    return 1 < len(names) <= _MAX_SPECIMENS and int(counts.min()) >= _MIN_ROWS
 
 
 def _fill_down(labels: Sequence[str]) -> list[str]:
@@ -495,7 +493,7 @@ def _find_column_sets(table: FileTable, options: ReadOptions) -> dict[str, list[
     for sets in (*sets_by_split.values(), _find_repeated_names(table, stems)):
         complete = {owner: signals for owner, signals in sets.items() if _is_a_test(signals)}
         if (
-            1 < len(complete) <= _MOST_SPECIMENS
+            1 < len(complete) <= _MAX_SPECIMENS
             and len({frozenset(s) for s in complete.values()}) == 1
         ):
             return {owner: list(signals.values()) for owner, signals in complete.items()}
@@ -517,9 +515,7 @@ def _is_a_test(signals: Sequence[str] | dict[str, int]) -> bool:
     """Return whether names say both signals of a test."""
     scores = [vocabulary.matches(name) for name in signals]
     return any(
-        all(
-            any(score.get(role, 0.0) >= vocabulary.LEAST_SCORE for score in scores) for role in pair
-        )
+        all(any(score.get(role, 0.0) >= vocabulary.MIN_SCORE for score in scores) for role in pair)
         for pair in _PAIRS
     )
 

@@ -80,7 +80,7 @@ def _assign_by_prefix(
 
 
 def _add_value(entries: dict[str, Any], key: str, value: Any) -> None:
-    """Add a value beside what is stated already under the same name."""
+    """Add a value to those stated under the same name."""
     entries[key if entries.get(key, value) == value else f"{key} "] = value
 
 

@@ -67,7 +67,7 @@ class _TdmsChannel:
     offset: float
     start: int | None = None
     """Stated start, ns since 1970; None without."""
-    said_start: str = ""
+    stated_start: str = ""
     """A start that another property than the format's own states."""
     factor: str = ""
 
@@ -148,7 +148,7 @@ def _choose_groups(new_channels: _Groups, sheet: str | None) -> _Groups:
 
 
 def _is_scaled(objects: Mapping[str, Any]) -> bool:
-    """Return whether a channel, its group or the file says that what is stored is to be scaled."""
+    """Return whether a channel, its group or the file states that its data need scaling."""
     return any(
         item.scaler_data_types or any(key.startswith(_SCALED) for key in item.properties)
         for item in objects.values()
@@ -156,7 +156,7 @@ def _is_scaled(objects: Mapping[str, Any]) -> bool:
 
 
 def _refuse_unknown_scales(objects: Mapping[str, Any]) -> None:
-    """Refuse a scale that npTDMS does not know: it would hand over what is stored, unscaled."""
+    """Refuse a scale that npTDMS does not know: its data would be unscaled."""
     for path, item in objects.items():
         if item.properties.get("NI_Scaling_Status", "unscaled") == "scaled":
             continue  # applied already
@@ -177,7 +177,7 @@ def _is_stamped(item: Any) -> bool:
 def _note_stated_factors(
     objects: Mapping[str, Any], channels: Sequence[_TdmsChannel], notes: list[str]
 ) -> dict[str, str]:
-    """Return what a group or the file states of factors of its channels; note what of none."""
+    """Return stated factors of channels; note those that belong to no channel."""
     owners = {tuple(words_of_name(split_unit(c.name)[0])): c for c in channels}
     factors: dict[str, str] = {}
     for path, item in objects.items():
@@ -200,7 +200,7 @@ def _note_stated_factors(
 
 
 def _list_stated_rates(objects: Mapping[str, Any]) -> list[NamedArray]:
-    """Return what properties beside the format's own state of the sampling rate."""
+    """Return the sampling rates in properties that are not the format's own."""
     return [
         NamedArray(f"{path}.{key}", np.array(float(value)))
         for path, item in objects.items()
@@ -306,7 +306,7 @@ def _make_channel(
 
 
 def _start(start: Any) -> int | None:
-    """Return a stated start, ns since 1970; None of none, and of the zero of LabVIEW's clock."""
+    """Return a stated start, ns since 1970; None if missing or the zero of LabVIEW's clock."""
     if hasattr(start, "as_datetime64"):
         start = start.as_datetime64("ns")
     if not isinstance(start, np.datetime64) or np.isnat(start):
@@ -320,9 +320,9 @@ def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
 
     One that states none began with the first.
     """
-    if len({channel.said_start for channel in channels}) > 1:
+    if len({channel.stated_start for channel in channels}) > 1:
         starts_text = ", ".join(
-            f"'{c.name}' {c.said_start or 'says nothing'}" for c in channels[:6]
+            f"'{c.name}' {c.stated_start or 'says nothing'}" for c in channels[:6]
         )
         raise ReadError(
             f"the channels are said to start at different times ({starts_text}), and not by "

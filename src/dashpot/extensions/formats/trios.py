@@ -14,8 +14,8 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 from dashpot.reading.table import Column, FileTable, make_loader
 
-_LARGEST = 1 << 28
-_DEEPEST = 20
+_MAX_SIZE = 1 << 28
+_MAX_DEPTH = 20
 _Set: TypeAlias = tuple[str, tuple[tuple[str, str], ...], list[list[float]]]
 
 
@@ -47,7 +47,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _parse_data_sets(raw: RawFile) -> list[_Set]:
-    if raw.size > _LARGEST:
+    if raw.size > _MAX_SIZE:
         raise ReadError(f"a JSON file of {raw.size} bytes; export it as text instead")
     try:
         sets = list(_data_sets(json.loads(raw.head(raw.size).decode("utf-8-sig"))))
@@ -73,7 +73,7 @@ def _data_sets(node: Any, name: str = "", depth: int = 0) -> Iterator[_Set]:
             yield name, heads, [_row(row, len(heads)) for row in node["values"]]
             return
         children = node.values()
-    for child in children if depth < _DEEPEST else ():
+    for child in children if depth < _MAX_DEPTH else ():
         yield from _data_sets(child, name, depth + 1)
 
 
@@ -89,7 +89,7 @@ def _table_like(node: dict[str, Any]) -> bool:
 
 
 def _row(row: list[Any], width: int) -> list[float]:
-    """Return a row of so many numbers; what is missing or no number is NaN."""
+    """Return a row of this length; NaN for missing or invalid numbers."""
     numbers = [_number(value) for value in row[:width]]
     return numbers + [float("nan")] * (width - len(numbers))
 

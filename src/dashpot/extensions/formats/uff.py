@@ -239,7 +239,7 @@ def _directions(entry: _Set) -> tuple[int, int]:
 
 
 def _turned_notes(records: Sequence[_Set]) -> list[str]:
-    """Say which curves were turned to the positive direction of their axes."""
+    """Return a note on curves whose sign was changed to the positive axis direction."""
     reversed_texts = [
         f"{_title(entry)} ({_ends(entry)[0] or '?'} over {_ends(entry)[1] or '?'})"
         for entry in records
@@ -270,7 +270,7 @@ def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
 
 
 def _ends(entry: _Set) -> tuple[str, str]:
-    """Return response and reference point, such as 3+Z and 1+Z; empty if a file gives none."""
+    """Return response and reference point, such as 3+Z and 1+Z; "" if a file gives none."""
     return _end(entry, "rsp"), _end(entry, "ref")
 
 
@@ -281,7 +281,7 @@ def _end(entry: _Set, end: str) -> str:
 
 
 def _points(frfs: Sequence[_Set]) -> list[str]:
-    """Return what the columns of each FRF are called behind their role; of a single one nothing."""
+    """Return the point names of the columns of each FRF; "" for a single FRF."""
     if len(frfs) == 1:
         return [""]
     # values are along the axes: a direction against one was turned
@@ -502,9 +502,9 @@ def _mode(
             f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
             "2411 with the shapes"
         )
-    head = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
+    header = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
     for node, *shape in _iterate_nodes(entry, "r1", "r2", "r3"):
-        yield [*head, *node_positions[int(node)], *shape]
+        yield [*header, *node_positions[int(node)], *shape]
 
 
 def _title(entry: _Set) -> str:
@@ -525,7 +525,7 @@ def _label(word: Any) -> str | None:
 
 
 def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
-    """Return the unit on an axis' label, else what dataset 164 says, if its factors are SI's."""
+    """Return the unit in an axis' label, else that of dataset 164, if its factors are SI's."""
     label = _label(entry[f"{axis}_axis_units_lab"])
     if label or units is None:
         return label

@@ -110,9 +110,9 @@ def _scale_samples(data: bytes, order: str, kind: str, size: int) -> FloatArray:
     if kind == "u1":
         return (np.frombuffer(data, "u1").astype(float) - 128) / 128
     if not kind:
-        padded = np.zeros((len(data) // 3, 4), "u1")
+        padded_values = np.zeros((len(data) // 3, 4), "u1")
         packed_bytes = np.frombuffer(data, "u1").reshape(-1, 3)
-        padded[:, 1:] = packed_bytes if order == "<" else packed_bytes[:, ::-1]
-        return padded.view("<i4")[:, 0].astype(float) / 2**31
+        padded_values[:, 1:] = packed_bytes if order == "<" else packed_bytes[:, ::-1]
+        return padded_values.view("<i4")[:, 0].astype(float) / 2**31
     values = np.frombuffer(data, order + kind).astype(float)
     return values / 2 ** (8 * size - 1) if kind[0] == "i" else values

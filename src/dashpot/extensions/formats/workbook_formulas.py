@@ -16,7 +16,7 @@ from dashpot.extensions.formats.hidden_cells import list_sheet_parts
 _CHUNK = 1 << 20
 _LONGEST_ROW = 1 << 22
 """Bytes of a row, at most."""
-_MOST_FORMULAS = 200_000
+_MAX_FORMULAS = 200_000
 """Formulas of a sheet that are looked at."""
 _RESULT_TOLERANCE = 1e-6
 """Relative difference between a formula's result and the one that is kept."""
@@ -34,7 +34,7 @@ _SIMPLE = re.compile(
 
 
 def scan_formulas(stream: BinaryIO) -> dict[str, list[str]]:
-    """Return by sheet what its formulas and errors leave open, each in a sentence."""
+    """Return notes on formulas without value and errors, by sheet."""
     stream.seek(0)
     if not zipfile.is_zipfile(stream):
         return {}
@@ -63,10 +63,10 @@ class _SheetFormulas:
 
     def __init__(self) -> None:
         self._values: dict[bytes, float] = {}
-        self._before: dict[bytes, float] = {}
+        self._previous_row: dict[bytes, float] = {}
         self._shared: dict[bytes, tuple[bytes, int, bytes]] = {}
-        self._without: list[str] = []
-        self._stale: list[str] = []
+        self._uncomputed_cells: list[str] = []
+        self._stale_cells: list[str] = []
         self._errors: dict[str, list[str]] = {}
         self._count = 0
 
@@ -78,14 +78,15 @@ class _SheetFormulas:
             if has_formula or b't="e"' in row:
                 self._scan_row(row)
         notes = []
-        if self._without:
+        if self._uncomputed_cells:
             notes.append(
-                f"{_describe_cells(self._without)} without a result: open the workbook and save it"
+                f"{_describe_cells(self._uncomputed_cells)} without a result: open the workbook "
+                "and save it"
             )
-        if self._stale:
+        if self._stale_cells:
             notes.append(
-                f"{_describe_cells(self._stale)} whose kept result is not that of the cells beside "
-                "it: calculate the workbook anew and save it"
+                f"{_describe_cells(self._stale_cells)} whose kept result is not that of the cells "
+                "beside it: calculate the workbook anew and save it"
             )
         for error, cells in self._errors.items():
             notes.append(
@@ -94,7 +95,7 @@ class _SheetFormulas:
         return notes
 
     def _scan_row(self, row: bytes) -> None:
-        self._before, self._values = self._values, {}
+        self._previous_row, self._values = self._values, {}
         formulas: list[tuple[bytes, int, bytes]] = []
         for match in _CELL.finditer(row):
             reference = _REFERENCE.search(match[1])
@@ -107,14 +108,14 @@ class _SheetFormulas:
                 self._errors.setdefault(word, []).append(f"{column.decode()}{number}")
                 continue
             if match[2] is not None and not (match[4] or b"").strip():
-                self._without.append(f"{column.decode()}{number}")
+                self._uncomputed_cells.append(f"{column.decode()}{number}")
                 continue
             if kind is None or kind[1] == b"n":
                 try:
                     self._values[column] = float(match[4] or b"nan")
                 except ValueError:
                     continue
-                if match[2] is not None and self._count < _MOST_FORMULAS:
+                if match[2] is not None and self._count < _MAX_FORMULAS:
                     self._count += 1
                     formulas.append((column, number, self._read_formula(match, column, number)))
         for column, number, formula in formulas:
@@ -123,7 +124,7 @@ class _SheetFormulas:
             if expected is not None and not isclose(
                 expected, stored_value, rel_tol=_RESULT_TOLERANCE, abs_tol=1e-12
             ):
-                self._stale.append(f"{column.decode()}{number}")
+                self._stale_cells.append(f"{column.decode()}{number}")
 
     def _read_formula(self, match: re.Match[bytes], column: bytes, number: int) -> bytes:
         """Return the formula of a cell; a shared one is that of the first cell, moved down."""
@@ -145,7 +146,7 @@ class _SheetFormulas:
         simple = _SIMPLE.fullmatch(formula.strip())
         if simple is None:
             return None
-        row = {number: self._values, number - 1: self._before}.get(int(simple[2]), {})
+        row = {number: self._values, number - 1: self._previous_row}.get(int(simple[2]), {})
         value, operand = row.get(simple[1]), float(simple[4])
         if value is None or (simple[3] == b"/" and operand == 0):
             return None

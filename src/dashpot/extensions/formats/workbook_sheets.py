@@ -21,7 +21,7 @@ from dashpot.reading.sandbox import limits
 HIDDEN = "hidden/"
 FORMULAS = "formulas/"
 """Start of a path that no name of a sheet has."""
-_LARGEST = 1 << 31
+_MAX_SIZE = 1 << 31
 """Bytes of an unpacked workbook."""
 _MIN_CELL_BYTES = 4
 """Bytes of a workbook that no filled cell is without."""
@@ -31,7 +31,7 @@ _ZERO = dt.datetime(1899, 12, 31)
 _DAY = dt.timedelta(days=1)
 _REPEATED_DAY = dt.timedelta(days=59)
 """The count of the day that calamine returns twice."""
-_MOST_HOURS = 10_000
+_MAX_HOURS = 10_000
 _DURATION = re.compile(r"\APT(?:(\d{1,9})H)?(?:(\d{1,9})M)?(?:(\d{1,9}(?:[.,]\d{1,12})?)S)?\Z")
 """A length of time by ISO 8601, as OpenDocument writes it."""
 _BLANK = 1 << 16
@@ -86,7 +86,7 @@ def _get_unpacked_size(stream: BinaryIO) -> int:
             names = archive.namelist()
         if not any(name == "content.xml" or name.startswith("xl/") for name in names):
             refuse_archive(names)
-        if size > _LARGEST:
+        if size > _MAX_SIZE:
             raise ReadError(f"unpacks to {size / 1e9:.1f} GB; export it as text instead")
     else:
         size = stream.seek(0, os.SEEK_END)
@@ -133,13 +133,13 @@ class _DayCount:
     """
 
     def __init__(self) -> None:
-        self._last: dt.timedelta | None = None
-        self._step = dt.timedelta(0)
+        self._last_time: dt.timedelta | None = None
+        self._time_step = dt.timedelta(0)
 
     def since(self, value: Any) -> Any:
         """Return a date or a time of the day as the time since the zero of the count."""
         if isinstance(value, dt.time):
-            return self._follow(value, dt.datetime.combine(_ZERO, value) - _ZERO)
+            return self._register_time(value, dt.datetime.combine(_ZERO, value) - _ZERO)
         if not isinstance(value, dt.date):
             return value
         at = (
@@ -152,18 +152,20 @@ class _DayCount:
         count = at - _ZERO
         if at >= dt.datetime(1900, 3, 1) or (count >= _REPEATED_DAY and self._is_second(count)):
             count += _DAY
-        return self._follow(count, count)
+        return self._register_time(count, count)
 
     def _is_second(self, count: dt.timedelta) -> bool:
-        if self._last is None:
+        if self._last_time is None:
             return False
-        step = count - self._last
-        return step < dt.timedelta(0) or abs(step + _DAY - self._step) < abs(step - self._step)
+        step = count - self._last_time
+        return step < dt.timedelta(0) or abs(step + _DAY - self._time_step) < abs(
+            step - self._time_step
+        )
 
-    def _follow(self, cell: Any, count: dt.timedelta) -> Any:
-        if self._last is not None:
-            self._step = count - self._last
-        self._last = count
+    def _register_time(self, cell: Any, count: dt.timedelta) -> Any:
+        if self._last_time is not None:
+            self._time_step = count - self._last_time
+        self._last_time = count
         return cell
 
 
@@ -191,7 +193,7 @@ def _cell(value: Any, *, instant: bool) -> str:
 def _clock(seconds: float) -> str:
     """A length of time as a clock shows it, hours beyond 24 counted on; seconds if it cannot."""
     micro = round(1e6 * seconds)
-    if not 0 <= micro < _MOST_HOURS * 3_600_000_000:
+    if not 0 <= micro < _MAX_HOURS * 3_600_000_000:
         return repr(seconds)
     whole_seconds, part = divmod(micro, 1_000_000)
     clock = f"{whole_seconds // 3600:02d}:{whole_seconds // 60 % 60:02d}:{whole_seconds % 60:02d}"

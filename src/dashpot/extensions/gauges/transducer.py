@@ -179,8 +179,8 @@ class Transducer:
 
     def find_saturated(self, load: FloatArray) -> BoolArray:
         """Return which axes pass their range, shape (6, n); both across where their sum does."""
-        size = np.abs(load)
-        is_overloaded = size > np.array(self.limit)[:, None]
+        magnitude = np.abs(load)
+        is_overloaded = magnitude > np.array(self.limit)[:, None]
         has_transverse_overload = np.hypot(load[0], load[1]) > min(self.limit[:2])
         is_overloaded[:2] |= has_transverse_overload
         return np.asarray(is_overloaded)
@@ -273,7 +273,7 @@ class Instrument:
         )
 
     def list_limitations(self, force: FloatArray, rig: Rig) -> tuple[str, ...]:
-        """Return what limits the use of such a record: overload, and lines that alias."""
+        """Return the limitations of such a record: overload, and aliased lines."""
         names = []
         is_overloaded = self.transducer.find_saturated(self.load(force))
         axes = ", ".join(axis for axis, item in zip(AXES, is_overloaded, strict=True) if item.any())
@@ -305,8 +305,8 @@ def write_gauges(
     The columns are ``time [s], displacement [mm], G0 [V], ..., G5 [V]``, from which
     `ReadOptions(calibration=)` makes the force.
     """
-    head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
+    header = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
     columns = [test.time, convert_to_unit(test.displacement, "mm"), *volts]
     return save_text(
-        format_table([*comments, *describe_temperature(test.specimen)], head, columns), path
+        format_table([*comments, *describe_temperature(test.specimen)], header, columns), path
     )

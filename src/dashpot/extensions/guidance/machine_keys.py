@@ -24,12 +24,12 @@ MACHINE_SYNONYMS: Mapping[str, str] = MappingProxyType(
     }
 )  # fmt: skip
 """Key of ``--machine`` by another name of what it states."""
-_LEAST_SIMILARITY = 0.85
+_MIN_SIMILARITY = 0.85
 """Least ratio of `difflib` of a misspelt name and one of these, of 1."""
 
 
 def suggest_machine_key(key: str, text: str) -> str:
-    """Return what to give in place of an unknown key; empty where nothing is known.
+    """Return the known key that is nearest to an unknown one; "" if there is none.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def suggest_machine_key(key: str, text: str) -> str:
     >>> suggest_machine_key("stiffness", "30N/mm")
     'Give its inverse, the compliance: --machine compliance=33.33um/N'
     """
-    known = (*_STIFFNESS_KEYS, *MACHINE_SYNONYMS)
-    key = next(iter(get_close_matches(key, known, 1, _LEAST_SIMILARITY)), key)
+    known_names = (*_STIFFNESS_KEYS, *MACHINE_SYNONYMS)
+    key = next(iter(get_close_matches(key, known_names, 1, _MIN_SIMILARITY)), key)
     if key in _STIFFNESS_KEYS:
         return f"Give its inverse, the compliance: --machine compliance={_format_inverse(text)}"
     return f"Did you mean '{MACHINE_SYNONYMS[key]}'?" if key in MACHINE_SYNONYMS else ""

@@ -57,14 +57,14 @@ COMMAND_SYNONYMS: Mapping[str, str] = MappingProxyType(
 
 _COMMANDS_AS_OPTIONS = {"help": "--help", "version": "--version"}
 """Commands of other programs that are options here."""
-_LEAST_SIMILARITY = 0.6
+_MIN_SIMILARITY = 0.6
 """Least ratio of `difflib` of a misspelt option and the one that is suggested, of 1."""
 _SIMILARITY_BESIDE_OTHERS = 0.85
 """The same, where another command has the very option: ``--seal`` for ``--seals``."""
 
 
 def suggest_command(name: str, other_words: Sequence[str]) -> str:
-    """Return what to type in place of a word that is no command."""
+    """Return the command that is nearest to an unknown word."""
     if name in _COMMANDS_AS_OPTIONS:
         names = [word for word in other_words[:1] if word in COMMANDS]
         return f"Type: {shlex.join(['dashpot', *names, _COMMANDS_AS_OPTIONS[name]])}"
@@ -77,7 +77,7 @@ def suggest_command(name: str, other_words: Sequence[str]) -> str:
 
 
 def suggest_option(command: click.Command, parent: click.Context | None, option: str) -> str:
-    """Return what to type in place of an option that a command lacks; empty where nothing is near.
+    """Return the option that is nearest to an unknown one; "" if there is none.
 
     A word of other programs comes first, then the nearest option of this command, then the
     commands that have the very option.
@@ -100,7 +100,7 @@ def suggest_option(command: click.Command, parent: click.Context | None, option:
     name = option.lstrip("-").lower()
     synonyms = [spellings[word] for word in OPTION_SYNONYMS.get(name, ()) if word in spellings][:1]
     other_commands = _find_commands_with(parent, option)
-    similarity = _SIMILARITY_BESIDE_OTHERS if other_commands else _LEAST_SIMILARITY
+    similarity = _SIMILARITY_BESIDE_OTHERS if other_commands else _MIN_SIMILARITY
     matches = get_close_matches(name, spellings, 1, similarity)
     suggestions = synonyms or [spellings[match] for match in matches]
     if suggestions:

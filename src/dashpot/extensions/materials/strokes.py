@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray, distinct
 from dashpot.base.errors import DataError
 
-LEAST_STROKE = 0.05
+MIN_STROKE = 0.05
 """A stroke shorter than this part of the whole travel is no stroke."""
 _LEVELS = 8
 """Steps of a least stroke in which turning points are sought."""
@@ -60,7 +60,7 @@ def find_strokes(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
     A turning point is one from which the compression goes back by a twentieth of the whole
     travel, or four times the resolution. A plate that waits at it belongs to neither stroke.
     """
-    min_stroke = max(LEAST_STROKE * float(np.ptp(x)), 4 * resolution)
+    min_stroke = max(MIN_STROKE * float(np.ptp(x)), 4 * resolution)
     turns = _find_turning_points(x, min_stroke)
     strokes = []
     for first, last in zip(turns[:-1].tolist(), turns[1:].tolist(), strict=True):

@@ -9,7 +9,7 @@ _DROP_WORDS = {"slam", "slams", "slammed"}
 
 
 def has_indenter_motion(columns: NamedColumns) -> bool:
-    """Return whether an indenter is named beside its motion, or a velocity stands alone."""
+    """Return whether an indenter and its motion are named, or only a velocity."""
     if not columns.has_time():
         return False
     names = " ".join((*columns.table.header, *columns.unique_names)).casefold()

@@ -20,8 +20,8 @@ from dashpot.workflow.measured_frf import add_frf_checks, as_measured, refuse_ch
 
 USUAL_SEGMENTS = 8
 """Lengths of a segment in a record, if none is said."""
-FEWEST_SEGMENTS = 3
-OVERLAP = 1 / (1 + 2 / 36)
+MIN_SEGMENTS = 3
+OVERLAP_WEIGHT = 1 / (1 + 2 / 36)
 """Weight of a segment that shares half of its samples with either neighbour (Hann)."""
 HIGHEST_OF_RATE = 0.4
 """Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
@@ -69,10 +69,10 @@ def estimate_transmissibility(
     segment_length = longest / USUAL_SEGMENTS if seconds is None else seconds * test.rate
     length = max(int(segment_length) // 2 * 2, 8)
     base, mass = (_transform_segments(test, signal, length) for signal in (test.base, test.mass))
-    if len(base) < FEWEST_SEGMENTS:
+    if len(base) < MIN_SEGMENTS:
         raise DataError(
             f"{len(base)} segments of {length / test.rate:.4g} s in the record; expected "
-            f"{FEWEST_SEGMENTS} or more: record longer, or take shorter segments (--hit-length)"
+            f"{MIN_SEGMENTS} or more: record longer, or take shorter segments (--hit-length)"
         )
     frequency: FloatArray = np.fft.rfftfreq(length, 1 / test.rate).astype(float)
     power = (np.abs(base) ** 2).mean(axis=0)
@@ -83,7 +83,7 @@ def estimate_transmissibility(
         raise DataError("the base does not move")
     full_coherence = coherence(Spectra(frequency, base, mass))
     keep &= full_coherence is None or _select_coherent_lines(full_coherence, len(base))
-    if np.count_nonzero(keep) < FEWEST_SEGMENTS:
+    if np.count_nonzero(keep) < MIN_SEGMENTS:
         raise DataError(
             "the mass does not answer the base at any line: the coherence is that of noise; check "
             "which column is which, and that both ran on one clock"
@@ -99,7 +99,7 @@ def estimate_transmissibility(
         estimate(spectra, estimator) * (2j * np.pi * spectra.frequency) ** (2 - test.order),
         Kind.RELATIVE_TRANSMISSIBILITY if test.relative else Kind.TRANSMISSIBILITY,
         coherence=coherence(spectra),
-        averages=max(int(OVERLAP * len(base)), 2),
+        averages=max(int(OVERLAP_WEIGHT * len(base)), 2),
         source=test.source,
         steps=(Step("estimate_transmissibility", settings),),
         units="SI",
@@ -112,9 +112,11 @@ def _select_coherent_lines(coherence: FloatArray, segments: int) -> BoolArray:
     Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
     """
     min_coherence = min(1 - COHERENT_BY_CHANCE ** (1 / (segments - 1)), _KEPT_COHERENCE)
-    padded = np.pad(coherence, _MEDIAN_LINES // 2, mode="edge")
-    middle = np.median(np.lib.stride_tricks.sliding_window_view(padded, _MEDIAN_LINES), axis=1)
-    return np.asarray(middle > min_coherence)
+    padded_values = np.pad(coherence, _MEDIAN_LINES // 2, mode="edge")
+    median_value = np.median(
+        np.lib.stride_tricks.sliding_window_view(padded_values, _MEDIAN_LINES), axis=1
+    )
+    return np.asarray(median_value > min_coherence)
 
 
 def _transform_segments(test: ShakenTest, signal: FloatArray, length: int) -> ComplexArray:

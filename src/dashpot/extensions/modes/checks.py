@@ -106,18 +106,18 @@ def one_solid_explains_masses(
 
 def _chi_quantile(count: int) -> float:
     """Return the 99 % quantile of the root of a sum of squared standard errors."""
-    z, share = NormalDist().inv_cdf(SURE), 2 / (9 * count)
-    return float((count * (1 - share + z * share**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931
+    z, ratio = NormalDist().inv_cdf(SURE), 2 / (9 * count)
+    return float((count * (1 - ratio + z * ratio**0.5) ** 3) ** 0.5)  # Wilson and Hilferty 1931
 
 
 @criterion("modes outside", "<=", 0.0, "a pole outside the lines represents modes that lie there")
 def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Finding:
     """The modes lie within the measured band."""
-    outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
-    frequencies_text = ", ".join(f"{frequency:.4g}" for frequency in outside)
+    is_outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
+    frequencies_text = ", ".join(f"{frequency:.4g}" for frequency in is_outside)
     return Finding(
         f"Every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
-        float(len(outside)),
+        float(len(is_outside)),
         failure=f"The mode at {frequencies_text} Hz lies outside the lines between {band[0]:.4g} "
         f"and {band[1]:.4g} Hz",
         reason="It stands for what lies beyond them",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 MODE_PEN = Pen("fit", 1.2, (7, 4))
 BACKGROUND_PEN = Pen("line", 1.4)
-LOOKS = {
+MARKERS = {
     SHAPE: ("stable in frequency, damping and shape", "fit", 4.5, False),
     DAMPING: ("stable in frequency and damping", "fit", 4.5, False),
     FREQUENCY: ("stable in frequency", "ref", 4.5, True),
@@ -34,7 +34,7 @@ LOOKS = {
 """Words, colour, size and whether hollow."""
 BAND_RATIO = 2.0
 """Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
-NAMED = 4
+MAX_LABELS = 4
 """Number of modes that have a label."""
 
 
@@ -55,7 +55,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     mode_rules = [Rule(mode.frequency, MODE_PEN, "fitted mode") for mode in modes]
     limits = compute_padded_log_limits(chart.height, margin=2.0)
     upper: list[Mark] = [*mode_rules, Line(chart.lines, chart.height, MEASURED, "measured")]
-    tallest = sorted(modes, key=lambda mode: -abs(mode.residue))[:NAMED]
+    tallest = sorted(modes, key=lambda mode: -abs(mode.residue))[:MAX_LABELS]
     for mode in sorted(tallest, key=lambda mode: mode.frequency):
         top = float(np.interp(mode.frequency, chart.lines, chart.height))
         text = (
@@ -67,7 +67,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     level = np.log(chart.height / limits[0]) / np.log(limits[1] / limits[0])
     lower: list[Mark] = [Line(chart.lines, level * chart.highest, BACKGROUND_PEN), *mode_rules]
     has_several_points = chart.points > 1
-    for state, (label, colour, size, hollow) in sorted(LOOKS.items()):
+    for state, (label, colour, size, hollow) in sorted(MARKERS.items()):
         is_state = chart.state == state
         if is_state.any():
             # of several points what stays in shape stands out, of one there is no shape

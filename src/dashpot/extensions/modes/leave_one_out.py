@@ -25,7 +25,7 @@ from dashpot.workflow.frf_comparison import LeaveOneOut
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
-_FEWEST, _MOST_HITS = 3, 8
+_MIN_COUNT, _MAX_HITS = 3, 8
 """Hits that are asked, of which one is left out."""
 _BAND_RATIO = 2.3
 """Times the resonance to either side."""
@@ -40,7 +40,7 @@ def cross_validate_hits(
     choices: HammerChoices,
     band: tuple[float, float] | None = None,
 ) -> LeaveOneOut | None:
-    """Leave each accepted hit out in turn; None of fewer than three.
+    """Predict each accepted hit from the others; None if there are fewer than three.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ def cross_validate_hits(
     """
     average_frf = average(impact, choices=choices)
     names = [hit.name for hit in average_frf.hits if hit.accepted]
-    if len(names) < _FEWEST:
+    if len(names) < _MIN_COUNT:
         return None
     peak = find_peak(average_frf).frequency
     low, high = band or (peak / _BAND_RATIO, peak * _BAND_RATIO)
     errors, peaks = [], []
-    for name in names[:_MOST_HITS]:
+    for name in names[:_MAX_HITS]:
         other_average = average(impact, choices=replace(choices, reject=(*choices.reject, name)))
         other_hits = tuple(text for text in names if text != name)
         frf = average(impact, choices=replace(choices, reject=(*choices.reject, *other_hits)))

@@ -122,7 +122,7 @@ def several_masses(
         float(k[0]), tuple(map(float, k[2:][arms])), tuple(map(float, tau[arms])),
         b=float(k[1] / np.abs(p).mean()),
     )  # fmt: skip
-    worst = int(np.argmax(max_error))
+    worst_index = int(np.argmax(max_error))
     return SeveralMasses(
         tuple(masses),
         tuple(modes),
@@ -130,7 +130,7 @@ def several_masses(
         standard_errors,
         solid,
         float(np.linalg.norm(max_error)),
-        worst,
+        worst_index,
     )
 
 

@@ -25,7 +25,7 @@ from dashpot.extensions.modes.read_frf_set import read_frfs
 from dashpot.extensions.modes.stabilisation import Stabilisation, stabilisation
 from dashpot.reading.read_options import ReadOptions
 from dashpot.vibration.impact.checks import lines_in_half_power_band, record_long_enough, resonance
-from dashpot.vibration.modal.modal_methods import select_mode_band, shapes_of
+from dashpot.vibration.modal.modal_methods import find_mode_shapes, select_mode_band
 from dashpot.vibration.modal.pole_fit import mac
 from dashpot.workflow.measured_frf import (
     ImpactMode,
@@ -198,7 +198,7 @@ def modes_of(
     lines = band_frfs.frfs[0].frequency
     search_band = band or (float(lines[0]), float(lines[-1]))
     chart = stabilisation(pushed, band=search_band)
-    shapes = shapes_of(band_frfs)
+    shapes = find_mode_shapes(band_frfs)
     has_several_points = len(measured.points) > 1
     modes = MeasuredModes(
         _select_checked_frf(measured, band_frfs, shapes, chart, search_band),

@@ -29,5 +29,7 @@ def phase_deviation(shape: ComplexArray) -> float:
     parts = np.array([shape.real, shape.imag])
     principal_axis = np.linalg.eigh(parts @ parts.T)[1][:, 1]
     rotated = shape * complex(principal_axis[0], -principal_axis[1])
-    size = np.abs(shape)
-    return float((size * np.arctan2(np.abs(rotated.imag), np.abs(rotated.real))).sum() / size.sum())
+    magnitude = np.abs(shape)
+    return float(
+        (magnitude * np.arctan2(np.abs(rotated.imag), np.abs(rotated.real))).sum() / magnitude.sum()
+    )

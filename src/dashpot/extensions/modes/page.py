@@ -107,14 +107,14 @@ def _list_tables(measured_modes: MeasuredModes) -> list[AppCard]:
         residue = mode.mode.facts[2].cells.with_error
         rows.append([str(i), round_to_error(mode.frequency_hz, digits=4), residue, *quality_cells,
                      f"{mode.orders} of {measured_modes.highest_order}"])  # fmt: skip
-    head = ["mode", "Hz", "residue, m/(N s)", *quality_headers, "orders stable"]
+    header = ["mode", "Hz", "residue, m/(N s)", *quality_headers, "orders stable"]
     mass_note = " of 1 kg on the base" if measured_modes.frf.quantity.over_base else ""
-    tables = [(f"Modes{mass_note}", head, rows)]
+    tables = [(f"Modes{mass_note}", header, rows)]
     if measured_modes.points:
         tables += _make_shape_tables(measured_modes)
     return [
-        AppCard(title, TextTable(tuple(head), tuple(map(tuple, rows))), min(i, 1) + 1)
-        for i, (title, head, rows) in enumerate(tables)
+        AppCard(title, TextTable(tuple(header), tuple(map(tuple, rows))), min(i, 1) + 1)
+        for i, (title, header, rows) in enumerate(tables)
     ]
 
 

@@ -134,7 +134,7 @@ def _find_role_columns(columns: Sequence[Column], options: ReadOptions) -> dict[
 
 
 def _get_point_name(column: Column, role: Role) -> str:
-    """Return what a column's name says besides its role: its point."""
+    """Return the point of a column: the part of its name that is not its role."""
     words = column.name.split()
     point_words = [w for w in words if score(Column(w), role, ReadOptions()) < _NAMED]
     return " ".join(point_words) if len(point_words) < len(words) else ""

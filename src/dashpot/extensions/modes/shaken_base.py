@@ -14,7 +14,12 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile, find_mass_motions
-from dashpot.reading.readers.impact import joined_starts, loaded_whole, refuse_same, starts_of
+from dashpot.reading.readers.impact import (
+    find_record_starts,
+    join_record_starts,
+    loaded_whole,
+    refuse_same,
+)
 
 _ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _SAME_RATE = 1e-3
@@ -49,7 +54,7 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
         first.rate,
         np.concatenate([test.base for test in tests]),
         np.concatenate([test.mass for test in tests]),
-        joined_starts([(len(test.base), test.starts) for test in tests]),
+        join_record_starts([(len(test.base), test.starts) for test in tests]),
         tuple(source for test in tests for source in test.source),
         first.order,
     )
@@ -68,7 +73,7 @@ def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
             options.rate,
         )
         if rate is None:
-            starts, remarks = starts_of(columns[0], loaded_columns)
+            starts, remarks = find_record_starts(columns[0], loaded_columns)
             notes += remarks
             first = columns[0][: (*starts, len(base))[1]]
             if not np.ptp(first) > 0:
@@ -82,7 +87,7 @@ def _choose_channels(file: OpenedFile) -> list[Channel]:
     """Return time unless a rate is given, the base, and the one other motion."""
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
-    ticks = channels.chosen(file, channels.add_time_role(file))
+    ticks = channels.select_columns(file, channels.add_time_role(file))
     used_columns = [base, *(tick.index for tick in ticks)]
     assignments = find_mass_motions(file, used_columns)
     if len(assignments) != 1:
@@ -97,7 +102,7 @@ def _choose_channels(file: OpenedFile) -> list[Channel]:
             f"expected one, of the mass: name it with {flag('acceleration')}=NAME, "
             f"{flag('velocity')}=NAME or {flag('displacement')}=NAME"
         )
-    return channels.with_units(
+    return channels.add_units(
         file,
         [
             *ticks,

@@ -17,10 +17,10 @@ from dashpot.base.errors import FitError
 from dashpot.datamodel.frf import FRF, Mode
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
 from dashpot.numerics.least_squares import solve_ordinary
-from dashpot.vibration.modal.modal_methods import Method, mode_at
-from dashpot.vibration.modal.peaks import run_about
+from dashpot.vibration.modal.modal_methods import Method, make_mode
+from dashpot.vibration.modal.peaks import find_run
 
-FEWEST_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
+MIN_HALF_POWER_LINES = 5  # in the half-power band, for its width to be read
 HALF_POWER_RATIO = np.sqrt(0.5)
 
 
@@ -36,7 +36,7 @@ def read_resonance(method: Method, frf: FRF) -> Mode:
         }[method]
         reading = read(frf.s, frf.value, frf.sd)
     errors = (reading.sigma_se, reading.omega_se, reading.residue_se)
-    return mode_at(reading.pole, reading.residue, errors, method)
+    return make_mode(reading.pole, reading.residue, errors, method)
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def _find_peak(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | None
     top = _find_highest_line(accelerance)
     is_near_peak = np.zeros(len(s), dtype=bool)
     is_near_peak[
-        run_about(np.abs(accelerance) > HALF_POWER_RATIO * np.abs(accelerance[top]), top)
+        find_run(np.abs(accelerance) > HALF_POWER_RATIO * np.abs(accelerance[top]), top)
     ] = True
     is_near_peak[top - 1 : top + 2] = True
 
@@ -109,14 +109,14 @@ def _find_half_power_width(
     top = _find_highest_line(accelerance)
     omega = s.imag
     lines, low, high = _find_peak_width(omega, accelerance, top)
-    if lines < FEWEST_HALF_POWER_LINES:
+    if lines < MIN_HALF_POWER_LINES:
         step = float(np.median(np.diff(omega))) / (2 * np.pi)
         width = max((high - low) / (2 * np.pi), step)
         raise FitError(
-            f"half-power damping needs at least {FEWEST_HALF_POWER_LINES} lines in the half-power "
+            f"half-power damping needs at least {MIN_HALF_POWER_LINES} lines in the half-power "
             f"band, but only {lines}, {step:.3g} Hz apart, lie there about "
             f"{omega[top] / (2 * np.pi):.5g} Hz; record "
-            f"{FEWEST_HALF_POWER_LINES / width:.2g} s at the least, or fit its poles "
+            f"{MIN_HALF_POWER_LINES / width:.2g} s at the least, or fit its poles "
             "(Python: method='rational')"
         )
 
@@ -138,9 +138,9 @@ def _fit_circle(s: ComplexArray, accelerance: ComplexArray, sd: FloatArray | Non
     squares over the lines above 0.4 of the peak, weighted anew by :math:`1/|s - p|` until p stays.
     """
     top = _find_highest_line(accelerance)
-    size = np.abs(accelerance)
+    magnitude = np.abs(accelerance)
     is_near_peak = np.zeros(len(s), dtype=bool)
-    is_near_peak[run_about(size > 0.4 * size[top], top)] = True
+    is_near_peak[find_run(magnitude > 0.4 * magnitude[top], top)] = True
     is_near_peak[max(top - 2, 0) : top + 3] = True
 
     def poles(value: ComplexArray) -> tuple[complex, complex]:
@@ -203,11 +203,11 @@ def _fit_decrement(s: ComplexArray, accelerance: ComplexArray, record: float | N
 
 
 def _find_highest_line(accelerance: ComplexArray) -> int:
-    size = np.abs(accelerance)
-    top = int(np.argmax(size))
-    if not 0 < top < len(size) - 1:
+    magnitude = np.abs(accelerance)
+    peak_index = int(np.argmax(magnitude))
+    if not 0 < peak_index < len(magnitude) - 1:
         raise FitError("the highest line stands at the edge of the band; widen the band")
-    return top
+    return peak_index
 
 
 def _find_peak_width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[int, float, float]:
@@ -219,7 +219,7 @@ def _find_peak_width(omega: FloatArray, value: ComplexArray, top: int) -> tuple[
     x = (omega[top - 1 : top + 2] - omega[top]) / (omega[top + 1] - omega[top])
     a, b, c = np.polyfit(x, y[top - 1 : top + 2], 2)
     level = 2 * (c - 0.25 * b**2 / a if a > 0 else y[top])
-    run_inside = run_about(y < level, top)
+    run_inside = find_run(y < level, top)
     i, j = run_inside.start, run_inside.stop - 1
     low, high = float(omega[i]), float(omega[j])
     if i > 0:

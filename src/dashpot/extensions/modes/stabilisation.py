@@ -22,13 +22,13 @@ from dashpot.datamodel.frf import Mode
 from dashpot.datamodel.structure import FRFSet
 from dashpot.vibration.modal.modal_methods import (
     compute_rms_accelerance,
-    lines_of,
+    get_set_lines,
     select_mode_band,
 )
-from dashpot.vibration.modal.pole_fit import MOST_DAMPED, FRFLines, mac
+from dashpot.vibration.modal.pole_fit import MAX_DAMPING, FRFLines, mac
 
 HIGHEST = 30
-ARC = 1.5 * np.pi
+MAX_POLE_ANGLE = 1.5 * np.pi
 NOTHING_NEW = 1e-11
 """Share of a numerator's columns below which they follow the noise."""
 SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
@@ -95,15 +95,15 @@ def stabilisation(
     """
     band_frfs = select_mode_band(points, band)
     rms_accelerance = compute_rms_accelerance(band_frfs)
-    lines = lines_of(band_frfs)
+    lines = get_set_lines(band_frfs)
     highest = min(highest, len(rms_accelerance.frequency) // 3)
     rows: list[tuple[int, float, float, int]] = []
     previous_order: tuple[ComplexArray, ComplexArray] | None = None
     for order, poles, residues in _fit_orders(lines, np.abs(rms_accelerance.value), highest):
-        size = np.abs(poles)
-        ratio = -poles.real / size
+        magnitude = np.abs(poles)
+        ratio = -poles.real / magnitude
         state = _classify_poles(poles, residues, previous_order)
-        rows += zip([order] * len(poles), size / (2 * np.pi), ratio, state, strict=True)
+        rows += zip([order] * len(poles), magnitude / (2 * np.pi), ratio, state, strict=True)
         previous_order = poles, residues
     table = np.array(rows, dtype=float).reshape(-1, 4)
     return Stabilisation(
@@ -117,7 +117,7 @@ def _fit_orders(
 ) -> list[tuple[int, ComplexArray, ComplexArray]]:
     """Order, poles in the band and their residues, shape (points, poles), for each order."""
     omega = lines.s.imag
-    tick = ARC / (omega[-1] - omega[0])
+    tick = MAX_POLE_ANGLE / (omega[-1] - omega[0])
     powers = np.exp(1j * tick * np.outer(omega - omega[0], np.arange(highest + 1)))
     # the equation's error is the scatter times the denominator, which is small at a peak
     value = powers * (height / lines.sd)[..., None]
@@ -139,9 +139,11 @@ def _fit_orders(
         z = np.roots(c[::-1])
         z = z[np.abs(z) > 0]
         angle = np.angle(z)
-        angle[angle < 0.5 * (ARC - 2 * np.pi)] += 2 * np.pi  # the gap is beyond both ends
+        angle[angle < 0.5 * (MAX_POLE_ANGLE - 2 * np.pi)] += (
+            2 * np.pi
+        )  # the gap is beyond both ends
         poles = (np.log(np.abs(z)) + 1j * angle) / tick + 1j * omega[0] + lines.s[0].real
-        keep = (poles.real < 0) & (-poles.real < MOST_DAMPED * poles.imag)
+        keep = (poles.real < 0) & (-poles.real < MAX_DAMPING * poles.imag)
         keep &= (poles.imag > omega[0]) & (poles.imag < omega[-1])
         z, poles = z[keep], poles[keep]
         order_of = np.argsort(poles.imag)

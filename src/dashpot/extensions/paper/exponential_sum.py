@@ -8,7 +8,7 @@ import numpy.typing as npt
 from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray, FrozenArrays, same_length, samples
 from dashpot.base.errors import DataError, FitError
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import OptimalityCertificate, certificate, solve
 
 
@@ -117,7 +117,7 @@ def exponential_sum(
         raise DataError(f"x = {repeated_time:g} comes twice; average its values or shift one")
     origin = float(abscissa[0])
     name = "constant" if constant else None
-    block = hold_block(abscissa - origin, values, k_inf=name, weights=root)
+    block = build_hold_block(abscissa - origin, values, k_inf=name, weights=root)
     solution = solve([block], terms, signed=signed)
     proof = None if signed else certificate([block], solution)
     rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]

@@ -32,11 +32,11 @@ def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Pictur
     t = test.time - contact
     axis = Scale(CLOCK, (float(t[0]), float(t[-1])))
     displacement, force = convert_to_unit(test.displacement, "mm"), test.force
-    top = int(np.argmax(force))
+    peak_index = int(np.argmax(force))
     highest = Tag(
-        float(t[top]),
-        float(force[top]),
-        f"{round_to_error(float(force[top]), digits=4)} N at {t[top]:.3g} s",
+        float(t[peak_index]),
+        float(force[peak_index]),
+        f"{round_to_error(float(force[peak_index]), digits=4)} N at {t[peak_index]:.3g} s",
         "measured",
         "filled",
     )
@@ -69,7 +69,7 @@ def figure_4(
     *,
     stamp: str = "",
 ) -> Picture:
-    """Return the hold and the solids fitted to it, and what each leaves (paper Fig. 4).
+    """Return the hold, the models fitted to it, and their residuals (paper Fig. 4).
 
     Parameters
     ----------

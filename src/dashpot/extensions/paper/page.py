@@ -13,12 +13,12 @@ from dashpot.base.units import convert_to_unit
 from dashpot.extensions.paper.figure import figure_2, figure_4
 from dashpot.extensions.paper.reproduction import BASELINE, Coefficient, Reproduction, Statement
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import HALF, render_figure
+from dashpot.report.figures import HALF_WIDTH, render_figure
 from dashpot.report.page_frame import encode_data_uri, environment, frame
 from dashpot.report.tables import TextTable
 
 TITLE = "The paper, reproduced"
-STAMP = "SIMULATED: Table 1 of the paper, no measurement"
+SIMULATION_NOTE = "SIMULATED: Table 1 of the paper, no measurement"
 PARTS = {
     "equation": "Equations",
     "figure": "Figures",
@@ -44,7 +44,7 @@ def paper_page(reproduction: Reproduction) -> str:
         "word": "Reproduced" if reproduction.is_reproduced else "Not reproduced",
         "message": reproduction.summary,
         "figures": {
-            name: render_figure(picture, width=HALF)
+            name: render_figure(picture, width=HALF_WIDTH)
             for name, picture in paper_pictures(reproduction).items()
         },
         "table_1": make_table_1(reproduction.table),
@@ -64,17 +64,17 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     ]
     study = reproduction.study
     assert study.comparison is not None  # noqa: S101
-    sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=STAMP)
+    sixth = plot.comparison(study.comparison, band=study.frf_band, stamp=SIMULATION_NOTE)
     return {
-        "figure_2": figure_2(reproduction.ideal, BASELINE, stamp=STAMP),
-        "figure_4": figure_4(reproduction.ideal, BASELINE, fits, stamp=STAMP),
+        "figure_2": figure_2(reproduction.ideal, BASELINE, stamp=SIMULATION_NOTE),
+        "figure_4": figure_4(reproduction.ideal, BASELINE, fits, stamp=SIMULATION_NOTE),
         "figure_6": replace(sixth, name="figure-6"),
     }
 
 
 def make_table_1(table: Sequence[Coefficient]) -> TextTable:
     """Table 1 as printed, and as each record gives it back."""
-    head = (
+    header = (
         "", "unit", "printed", "exact record", "in steps of 1/1280 N",
         "simulation, whole history", "simulation, hold alone",
     )  # fmt: skip
@@ -90,7 +90,7 @@ def make_table_1(table: Sequence[Coefficient]) -> TextTable:
             round_to_error(coarse, digits=7), _format_fact(item.full), _format_fact(item.hold),
         ))  # fmt: skip
         row_classes.append("" if all(item.is_covered) else "doubt")
-    return TextTable(head, tuple(rows), tuple(row_classes))
+    return TextTable(header, tuple(rows), tuple(row_classes))
 
 
 def _format_fact(reported_value: ReportedValue) -> str:
@@ -102,7 +102,7 @@ def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
     """Return the statements of one part of the paper with computed values and differences."""
     part_rows = [row for row in rows if row.part == part]
     has_intervals = any(row.within_interval is not None for row in part_rows)
-    head = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
+    header = ("where", "the paper says", "found", *(("off by", "allowed") if has_intervals else ()))
     cells = []
     for row in part_rows:
         difference_text, tolerance_text = (
@@ -117,7 +117,7 @@ def make_statement_table(rows: Sequence[Statement], part: str) -> TextTable:
             )
         )
     return TextTable(
-        head,
+        header,
         tuple(cells),
         tuple("bad" if row.within_interval is False else "" for row in part_rows),
     )

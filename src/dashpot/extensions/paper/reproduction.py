@@ -85,7 +85,7 @@ class Statement(Serialisable):
 
     @property
     def within_interval(self) -> bool | None:
-        """Whether it comes out to its tolerance; None where nothing is compared."""
+        """Whether it is within its tolerance; None if it is not compared."""
         if self.difference is None or self.tolerance is None:
             return None
         return bool(self.difference <= self.tolerance)
@@ -264,7 +264,7 @@ def reproduce(seed: int = 0) -> Reproduction:
             *_compare_test_figures(noise_free_test, hold_fit, two, coarse),
             *_compare_mass_figures(top, study),
             *_check_misprints(top[1]),
-            *UNSAID,
+            *UNSTATED_VALUES,
         ),
         table=tuple(_compare_table(two.solid, coarse.solid, study)),
         force=tuple(zip(TIMES, _compute_ramp(np.array(TIMES)).tolist(), strict=True)),
@@ -537,12 +537,12 @@ def _compute_peak_with_damping(factor: float) -> float:
 
 
 def find_peak_on_grid(step: float) -> float:
-    """Return the highest accelerance at lines so far apart, Hz: what is read off, 1/kg."""
+    """Return the highest accelerance on lines of this spacing, Hz: as read off, 1/kg."""
     lines = step * np.arange(1, int(50 / step) + 1)
     return float(np.abs(predict_frf(SEALS * PAPER, mass=PAPER_MASS, frequency=lines).value).max())
 
 
-UNSAID = tuple(
+UNSTATED_VALUES = tuple(
     Statement("unsaid", name, "not given", text)
     for name, text in (
         (

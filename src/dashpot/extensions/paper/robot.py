@@ -64,7 +64,7 @@ class Robot:
 
 @dataclass(frozen=True)
 class Arm:
-    r"""Two links that turn about z, and a spindle along it (2R+z): what its encoders say.
+    r"""Two links that turn about z, and a spindle along it (2R+z), with their encoders.
 
     .. math:: x = l_1 \cos q_1 + l_2 \cos(q_1 + q_2), \quad y = l_1 \sin q_1 + l_2 \sin(q_1 + q_2)
 

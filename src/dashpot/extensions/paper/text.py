@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 def render_reproduction(reproduction: Reproduction) -> Text:
     """Return what came out, Table 1 as printed and as found, and every statement."""
-    head = ("Table 1", "printed", "simulation, 95 %", "by the hold alone, 95 %", "unit")
-    rows = [head, *map(_format_row, reproduction.table)]
+    header = ("Table 1", "printed", "simulation, 95 %", "by the hold alone, 95 %", "unit")
+    rows = [header, *map(_format_row, reproduction.table)]
     word = "reproduced" if reproduction.is_reproduced else "not reproduced"
     lines = [f"The paper is {word}: {reproduction.summary}", "", *table(rows)]
     details = ["", *(line for row in reproduction.rows for line in _format_statement(row))]

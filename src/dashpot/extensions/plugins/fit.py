@@ -9,7 +9,7 @@ from typing import Any
 from dashpot.base import units
 from dashpot.base.checks import GRADES, Check, Remedy
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.datamodel.checks import caution_checks
 from dashpot.extensions.plugins.contract import get_items, get_text, get_texts, validate_keys
@@ -64,10 +64,10 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     if not reported_values:
         plugin.wrong("no numbers", _EXPECTED)
     all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
-    checks = (*all_checks, *caution_checks(sources_of(records)))
+    checks = (*all_checks, *caution_checks(list_sources(records)))
     notes = get_texts(plugin, entries, "notes")
     return PluggedFit(
-        plugin.name, plugin.package_version, reported_values, checks, notes, sources_of(records)
+        plugin.name, plugin.package_version, reported_values, checks, notes, list_sources(records)
     )
 
 

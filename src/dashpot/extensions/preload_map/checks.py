@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
-from dashpot.extensions.preload_map.separability import CHANCE, PairTest
+from dashpot.extensions.preload_map.separability import SIGNIFICANCE_LEVEL, PairTest
 
 _SEPARABILITY_REMEDIES = {
     "compression and frequency": "Fit each compression alone.",
@@ -33,19 +33,25 @@ def _find_separability(test: PairTest) -> Finding:
     )
 
 
-@criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
+@criterion(
+    "probability by chance", ">=", SIGNIFICANCE_LEVEL, "F tests at 1 %; or within 1 % and 0.01 rad"
+)
 def compression_and_frequency_separable(test: PairTest) -> Finding:
     """Every compression has the same dependence on frequency, up to a real factor."""
     return _find_separability(test)
 
 
-@criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
+@criterion(
+    "probability by chance", ">=", SIGNIFICANCE_LEVEL, "F tests at 1 %; or within 1 % and 0.01 rad"
+)
 def amplitude_and_frequency_separable(test: PairTest) -> Finding:
     """Every amplitude has the same dependence on frequency, up to a complex factor."""
     return _find_separability(test)
 
 
-@criterion("probability by chance", ">=", CHANCE, "F tests at 1 %; or within 1 % and 0.01 rad")
+@criterion(
+    "probability by chance", ">=", SIGNIFICANCE_LEVEL, "F tests at 1 %; or within 1 % and 0.01 rad"
+)
 def compression_and_amplitude_separable(test: PairTest) -> Finding:
     """The stiffness falls with amplitude alike at every compression."""
     return _find_separability(test)

@@ -12,8 +12,8 @@ from dashpot.plot.plotted_data import FREQUENCY, compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 _POINTS = 41
-_EDGE = 1.05
-_AIR = 1.8
+_EDGE_FACTOR = 1.05
+_LABEL_MARGIN = 1.8
 """Room for the names of the curves at their ends, a factor in frequency."""
 
 
@@ -45,7 +45,7 @@ def draw_preload_map(preload_map: PreloadMap, *, stamp: str = "") -> Picture:
 
 def _scale(preload_map: PreloadMap) -> Scale:
     low, high = preload_map.band
-    return Scale(FREQUENCY, (low, high * _AIR), log=True)
+    return Scale(FREQUENCY, (low, high * _LABEL_MARGIN), log=True)
 
 
 def _select_lines(
@@ -154,7 +154,7 @@ def _compute_storage_across(
     abscissae, curve = convert_to_unit(line[0], "mm"), line[1]
     name = label.split(",", maxsplit=1)[0]
     low, high, log = float(abscissae[0]), float(abscissae[-1]), name == "amplitude"
-    margin = (_EDGE - 1) * (high - low)
+    margin = (_EDGE_FACTOR - 1) * (high - low)
     value = convert_to_unit(np.array([evaluated.value.real[0] for evaluated in curve]), "N/mm")
     error = convert_to_unit(np.array([evaluated.storage_error[0] for evaluated in curve]), "N/mm")
     storage_values = convert_to_unit(
@@ -175,7 +175,9 @@ def _compute_storage_across(
     limits = compute_padded_limits(value - error, value + error)
     return Panel(
         Scale(
-            label, (low - margin, high + margin) if not log else (low / _EDGE, high * _EDGE), log
+            label,
+            (low - margin, high + margin) if not log else (low / _EDGE_FACTOR, high * _EDGE_FACTOR),
+            log,
         ),
         Scale("K′, N/mm", limits),
         marks,

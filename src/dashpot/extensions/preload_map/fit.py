@@ -37,9 +37,9 @@ GAIN_ERROR = 0.01
 """Relative standard error of the ratio of two sensors where none is stated."""
 _ARMS_PER_DECADE, _BEYOND_BAND = 24, 30.0
 """Relaxation times that the model is chosen from, and by which factor they leave the band."""
-_LEAST_SCATTER = 1e-9
+_MIN_SCATTER = 1e-9
 """Scatter of ln|K| and of the angle, rad, at least: rounding leaves as much."""
-_LEAST_SHARE = 1e-9
+_MIN_SHARE = 1e-9
 """Share of the stiffness that an arm carries at least."""
 _LARGEST_ERROR = 0.5
 """Relative error of a sensor, or angle, rad, that still determines a stiffness."""
@@ -241,7 +241,7 @@ def _fit_law(
     of_magnitude = np.hstack((curve.columns, np.tile(at_c, (n, 1)), np.tile(at_x, (n, 1))))
     of_angle = np.hstack((curve.columns, np.tile(at_x, (n, 1))))
     ln_master = of_magnitude @ magnitude.beta + 1j * (of_angle @ angle.beta)
-    sd = [max(scatter.line, _LEAST_SCATTER) / curve.strength for scatter in scatters]
+    sd = [max(scatter.line, _MIN_SCATTER) / curve.strength for scatter in scatters]
     model, angle_left = _fit_arms(tones, np.exp(ln_master), sd)
     fitted_stiffness = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
     to_k, to_angle = _invert_curve(model, tones, sd)
@@ -348,7 +348,7 @@ def _fit_arms(
         target[-1] = -added_stiffness / _ANGLE_SD
         k, _ = solve_linear(np.column_stack((rows, turn)), target, positive=positive)
         added_stiffness += float(k[-1])
-    carries = k[1:-1] > _LEAST_SHARE * float(k[:-1].sum())
+    carries = k[1:-1] > _MIN_SHARE * float(k[:-1].sum())
     model = GeneralizedMaxwell(float(k[0]), tuple(k[1:-1][carries]), tuple(tau[carries]))
     return model, added_stiffness
 

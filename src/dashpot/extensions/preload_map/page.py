@@ -79,7 +79,7 @@ def _make_pair_rows(preload_map: PreloadMap) -> TextTable:
 
 def _make_map_table(preload_map: PreloadMap) -> TextTable:
     """Return the map at its levels and a few frequencies."""
-    head = ("compression, mm", "amplitude, mm", "Hz", "K', N/mm", "from", "to", "loss factor",
+    header = ("compression, mm", "amplitude, mm", "Hz", "K', N/mm", "from", "to", "loss factor",
             "from", "to")  # fmt: skip
     f = preload_map.grid[np.linspace(0, len(preload_map.grid) - 1, _TABLE_FREQUENCIES, dtype=int)]
     rows = []
@@ -105,4 +105,4 @@ def _make_map_table(preload_map: PreloadMap) -> TextTable:
             )
             for i in range(len(f))
         ]  # fmt: skip
-    return TextTable(head, tuple(rows))
+    return TextTable(header, tuple(rows))

@@ -18,7 +18,7 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.preload_map.preload_sweep import PreloadSweep, PreloadTable
 from dashpot.extensions.preload_map.stiffness_lines import (
-    FEWEST_FREQUENCIES,
+    MIN_FREQUENCIES,
     SAME_AMPLITUDE,
     SAME_COMPRESSION,
     SAME_TONE,
@@ -40,7 +40,7 @@ from dashpot.reading.readers import channels
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
 from dashpot.reading.readers.inspect import list_unit_questions
-from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, parts_of, sweep_columns
+from dashpot.reading.readers.sweep_columns import SWEEP_OPTIONS, load_parts, sweep_columns
 from dashpot.reading.table import Question
 from dashpot.registry import list_names, require_handler
 from dashpot.signals.segments import Loading
@@ -50,7 +50,7 @@ _LOOPS = set(get_args(Loading)) & set(list_names("read record"))
 """Kinds of records of time, displacement and force that another extension reads as loops."""
 _HEAVIEST = 5.0
 """Weight of a line at the resonance, at most: there other errors than noise are left."""
-_FEWEST_LOOPS = 5
+_MIN_LOOPS = 5
 """Loops of one setting of which the first and the last are left out."""
 _MOTIONS = (Kind.RECEPTANCE, Kind.MOBILITY, Kind.ACCELERANCE)
 
@@ -113,8 +113,8 @@ class _StiffnessTable(NamedTuple):
 def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) -> _StiffnessTable:
     roles_wanted, ratio = sweep_columns(file)
     _require_units(file, roles_wanted)
-    channels_chosen = channels.with_units(file, roles_wanted)
-    loaded_columns, values, unit, notes = parts_of(file, channels_chosen, ratio)
+    channels_chosen = channels.add_units(file, roles_wanted)
+    loaded_columns, values, unit, notes = load_parts(file, channels_chosen, ratio)
     if unit != "N/m":
         raise ReadError(
             f"storage and loss are in {unit}, of a material; expected a stiffness, such as N/mm: "
@@ -177,7 +177,7 @@ def _load_length(
     *,
     excluded_words: Sequence[str] = (),
 ) -> _LengthColumn | None:
-    """Return the rows of the one column of a length that words name; None if there is none."""
+    """Return the rows of the one column of a length of such a name; None if there is none."""
     index = find_length_column(file.table, words, file.options, excluded_words=excluded_words)
     if index is None:
         return None
@@ -271,7 +271,7 @@ def _split_sweeps(rows: IndexArray, frequency: FloatArray) -> list[IndexArray]:
             step = 0.0  # noqa: PLW2901 -- a jump back says nothing of the way that follows
         direction = step or (direction if turns[-1] != i else 0.0)
     parts = [rows[first:last] for first, last in zip(turns, [*turns[1:], len(rows)], strict=True)]
-    return parts if min(map(len, parts)) >= FEWEST_FREQUENCIES else [rows]
+    return parts if min(map(len, parts)) >= MIN_FREQUENCIES else [rows]
 
 
 def _has_several_levels(values: FloatArray) -> bool:
@@ -397,7 +397,7 @@ def _find_settled_loops(frequency: FloatArray, amplitude: FloatArray) -> BoolArr
     setting = tones * (len(amplitude) + 1) + group_levels(amplitude, SAME_AMPLITUDE)[1]
     starts = np.flatnonzero(np.diff(setting, prepend=setting[0] - 1))
     lengths = np.diff(starts, append=len(setting))
-    is_long = lengths >= _FEWEST_LOOPS
+    is_long = lengths >= _MIN_LOOPS
     is_settled = np.ones(len(setting), dtype=bool)
     is_settled[starts[is_long]] = False
     is_settled[(starts + lengths - 1)[is_long]] = False

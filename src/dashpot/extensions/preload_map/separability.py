@@ -40,14 +40,14 @@ Pair: TypeAlias = Literal[
 _SHAPES = 2
 """Degree over ln f of what may differ between levels: a slope and a bend."""
 _RANK = 1e-9
-_NOTHING = 1e-24
+_ZERO_VARIANCE = 1e-24
 """Sum of squares that rounding leaves."""
 _DEGREES = range(1, 9)
 """Degrees over ln f of sweeps that share no frequencies."""
-_LEAST_DOF = 4
-_LEAST_CHANCE = 1e-9
+_MIN_DOF = 4
+_MIN_CHANCE = 1e-9
 """Probability below which no scatter is known to be normal."""
-CHANCE = 0.01
+SIGNIFICANCE_LEVEL = 0.01
 """Least probability by chance of a separable pair."""
 NEGLIGIBLE = 0.01
 """Departure from a separable stiffness, relative or in rad, that is too small to matter."""
@@ -89,14 +89,14 @@ class PairTest(Serialisable):
         """The departure is no clearer than chance, or negligible; None without a test."""
         if not self.tested or self.chance is None:
             return None
-        return self.chance >= CHANCE or self.is_negligible
+        return self.chance >= SIGNIFICANCE_LEVEL or self.is_negligible
 
     @property
     def shown_chance(self) -> str:
         """The probability, as people read it; empty of a pair without a test."""
         if self.chance is None:
             return ""
-        return f"{self.chance:.2g}" if self.chance > _LEAST_CHANCE else f"below {_LEAST_CHANCE:g}"
+        return f"{self.chance:.2g}" if self.chance > _MIN_CHANCE else f"below {_MIN_CHANCE:g}"
 
 
 class Layout(NamedTuple):
@@ -141,7 +141,7 @@ def build_frequency_columns(lines: StiffnessLines) -> FloatArray:
         rss, rank = _fit(
             np.hstack((_make_legendre_columns(u, degree), sweep_columns)), y, lines.weight
         )
-        return bic(rss, effective=len(y), parameters=rank, rounding_sse=_NOTHING)
+        return bic(rss, effective=len(y), parameters=rank, rounding_sse=_ZERO_VARIANCE)
 
     return _make_legendre_columns(u, min(_DEGREES, key=score))
 
@@ -188,7 +188,7 @@ def estimate_scatter(
     sweeps = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
     rss, rank = _fit(np.hstack((within_columns, sweeps)), values, lines.weight)
     dof = len(values) - rank
-    if dof < _LEAST_DOF:
+    if dof < _MIN_DOF:
         raise DataError(
             f"{len(values)} lines in {sweeps.shape[1]} sweeps are too few to distinguish scatter "
             "from a departure. Measure at more frequencies, the same in every sweep"

@@ -16,8 +16,8 @@ SAME_COMPRESSION, SAME_AMPLITUDE, SAME_TONE = 0.01, 0.06, 0.01
 """Relative differences below which a machine meant the same value."""
 _STEP_SHARE = 0.4
 """Part of the least step of a sweep within which frequencies of two sweeps are the same."""
-_EQUAL = 1e-6
-FEWEST_FREQUENCIES = 3
+_EQUALITY_TOLERANCE = 1e-6
+MIN_FREQUENCIES = 3
 """Frequencies of a sweep, at least: its shape is compared."""
 
 
@@ -53,7 +53,7 @@ class StiffnessLines(NamedTuple):
     def shares_tones(self) -> bool:
         """Most lines stand at a frequency that another sweep has, too."""
         sweeps = [len(set(self.sweep[self.tone == i].tolist())) for i in range(len(self.tones))]
-        return bool(np.mean(np.array(sweeps)[self.tone] > 1) > _SHARED)
+        return bool(np.mean(np.array(sweeps)[self.tone] > 1) > _MIN_SHARED_BAND)
 
     @property
     def centred_frequency(self) -> FloatArray:
@@ -63,7 +63,7 @@ class StiffnessLines(NamedTuple):
         return np.asarray((u - middle) / half_range)
 
 
-_SHARED = 0.7
+_MIN_SHARED_BAND = 0.7
 _LEAST = 1e-300
 
 
@@ -89,10 +89,10 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
                 f"the sweep of {sweep.name} {compression_text} has the very numbers of another, of "
                 f"{first.name}: a copy is no second measurement. Leave one out"
             )
-        if len(set(sweep.frequency.tolist())) < FEWEST_FREQUENCIES:
+        if len(set(sweep.frequency.tolist())) < MIN_FREQUENCIES:
             raise DataError(
                 f"{sweep.name} has too few frequencies {compression_text}; expected "
-                f"{FEWEST_FREQUENCIES} or "
+                f"{MIN_FREQUENCIES} or "
                 "more in every sweep"
             )
     unknown = [sweep.name for sweep in sweeps if sweep.amplitude is None]
@@ -141,7 +141,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
 def _get_least_step(frequency: FloatArray) -> float:
     """Return the least step between two frequencies of a sweep in ln f."""
     steps = np.diff(np.log(np.sort(frequency)))
-    return float(np.min(steps[steps > _EQUAL], initial=np.inf))
+    return float(np.min(steps[steps > _EQUALITY_TOLERANCE], initial=np.inf))
 
 
 def group_levels(values: FloatArray, tolerance: float) -> tuple[FloatArray, IndexArray]:

@@ -70,7 +70,7 @@ def find_length_column(
 
 
 def get_length_word(column: Column, words: Sequence[str], options: ReadOptions) -> str | None:
-    """Return what the user, or else the file, says is the unit of a column of such a length."""
+    """Return the unit of a column of such a length by the options, else by the file."""
     return options.unit_of(words[0], column.name) or column.unit
 
 

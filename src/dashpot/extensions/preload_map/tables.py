@@ -16,7 +16,7 @@ from dashpot.extensions.preload_map.preload_map import PreloadMap
 
 TOLERANCE = 1e-4
 """Largest relative error of linear interpolation in a table."""
-_MOST_FREQUENCIES = 2000
+_MAX_FREQUENCIES = 2000
 _FIRST_PROPERTY, _STEP = 1, 100
 _LINE = 6
 
@@ -34,7 +34,7 @@ def tabulate_frequencies(preload_map: PreloadMap, tolerance: float = TOLERANCE) 
     """
     low, high = preload_map.band
     points = 8
-    while points <= _MOST_FREQUENCIES:
+    while points <= _MAX_FREQUENCIES:
         f = np.geomspace(low, high, points + 1)
         middle = (f[1:] + f[:-1]) / 2
         K = preload_map.model.complex_stiffness(omega=2 * np.pi * f)
@@ -43,16 +43,16 @@ def tabulate_frequencies(preload_map: PreloadMap, tolerance: float = TOLERANCE) 
             return np.asarray(f)
         points *= 2
     raise ExportError(
-        f"the table would need more than {_MOST_FREQUENCIES} frequencies; narrow the band (--band)"
+        f"the table would need more than {_MAX_FREQUENCIES} frequencies; narrow the band (--band)"
     )
 
 
 def render_csv(preload_map: PreloadMap) -> str:
     """Return the map at its levels with its 95 % limits, a row a frequency, in SI units."""
     columns = preload_map._table_columns
-    head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
+    header = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
     rows = zip(*(values for values, _ in columns.values()), strict=True)
-    return "\n".join((head, *(",".join(f"{value:.10g}" for value in row) for row in rows))) + "\n"
+    return "\n".join((header, *(",".join(f"{value:.10g}" for value in row) for row in rows))) + "\n"
 
 
 def render_nastran(preload_map: PreloadMap, units: UnitSystem) -> str:

@@ -39,10 +39,15 @@ from dashpot.extensions.projects.project import (
 )
 from dashpot.extensions.projects.revised_numbers import REVISED_NUMBERS, split_common
 from dashpot.workflow.job import Job
-from dashpot.workflow.json_archive import from_json, has_edited_fit, parts_of, require_unique_keys
+from dashpot.workflow.json_archive import (
+    from_json,
+    has_edited_fit,
+    list_children,
+    require_unique_keys,
+)
 from dashpot.workflow.study import Study, run
 
-_ROUNDED = 1.000001
+_ROUNDING_UNITS = 1.000001
 """Units of the last digit by which one number may be printed twice: it was rounded both times."""
 
 
@@ -91,7 +96,7 @@ def verify(
 
 
 def check_half_written_files(folder: Path) -> Check:
-    """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
+    """Return whether a folder of results has files that killed runs left half written."""
     paths = find_partial_files(folder)
     return verification_checks.nothing_half_written(
         [path.relative_to(folder).as_posix() for path in paths]
@@ -279,7 +284,10 @@ def find_largest_difference(
         return compute(recorded, recomputed), f"{location} was {recorded!r} and is {recomputed!r}"
     if location.endswith("model.arms"):
         recorded, recomputed = _merge_coincident_arms(recorded), _merge_coincident_arms(recomputed)
-    recorded_parts, recomputed_parts = parts_of(recorded, location), parts_of(recomputed, location)
+    recorded_parts, recomputed_parts = (
+        list_children(recorded, location),
+        list_children(recomputed, location),
+    )
     if recorded_parts.keys() != recomputed_parts.keys():
         difference_text = "other keys" if isinstance(recorded, dict) else "another length"
         return float("inf"), f"{location or 'the document'} has {difference_text}"
@@ -348,7 +356,7 @@ def _is_number(value: Any) -> bool:
 
 
 def is_same_page(content: bytes, other_content: bytes) -> bool:
-    """Tell whether two pages say and show the same, but for how a last digit is rounded.
+    """Return whether two pages are equal but for the rounding of a last digit.
 
     The files inside a page are compared as what they are.
     """
@@ -376,7 +384,7 @@ _NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
 
 
 def _is_same_text(text: str, other_text: str) -> bool:
-    """Tell whether two texts differ in nothing but the last printed digit of their numbers."""
+    """Return whether two texts are equal but for the last printed digit of their numbers."""
     if text == other_text:
         return True
     before, after = _NUMBER.split(text), _NUMBER.split(other_text)
@@ -388,14 +396,14 @@ def _is_same_text(text: str, other_text: str) -> bool:
 
 
 def _is_rounded(a: str, b: str) -> bool:
-    """Tell whether two printed numbers may be one that was rounded twice: a count is never.
+    """Return whether two printed numbers may be one number rounded twice; not for counts.
 
     >>> _is_rounded("12.70", "12.71"), _is_rounded("13", "12.71"), _is_rounded("13", "14")
     (True, False, False)
     """
     counted = a.lstrip("-").isdigit() and b.lstrip("-").isdigit()
     unit = min(_get_last_digit_unit(a), _get_last_digit_unit(b))
-    return not counted and abs(float(a) - float(b)) <= _ROUNDED * unit
+    return not counted and abs(float(a) - float(b)) <= _ROUNDING_UNITS * unit
 
 
 def _get_last_digit_unit(number: str) -> float:

@@ -8,7 +8,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 
 SAME_NUMBER_TOLERANCE = 1e-6
 """Relative difference up to which a number that was computed again is the same."""
-LISTED = 20
+MAX_LISTED = 20
 """Files that a sentence names before it counts the rest."""
 
 
@@ -106,11 +106,11 @@ def inputs_listed(files: Sequence[str], number: int) -> Finding:
 @criterion("files", "<=", 0, "a note: a run that was killed leaves some", grade="note")
 def files_listed(unlisted: Sequence[str]) -> Finding:
     """Every file in the project's folder is in its history."""
-    more_text = "" if len(unlisted) <= LISTED else f" and {len(unlisted) - LISTED} more"
+    more_text = "" if len(unlisted) <= MAX_LISTED else f" and {len(unlisted) - MAX_LISTED} more"
     return Finding(
         "Every file is in the history",
         len(unlisted),
-        failure=f"The history does not list {', '.join(unlisted[:LISTED])}{more_text}",
+        failure=f"The history does not list {', '.join(unlisted[:MAX_LISTED])}{more_text}",
         remedy="Move them out of the project, if they do not belong there.",
     )
 
@@ -118,11 +118,11 @@ def files_listed(unlisted: Sequence[str]) -> Finding:
 @criterion("files", "<=", 0, "a note: they hold nothing that was finished", grade="note")
 def nothing_half_written(remaining: Sequence[str]) -> Finding:
     """No incomplete file of an interrupted run is left."""
-    more_text = "" if len(remaining) <= LISTED else f" and {len(remaining) - LISTED} more"
+    more_text = "" if len(remaining) <= MAX_LISTED else f" and {len(remaining) - MAX_LISTED} more"
     return Finding(
         "Runs that were killed left no half-written file",
         len(remaining),
-        failure=f"Runs that were killed left {', '.join(remaining[:LISTED])}{more_text}",
+        failure=f"Runs that were killed left {', '.join(remaining[:MAX_LISTED])}{more_text}",
         remedy=Remedy("Clear them.", "overwrite"),
     )
 

@@ -11,34 +11,34 @@ from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.export.deck import CARRIERS, Deck, DeckText, format_temperature_lines
 from dashpot.export.deck_validation import target
 from dashpot.export.frequency_tables import Table
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import format_tbdata, text
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
 # Temperature dependence.
 
 
 def ansys_shift(shifts: TemperatureShifts | None) -> tuple[list[str], list[str]]:
-    """Return the table ``TB,SHIFT`` beside ``TB,PRONY``, and what to say of it."""
+    """Return the table ``TB,SHIFT`` for a ``TB,PRONY``, and notes."""
     law = None if shifts is None else shifts.law
     if shifts is None or not isinstance(law, WLF | Arrhenius):
         return [], []
     row: tuple[float, ...]
     if isinstance(law, WLF):
-        head, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
+        header, row = "TB,SHIFT,1,1,3,WLF", (law.reference, law.c1, law.c2)
     else:
-        head, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS)
+        header, row = "TB,SHIFT,1,1,2,TN", (law.reference, law.energy / GAS_CONSTANT)
     sentences = [
         "TB,SHIFT: temperatures of the model are in K (TOFFST,0)",
         *format_temperature_lines("deck remarks", shifts),
     ]
-    return [head, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
+    return [header, "TBDATA,1," + ",".join(text(value) for value in row)], sentences
 
 
 FORMS = ("arms", "table", "prony")
 SUFFIX = "mac"
-_MOST_POINTS = 20
-READ = (
+_MAX_POINTS = 20
+VERIFICATION_NOTE = (
     "not solver-verified: no Ansys runs in dashpot's tests. They read the commands back to the "
     "stiffness of the whole line"
 )
@@ -68,7 +68,7 @@ def ansys(
     """
     if deck.form == "table":
         requested = (si_range(frequency_range, "frequency"), tolerance)
-        return _write_table(deck, row_of(deck, line, shear), requested, first_id)
+        return _write_table(deck, make_springs(deck, line, shear), requested, first_id)
     return _write_prony(deck) if deck.form == "prony" else _write_arms(deck)
 
 
@@ -78,7 +78,7 @@ def _write_table(
     """Return an element type for each way, a real constant of two tables for each share of it."""
     cards, tables = ["/PREP7"], []
     constants: dict[tuple[int, float], int] = {}
-    for direction in range(row.ways):
+    for direction in range(row.direction_count):
         cards += [
             f"ET,{first_id + direction},COMBIN14",
             f"KEYOPT,{first_id + direction},2,{direction + 1}",
@@ -103,7 +103,7 @@ def _write_table(
         "!",
         "springs and dampers against frequency for Ansys Mechanical APDL",
         [*cards, "FINISH"],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             *row.remarks,
             row.format_node_numbering(first_id),
@@ -190,7 +190,7 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
         number += 1
     if not deck.nonlinear_elements.k3:
         return cards
-    curve = deck.nonlinear_elements.compute_curve(_MOST_POINTS - 1, k=deck.k_inf)
+    curve = deck.nonlinear_elements.compute_curve(_MAX_POINTS - 1, k=deck.k_inf)
     if not curve[1][1] > 0:
         raise ExportError(
             "COMBIN39 must rise at its origin, and beside a spring that softens there is no k_inf "

@@ -11,12 +11,12 @@ from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
 from dashpot.export.decks.abaqus import (
-    groups_of,
+    iterate_groups,
     pairs_of_nodes,
     slider_remarks,
     spring_dashpot_network,
 )
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import text
 
 FORMS = ("arms", "springs")
@@ -103,7 +103,7 @@ def calculix(
         at = convert_to_si(nominal, "frequency")
         require_positive("--", nominal=at, unit=" Hz", optional=True)
         return _write_springs(
-            deck, row_of(deck, line, shear), at or float(np.sqrt(low * high)), first_id
+            deck, make_springs(deck, line, shear), at or float(np.sqrt(low * high)), first_id
         )
     title = "network of springs and dashpots for CalculiX"
     cards = [
@@ -136,7 +136,7 @@ def calculix(
 def _write_springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckText:
     """Return a spring of K' for each way of each station, along an axis of its frame."""
     cards, element = pairs_of_nodes(row, first_id), first_id
-    for number, (_, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
+    for number, (_, frame, shares, members) in enumerate(iterate_groups(row, first_id), start=1):
         for direction, solid in row.springs(shares):
             K = complex(solid.complex_stiffness(omega=2 * np.pi * nominal)).real
             name = f"SEAL_{number}_{direction + 1}"

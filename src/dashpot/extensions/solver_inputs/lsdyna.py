@@ -10,17 +10,17 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.seal_line import Shear, Stations
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import target
-from dashpot.export.seal_line_springs import SpringRow, row_of
+from dashpot.export.seal_line_springs import SpringRow, make_springs
 from dashpot.export.unit_systems import format_fields, format_fixed_width
 
 FORMS = ("arms", "prony")
 SUFFIX = "k"
 NEEDS = {"prony": ("modulus", "bulk_modulus", "density")}
-READ = (
+VERIFICATION_NOTE = (
     "not solver-verified: no LS-DYNA runs in dashpot's tests. They read the cards back, field by "
     "field, as the manual lays them out"
 )
-_MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
+_MAX_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
 
 
 @target(*FORMS, line=("arms",))
@@ -68,7 +68,7 @@ def lsdyna(
     return (
         _write_arms(deck)
         if line is None
-        else _write_line(deck, row_of(deck, line, shear), first_id)
+        else _write_line(deck, make_springs(deck, line, shear), first_id)
     )
 
 
@@ -140,7 +140,7 @@ def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         (frame, direction): rank
         for rank, (frame, direction) in enumerate(
             itertools.product(
-                dict.fromkeys(station.frame for station in row.stations), range(row.ways)
+                dict.fromkeys(station.frame for station in row.stations), range(row.direction_count)
             ),
             start=first_id,
         )
@@ -168,7 +168,7 @@ def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         "$",
         "discrete springs and dampers along a seal line for LS-DYNA",
         [*cards, "*END"],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             *row.remarks,
             row.format_node_numbering(first_id),
@@ -214,7 +214,7 @@ def _write_arms(deck: Deck) -> DeckText:
         "$",
         "discrete springs and dampers for LS-DYNA",
         [*cards, *curve, "*END"],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
             "element, all between nodes 1 (ground side) and 2 (moving side)",
@@ -241,9 +241,9 @@ def _write_prony(
     if deck.k_inf > 0:
         # a term that does not decay carries the equilibrium modulus
         terms = [(long_term, 0.0), *terms]
-    if len(terms) > _MOST_TERMS:
+    if len(terms) > _MAX_TERMS:
         raise ExportError(
-            f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
+            f"*MAT_GENERAL_VISCOELASTIC holds {_MAX_TERMS} terms, found {len(terms)}; fit fewer "
             "arms"
         )
     return deck.format_text(

@@ -8,7 +8,7 @@ from dashpot.export.unit_systems import text
 
 FORMS = ("translational",)
 SUFFIX = "mo"
-READ = (
+VERIFICATION_NOTE = (
     "not solver-verified: read only. pymoca 0.12 flattens such a model in dashpot's tests, with "
     "Spring and Damper as the Modelica Standard Library defines them, to the stiffness of the solid"
 )
@@ -70,7 +70,7 @@ def modelica(
             *connections,
             "end ViscoelasticMount;",
         ],
-        verified=READ,
+        verified=VERIFICATION_NOTE,
         remarks=[
             "connect the flanges; the dampers rest as long as nothing moves: start there, or",
             "initialise their s_rel, of which each arm has one",

@@ -13,7 +13,7 @@ from dashpot.export.unit_systems import format_fixed_width
 FORMS = (*bushings.FORMS, "prony")
 SUFFIX = "fem"
 _TABLES = FORMS[:2]
-_MOST_TERMS = 5
+_MAX_TERMS = 5
 """Terms that the card has room for."""
 
 
@@ -59,11 +59,11 @@ def optistruct(
         return text
     terms = deck.prony
     of_material = deck.linear_fit is not None and deck.linear_fit.unit == "Pa"
-    if len(terms) > _MOST_TERMS:
+    if len(terms) > _MAX_TERMS:
         other = "" if of_material else ", or use --form table"
         raise ExportError(
-            f"MATVE holds {_MOST_TERMS} terms, and the model has {len(terms)} arms: fit "
-            f"fewer (dashpot fit FILE --arms {_MOST_TERMS}){other}"
+            f"MATVE holds {_MAX_TERMS} terms, and the model has {len(terms)} arms: fit "
+            f"fewer (dashpot fit FILE --arms {_MAX_TERMS}){other}"
         )
     return deck.format_text(
         "$",

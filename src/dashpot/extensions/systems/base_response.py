@@ -32,13 +32,13 @@ _DECADES = 1e10
 """Longest over shortest relaxation time, beyond which the first-order form is rounding."""
 _WHITE_BAND = (1e-6, 1e4)
 """Times the natural frequency: a table as wide as white noise."""
-_FOLLOWS = 1e-9
+_ROUNDING_STRETCH = 1e-9
 """Stretch of a spring per motion of a ground that takes all bodies along: rounding."""
 _FINE_WIDTHS = 60.0
 """Half-power widths to either side of a resonance that are laid out finely."""
 _LIMIT_LINES = 201
 """Lines of limits over a table, and as many about each resonance."""
-_WHITE = (1e-3, 1e3)
+_WHITE_NOISE_BAND = (1e-3, 1e3)
 """Times the relaxed natural frequency: what of white noise has limits."""
 
 
@@ -130,7 +130,9 @@ def random_limits(
     """
     if frequency is None:
         resonance = np.sqrt(model.k_inf / mass) / (2 * np.pi)
-        f, table = _read_table(np.array(_WHITE) * resonance, np.array([psd, psd], dtype=float))
+        f, table = _read_table(
+            np.array(_WHITE_NOISE_BAND) * resonance, np.array([psd, psd], dtype=float)
+        )
     else:
         f, table = _read_table(frequency, psd)
     modes = model_modes(model, mass)
@@ -231,7 +233,7 @@ def _get_rigid_motion(system: System, base: str, along: Vector) -> FloatArray:
     R = np.array([direction.get(dof.rpartition(".")[2], 0.0) for dof in system.dofs])
     G = np.array([direction.get(dof.removeprefix(f"{base}."), 0.0) for dof in system.base_dofs])
     remainder = system.stretch @ R + system.base_stretch @ G
-    if np.abs(remainder).max(initial=0.0) > _FOLLOWS:
+    if np.abs(remainder).max(initial=0.0) > _ROUNDING_STRETCH:
         raise DataError(
             f"a body is held in a motion in which '{base}' shakes, along {along}, or hangs on "
             "another ground; let it move there"
@@ -257,11 +259,13 @@ def _compute_white_response(
     tolerance = _RIGID_RATIO * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
-        size = float(np.hypot(re, im))
-        return re < -_UNDAMPED * size and size > tolerance  # a slow arm dies away slowly
+        magnitude = float(np.hypot(re, im))
+        return re < -_UNDAMPED * magnitude and magnitude > tolerance  # a slow arm dies away slowly
 
     triangle, basis, count = schur(scaled_matrix, sort=dies_away)
-    if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _FOLLOWS * np.linalg.norm(pushed):
+    if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _ROUNDING_STRETCH * np.linalg.norm(
+        pushed
+    ):
         ratio = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
             "white noise of the base has no finite answer: a model without k_inf drifts away, or "

@@ -71,7 +71,7 @@ class FreeModes(EqualByValue):
         return len(self.frequency)
 
     def only(self, chosen: npt.ArrayLike) -> FreeModes:
-        """Some of the modes, by a mask or by their numbers."""
+        """Return some of the modes, by a mask or by their numbers."""
         indices = np.asarray(chosen)
         return replace(
             self,
@@ -96,11 +96,11 @@ class FreeModes(EqualByValue):
         if distances[first] == 0 or not difference.any():
             return self.shapes[:, first], float(distances[first])
         others_used, legs, square = neighbours[1:][difference], legs[difference], square[difference]
-        share = np.clip(legs @ (p - self.place[first]) / square, 0.0, 1.0)
-        norm = np.linalg.norm(self.place[first] + share[:, None] * legs - p, axis=1)
+        ratio = np.clip(legs @ (p - self.place[first]) / square, 0.0, 1.0)
+        norm = np.linalg.norm(self.place[first] + ratio[:, None] * legs - p, axis=1)
         # of connections as near, the shortest
         best = int(np.lexsort((square, np.round(norm, 12)))[0])
-        t, other = float(share[best]), int(others_used[best])
+        t, other = float(ratio[best]), int(others_used[best])
         return (1 - t) * self.shapes[:, first] + t * self.shapes[:, other], float(norm[best])
 
     @property

@@ -22,11 +22,11 @@ from dashpot.extensions.systems.multibody import Point, System
 from dashpot.numerics.harmonic_balance import AlternatingFrequencyTime, find_root_by_newton
 from dashpot.solids.rate_independent import AmplitudeDependent
 
-_SCAN = np.log(10) * np.linspace(-7, 7, 1401)
+_SEARCH_GRID = np.log(10) * np.linspace(-7, 7, 1401)
 """Search grid of answers: ln of the stretch over that without friction."""
 _SAMPLES = 256
 """Samples of a cycle in time; half as many are wrong by 0.03 %."""
-_LAPS, _CLOSED = 200, 1e-8
+_MAX_CYCLES, _CLOSURE_TOLERANCE = 200, 1e-8
 """Cycles at most until a loop closes, and what it may then still move, relatively."""
 
 
@@ -149,12 +149,17 @@ class BalanceEquation:
             X = abs(e0) * np.exp(u)
             return np.asarray(u + np.log(np.abs(1 + C * part.equivalent(self.omega, X))))
 
-        value = evaluate_balance(_SCAN)
+        value = evaluate_balance(_SEARCH_GRID)
         if value[0] > 0:  # even the smallest motion asks for more force than there is: it sticks
             return [np.zeros(1, dtype=complex)]
         turns = np.flatnonzero((value[:-1] <= 0) != (value[1:] <= 0))
         roots = [
-            brentq(lambda u: float(evaluate_balance(u)), _SCAN[i], _SCAN[i + 1], xtol=1e-14)
+            brentq(
+                lambda u: float(evaluate_balance(u)),
+                _SEARCH_GRID[i],
+                _SEARCH_GRID[i + 1],
+                xtol=1e-14,
+            )
             for i in turns
         ]
         values = [abs(e0) * float(np.exp(u)) for u in roots]
@@ -171,7 +176,7 @@ class BalanceEquation:
         )
 
     def _newton(self, previous_stretch: ComplexArray | None) -> ComplexArray:
-        starts = [self._stuck(), self.stretch]
+        starts = [self._solve_stuck(), self.stretch]
         for start in starts if previous_stretch is None else [previous_stretch, *starts]:
             values = self._descend(np.array(start, dtype=complex))
             if values is not None:
@@ -181,7 +186,7 @@ class BalanceEquation:
             "finer steps of frequency or amplitude"
         )
 
-    def _stuck(self) -> ComplexArray:
+    def _solve_stuck(self) -> ComplexArray:
         """Return the stretches before anything slips."""
         tiny = max(float(np.abs(self.stretch).max()), 1e-300) * 1e-6
         N = np.array([complex(part.equivalent(self.omega, tiny)) for part in self.friction])
@@ -251,21 +256,21 @@ def solve_several_harmonics(
             "finer steps, or one harmonic"
         )
     e = stretches(solution.x)
-    share = float(np.abs(e[1:]).max() / np.abs(e[0]).max())
-    return e[0], pulls(e)[0], share
+    ratio = float(np.abs(e[1:]).max() / np.abs(e[0]).max())
+    return e[0], pulls(e)[0], ratio
 
 
 def _compute_steady_cycle(part: AmplitudeDependent, dt: float, path: FloatArray) -> FloatArray:
     """Return force over a cycle once the loop has closed, N, shape (samples,)."""
     state, last = part.start(), np.full(len(path), np.inf)
-    for _ in range(_LAPS):
+    for _ in range(_MAX_CYCLES):
         force = np.empty(len(path))
         for i, x in enumerate(path.tolist()):
             force[i], state = part.advance(state, dt, x)
-        if np.abs(force - last).max() <= _CLOSED * np.abs(force).max():
+        if np.abs(force - last).max() <= _CLOSURE_TOLERANCE * np.abs(force).max():
             return force
         last = force
     raise DataError(
-        f"a loop does not close within {_LAPS} cycles, so small is its motion for its friction; "
-        "ask for one harmonic"
+        f"a loop does not close within {_MAX_CYCLES} cycles, so small is its motion for its "
+        "friction; ask for one harmonic"
     )

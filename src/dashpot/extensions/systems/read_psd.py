@@ -14,7 +14,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 
 _WORDS = "g^2/Hz or (m/s^2)^2/Hz"
-_CUBED = {"m2/s3": 1.0, "m^2/s^3": 1.0, "m²/s³": 1.0, "m**2/s**3": 1.0}
+_POWER_UNITS = {"m2/s3": 1.0, "m^2/s^3": 1.0, "m²/s³": 1.0, "m**2/s**3": 1.0}
 _POWERS = ("**2", "^2", "²", "2")
 _TYPED = re.compile(r"\A\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(\D.*)\Z", re.IGNORECASE)
 
@@ -82,8 +82,8 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
 def _get_unit_factor(word: str, source: str) -> float:
     """Return what one of a unit is in (m/s^2)^2/Hz."""
     unit_text = word.strip()
-    if unit_text in _CUBED:
-        return _CUBED[unit_text]
+    if unit_text in _POWER_UNITS:
+        return _POWER_UNITS[unit_text]
     squared, _, denominator = unit_text.rpartition("/")
     power = next((power for power in _POWERS if squared.rstrip().endswith(power)), None)
     unit = None

@@ -45,7 +45,7 @@ def shake_mass(
 def shake_system(
     psd: str, *, base: str, along: Vector
 ) -> Callable[[System, Point], RandomResponse]:
-    """Return what gives the response at a place of a system whose ground shakes along a direction.
+    """Return a function for the response of a place to ground motion along a direction.
 
     Parameters
     ----------

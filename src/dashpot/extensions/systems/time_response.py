@@ -387,13 +387,13 @@ def _refine_pole(
         slope = np.trace(change) - sum(1 / (s - p) + 1 / (s - p.conjugate()) for p in results)
         step = complex(1 / slope)
         s -= step
-        size = abs(step) / abs(s)
+        magnitude = abs(step) / abs(s)
         # at the floor of rounding the steps stop shrinking: the pole stands still
-        if not np.isfinite(size):
+        if not np.isfinite(magnitude):
             return s, False
-        if size <= tolerance or (size < 1e-11 and size >= best):
+        if magnitude <= tolerance or (magnitude < 1e-11 and magnitude >= best):
             return s, True
-        best = min(best, size)
+        best = min(best, magnitude)
     return s, False
 
 

@@ -6,13 +6,13 @@ import math
 
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import format_count
-from dashpot.extensions.transfer_stiffness.third_octaves import LEAST_LINES
+from dashpot.extensions.transfer_stiffness.third_octaves import MIN_LINES
 
-BLOCKED = 20.0
+MIN_BLOCKED_DIFFERENCE = 20.0
 """dB by which the output moves less than the input where it counts as blocked."""
 
 
-@criterion("level difference, dB", ">=", BLOCKED, "ISO 10846-2, ISO 10846-3")
+@criterion("level difference, dB", ">=", MIN_BLOCKED_DIFFERENCE, "ISO 10846-2, ISO 10846-3")
 def output_blocked(difference: float | None, *, valid_from: float | None) -> Finding:
     """The output of the mount moves at least 20 dB less than its input at every line."""
     if difference is None:
@@ -26,7 +26,7 @@ def output_blocked(difference: float | None, *, valid_from: float | None) -> Fin
         range_text,
         Remedy("Narrow the band, or use a heavier mass.", "exact"),
         failure=f"Input over output is only {difference:.3g} dB at its worst line, and "
-        f"{BLOCKED:g} dB are needed",
+        f"{MIN_BLOCKED_DIFFERENCE:g} dB are needed",
     )
 
 
@@ -66,7 +66,7 @@ def blocking_mass_rigid(highest: float, rigid_to: float | None) -> Finding:
     )
 
 
-@criterion("lines in a third octave", ">=", LEAST_LINES, "ISO 10846-2, ISO 10846-3")
+@criterion("lines in a third octave", ">=", MIN_LINES, "ISO 10846-2, ISO 10846-3")
 def third_octaves_resolved(fewest_lines: int, *, centre: float) -> Finding:
     """Every third octave has at least five lines."""
     return Finding(

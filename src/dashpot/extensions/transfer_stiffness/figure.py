@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.units import convert_to_unit
-from dashpot.extensions.transfer_stiffness.checks import BLOCKED
+from dashpot.extensions.transfer_stiffness.checks import MIN_BLOCKED_DIFFERENCE
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     TransferStiffness,
     compute_level,
@@ -27,7 +27,7 @@ from dashpot.plot.picture import (
 from dashpot.plot.plotted_data import compute_padded_limits
 from dashpot.plot.plotted_data import stamp as format_stamp
 
-_LEAST_REACH = 0.5
+_MIN_REACH = 0.5
 """dB that the axis of the level spans at least, to either side."""
 
 
@@ -45,10 +45,10 @@ def draw_transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Pic
     strips = [(_draw_level(sheet, frequency_scale),), (_draw_loss_factor(sheet, frequency_scale),)]
     difference = sheet.level_difference
     if difference is not None:
-        low, high = compute_padded_limits(difference, np.array([BLOCKED]))
+        low, high = compute_padded_limits(difference, np.array([MIN_BLOCKED_DIFFERENCE]))
         marks: tuple[Mark, ...] = (
             *_mark_unblocked(sheet),
-            Rule(BLOCKED, REF, f"{BLOCKED:g} dB", across=True),
+            Rule(MIN_BLOCKED_DIFFERENCE, REF, f"{MIN_BLOCKED_DIFFERENCE:g} dB", across=True),
             Line(f, difference, FIT, "input over output"),
         )
         strips.append(
@@ -90,7 +90,7 @@ def _draw_level(sheet: TransferStiffness, frequency_scale: Scale) -> Panel:
         shown_levels.append(formula[shown_lines])
     marks.append(Dots(centre, level, "measured", "third octaves"))
     lower, upper = compute_padded_limits(*shown_levels)
-    middle, half_range = (lower + upper) / 2, max((upper - lower) / 2, _LEAST_REACH)
+    middle, half_range = (lower + upper) / 2, max((upper - lower) / 2, _MIN_REACH)
     last = bands[-1]
     return Panel(
         frequency_scale,

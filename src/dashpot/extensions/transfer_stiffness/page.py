@@ -66,7 +66,7 @@ def _describe_bands(sheet: TransferStiffness) -> str:
 
 def _make_band_table(sheet: TransferStiffness) -> TextTable:
     has_limits = sheet.method != "predicted"
-    head = (
+    header = (
         "Hz", "lines", "dB re 1 N/m", "from", "to", "loss factor", "from", "to",
         "blocked by, dB", "indirect formula, dB", *(("valid",) if has_limits else ()),
     )  # fmt: skip
@@ -83,7 +83,7 @@ def _make_band_table(sheet: TransferStiffness) -> TextTable:
             *(("yes" if band.valid else "no",) if has_limits else ()),
         ))  # fmt: skip
     return TextTable(
-        head, tuple(rows), tuple("" if band.valid else "doubt" for band in sheet.bands)
+        header, tuple(rows), tuple("" if band.valid else "doubt" for band in sheet.bands)
     )
 
 

@@ -206,7 +206,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """Sentence on what the intervals leave out beyond the valid band of a fit; else empty."""
+        """Note on errors outside the valid band that the intervals do not include; else ""."""
         if not any(
             check.failed and check.name == "third_octaves_in_valid_band" for check in self.checks
         ):
@@ -305,11 +305,13 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
         if any(source.simulated for source in self.source):
             notes.append("SIMULATED: the test behind this table was simulated")
         columns = self._line_columns if lines else self._table_columns
-        head = ",".join(f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items())
+        header = ",".join(
+            f"{name} [{unit}]" if unit else name for name, (_, unit) in columns.items()
+        )
         rows = zip(*(values for values, _ in columns.values()), strict=True)
         comment_lines = (f"# {note}" for note in notes)
         return (
-            "\n".join((*comment_lines, head, *(",".join(map(_format_cell, row)) for row in rows)))
+            "\n".join((*comment_lines, header, *(",".join(map(_format_cell, row)) for row in rows)))
             + "\n"
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.units import convert_to_unit, format_quantity
-from dashpot.extensions.transfer_stiffness.checks import BLOCKED
+from dashpot.extensions.transfer_stiffness.checks import MIN_BLOCKED_DIFFERENCE
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     BandStiffness,
     TransferStiffness,
@@ -20,13 +20,15 @@ def render_transfer_stiffness(sheet: TransferStiffness) -> Text:
     if sheet.transmissibility is not None:
         start = sheet.valid_from
         range_text = "nowhere" if start is None else f"from {start:.4g} Hz on"
-        lines.append(f"  the output moves {BLOCKED:g} dB less than the input {range_text}")
+        lines.append(
+            f"  the output moves {MIN_BLOCKED_DIFFERENCE:g} dB less than the input {range_text}"
+        )
     has_output = sheet.transmissibility is not None
     # a prediction needs no blocked output: "valid" would be read as the valid band of its fit
     has_limits = has_output and sheet.method != "predicted"
-    head = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if has_limits else [])]
+    header = [*_HEAD, *(["blocked, dB"] if has_output else []), *(["valid"] if has_limits else [])]
     rows = (_format_row(band, has_output=has_output, is_checked=has_limits) for band in sheet.bands)
-    lines += table([head, *rows])
+    lines += table([header, *rows])
     lines += [f"  {sheet.interval_note}"] if sheet.interval_note else []
     details = [["Hz", "dB re 1 N/m", "95 % interval", "indirect formula, dB", "lines"]]
     details += [

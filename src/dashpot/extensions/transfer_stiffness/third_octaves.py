@@ -16,7 +16,7 @@ _EDGE_TOLERANCE = 1e-9
 """Relative distance from an edge within which a frequency lies on it."""
 
 
-LEAST_LINES = 5
+MIN_LINES = 5
 """Lines of a third octave of which the standard takes a mean (ISO 10846-2, -3)."""
 
 
@@ -148,7 +148,7 @@ def estimate_line_noise(stiffness: ComplexArray) -> float:
     stiffness : complex array, shape (n,)
         Stiffness of neighbouring lines.
     """
-    if len(stiffness) < LEAST_LINES:
+    if len(stiffness) < MIN_LINES:
         return 0.0
     second = np.diff(stiffness, 2) / stiffness[1:-1]
     return float(np.sqrt(np.median(np.abs(second) ** 2) / (12 * np.log(2))))

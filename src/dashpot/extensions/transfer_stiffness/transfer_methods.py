@@ -21,7 +21,7 @@ from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.extensions.transfer_stiffness import checks
-from dashpot.extensions.transfer_stiffness.checks import BLOCKED
+from dashpot.extensions.transfer_stiffness.checks import MIN_BLOCKED_DIFFERENCE
 from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     BandStiffness,
     Method,
@@ -29,7 +29,7 @@ from dashpot.extensions.transfer_stiffness.stiffness_sheet import (
     compute_level,
 )
 from dashpot.extensions.transfer_stiffness.third_octaves import (
-    LEAST_LINES,
+    MIN_LINES,
     BandMeans,
     ThirdOctave,
     assign_lines,
@@ -48,7 +48,7 @@ PREDICTED_LINES = 11
 """Lines of a predicted third octave; with the limits of a record `LEAST_LINES`."""
 _USUAL_BAND = (1.0, 100.0)
 """Hz that are predicted where no band is given."""
-_MOST_GAIN, _MOST_PHASE = 0.5, 0.5
+_MAX_GAIN, _MAX_PHASE = 0.5, 0.5
 """Relative gain error and phase error, rad, below which a measurement determines a stiffness."""
 
 
@@ -220,11 +220,11 @@ def _validate(request: _Request, seals: float) -> None:
                 f"an error of {request.errors.mass:g} kg needs a larger blocking mass: give both "
                 "(--mass, --mass-error)"
             )
-    if request.errors.gain >= _MOST_GAIN or request.errors.phase >= _MOST_PHASE:
+    if request.errors.gain >= _MAX_GAIN or request.errors.phase >= _MAX_PHASE:
         raise DataError(
             f"a gain error of {request.errors.gain:g} and a phase error of "
-            f"{request.errors.phase:g} rad determine no stiffness; expected below {_MOST_GAIN:g} "
-            f"and {_MOST_PHASE:g}"
+            f"{request.errors.phase:g} rad determine no stiffness; expected below {_MAX_GAIN:g} "
+            f"and {_MAX_PHASE:g}"
         )
 
 
@@ -245,9 +245,9 @@ def _select_lines(frf: FRF, request: _Request) -> FRF:
     """Return the lines in the band, none at 0 Hz or without a value."""
     frf = frf if request.band is None else frf.band(*request.band)
     frf = frf.only((frf.frequency > 0) & (np.abs(frf.value) > 0))
-    if len(frf.frequency) < LEAST_LINES:
+    if len(frf.frequency) < MIN_LINES:
         raise DataError(
-            f"{format_count(len(frf.frequency), 'line')} left; expected {LEAST_LINES} "
+            f"{format_count(len(frf.frequency), 'line')} left; expected {MIN_LINES} "
             "or more: widen the band (--band)"
         )
     return frf
@@ -511,7 +511,7 @@ def _compute_means(lines: _MeasuredLines, spans: Sequence[tuple[int, int]]) -> B
 def _is_blocked(transmissibility: ComplexArray | None, count: int) -> BoolArray:
     if transmissibility is None:
         return np.ones(count, dtype=bool)
-    return np.asarray(-compute_level(np.abs(transmissibility)) >= BLOCKED)
+    return np.asarray(-compute_level(np.abs(transmissibility)) >= MIN_BLOCKED_DIFFERENCE)
 
 
 def _build_band(
@@ -540,7 +540,7 @@ def _build_band(
         (lower, upper),
         None if output_motion is None else float(-compute_level(output_motion)),
         None if indirect is None else float(np.sqrt((np.abs(indirect[lines]) ** 2).mean())),
-        count >= LEAST_LINES and (exact or bool(blocked[lines].all())),
+        count >= MIN_LINES and (exact or bool(blocked[lines].all())),
         in_fit_band,
     )
 
@@ -602,7 +602,7 @@ def _predict(
     bands = list_third_octaves(low, high)
     if not bands:
         raise _make_no_band_error(np.array([low, high]))
-    count = LEAST_LINES if prepared else PREDICTED_LINES
+    count = MIN_LINES if prepared else PREDICTED_LINES
     steps = (np.arange(count) + 0.5) / count
     frequency = np.concatenate([band.low + (band.high - band.low) * steps for band in bands])
     spans = [(i * count, (i + 1) * count) for i in range(len(bands))]

@@ -15,39 +15,39 @@ from dashpot.datamodel.bounds import EndOfHold
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import SAME_TEMPERATURE
 from dashpot.fitting.checks.solid import ROUNDING, format_arm_count
-from dashpot.fitting.input_tests import SAME_DEPTH, EndStiffness
+from dashpot.fitting.input_tests import DEPTH_TOLERANCE, EndStiffness
 from dashpot.preprocessing.signal_conditioning import Filter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # per factor e of time
-MAX_FALLING = 0.03
+MAX_END_SLOPE = 0.03
 MAX_DRIFT_CORRELATION = 0.9
 MAX_METHOD_DIFFERENCE = 0.10
-MAX_APART = 3.0
+MAX_DEVIATION = 3.0
 # repeats on one seal differ by as much
 SAME_STIFFNESS = 0.02
 # a force followed to so many times its noise is; beyond the second the solid is another
-FOLLOWED_TO_NOISE = 1.75
-NOT_FOLLOWED = 10.0
+MAX_NOISE_RATIO = 1.75
+GROSS_NOISE_RATIO = 10.0
 # a k known to this part of it is known, however fast its arm
-KNOWN_K = 0.01
+MAX_K_ERROR = 0.01
 # a plate that has moved by less of the depth is at rest
-AT_REST = 1e-3
+REST_TOLERANCE = 1e-3
 # a wander of this part of the peak is noise that the limits count
-SLIGHT = 0.005
+SLIGHT_WANDER = 0.005
 # a misfit below this part of the peak force matters to no use of the solid
-FINE_ENOUGH = 1e-3
+NEGLIGIBLE_MISFIT = 1e-3
 # shapes that differ by less are the same for every use of them
 NEGLIGIBLE_DIFFERENCE = 1e-3
 # an interval of k_inf wider than this part of the stiffness left says little of it
-UNSURE = 0.5
+MAX_K_INF_WIDTH = 0.5
 
 
 # -- several tests --------------------------------------------------------------------------------
 
 
 @criterion(
-    "difference / its error", "<=", MAX_APART, "3 standard errors, and 2 % of it", grade="stop"
+    "difference / its error", "<=", MAX_DEVIATION, "3 standard errors, and 2 % of it", grade="stop"
 )
 def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
     """Tests at one compression and temperature have the same stiffness."""
@@ -77,7 +77,7 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
 
 def _is_same_condition(first: EndStiffness, second: EndStiffness) -> bool:
     """True of two tests of one depth at one temperature, as far as it is known."""
-    if abs(first.depth / second.depth - 1) > SAME_DEPTH:
+    if abs(first.depth / second.depth - 1) > DEPTH_TOLERANCE:
         return False
     if first.temperature is None or second.temperature is None:
         return True
@@ -112,7 +112,7 @@ def depth_and_time_separable(chance: float | None, deviation: float | None) -> F
 @criterion(
     "fall per factor e of time",
     "<=",
-    MAX_FALLING,
+    MAX_END_SLOPE,
     "our choice: k_inf is extrapolated by as much",
     grade="note",
 )
@@ -154,7 +154,7 @@ def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None =
 @criterion(
     "width of the 95 % interval of k(T) / k(T)",
     "<=",
-    UNSURE,
+    MAX_K_INF_WIDTH,
     "our choice; of k_inf where no hold ends",
     other_grade="stop beyond 1",
 )
@@ -242,7 +242,11 @@ def ramp_accounted_for(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> 
 
 
 @criterion(
-    "fastest tau / ramp", ">=", 0.1, f"our choice; or k known to {100 * KNOWN_K:g} %", grade="note"
+    "fastest tau / ramp",
+    ">=",
+    0.1,
+    f"our choice; or k known to {100 * MAX_K_ERROR:g} %",
+    grade="note",
 )
 def fast_arm_visible(
     model: GeneralizedMaxwell, tests: Sequence[RampHold], *, error: float = np.inf
@@ -259,7 +263,7 @@ def fast_arm_visible(
         ratio,
         "It relaxes during the ramp. Only the product b = k tau is known, not k",
         "Ramp faster, or add a hammer test.",
-        always_passes=error < KNOWN_K,
+        always_passes=error < MAX_K_ERROR,
     )
 
 
@@ -297,9 +301,9 @@ def drift_distinguished_from_arm(
 @criterion(
     "misfit / noise",
     "<=",
-    FOLLOWED_TO_NOISE,
+    MAX_NOISE_RATIO,
     "our choice; noise of at least 0.1 % of the peak",
-    other_grade=f"stop beyond {NOT_FOLLOWED:g}",
+    other_grade=f"stop beyond {GROSS_NOISE_RATIO:g}",
 )
 def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     """The model fits the force to within its noise.
@@ -307,10 +311,10 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     `residual` is of the last samples up to the end of the hold, N. What wanders slowly counts as
     noise, which the limits hold; a model that misses the noise of each sample by so much is none.
     """
-    misfit, location_text = worst_misfit(test, residual)
+    misfit, location_text = find_worst_misfit(test, residual)
     peak = float(np.abs(test.force).max())
-    of_samples = max(noise_of_force(test), FINE_ENOUGH * peak)
-    noise = max(of_samples, slow_noise(residual, peak))
+    of_samples = max(estimate_force_noise(test), NEGLIGIBLE_MISFIT * peak)
+    noise = max(of_samples, estimate_slow_noise(residual, peak))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
         f"The model misses the force by {format_quantity(misfit, 'mN', '.3g')} rms "
@@ -318,7 +322,7 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
         ratio,
         "Stiffening, friction, slip, or a late force may cause this. The arms mean nothing then",
         "Check the motion and the clocks, and repeat the test.",
-        grade="stop" if misfit > NOT_FOLLOWED * of_samples else None,
+        grade="stop" if misfit > GROSS_NOISE_RATIO * of_samples else None,
     )
 
 
@@ -327,18 +331,18 @@ def force_residual_small(test: RampHold, residual: FloatArray) -> Finding:
     "<=",
     4.0,
     "our choice: white residuals give 1",
-    other_grade=f"note up to {100 * SLIGHT:g} % of the peak",
+    other_grade=f"note up to {100 * SLIGHT_WANDER:g} % of the peak",
 )
 def residuals_steady(
     residuals: Sequence[FloatArray], *, rounding: float = 0.0, peak: float = 0.0
 ) -> Finding:
     """The residuals do not wander slowly, as drift or a missing slow arm would make them.
 
-    Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT` of the `peak`, N, the
-    limits of every stiffness count their power.
+    Those of an rms below `rounding`, N, are no measurement; up to `SLIGHT_WANDER` of the `peak`, N,
+    the limits of every stiffness count their power.
     """
-    measured = [residual for residual in residuals if _rms(residual) > rounding]
-    ratios = [wander(residual) for residual in measured if len(residual) >= 800]
+    noisy_residuals = [residual for residual in residuals if _rms(residual) > rounding]
+    ratios = [compute_wander(residual) for residual in noisy_residuals if len(residual) >= 800]
     if not ratios:
         return Finding("The residuals are too few, or only rounding, to judge slow wandering")
     return Finding(
@@ -348,7 +352,7 @@ def residuals_steady(
         "The force wanders slowly: drift, temperature, or a missed arm. The interval of the "
         "slowest arm is too narrow. Other limits count this as noise",
         "Let the load cell warm up, and repeat the test.",
-        grade="note" if max(map(_rms, measured)) <= SLIGHT * peak else None,
+        grade="note" if max(map(_rms, noisy_residuals)) <= SLIGHT_WANDER * peak else None,
     )
 
 
@@ -394,16 +398,16 @@ def hold_and_full_agree(
         full_values > ROUNDING * full_model.k_0, full_values, max(full_model.k_0, 1e-300)
     )
     difference = (hold_values - full_values) / scale
-    size = np.abs(difference)
+    magnitude = np.abs(difference)
     excess = np.abs(hold_values - full_values) > 3.0 * sigma
-    failed = excess & (size > MAX_METHOD_DIFFERENCE)
-    worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
+    failed = excess & (magnitude > MAX_METHOD_DIFFERENCE)
+    worst_index = int(np.argmax(np.where(failed, 1e9, 0.0) + magnitude))
     orders = "" if same_order else f" with {format_arm_count(hold.arms)}"
     return Finding(
-        f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
-        f"{100 * difference[worst]:+.2g} %, "
-        f"{'more' if excess[worst] else 'not more'} than noise explains",
-        float(size[worst]),
+        f"The fit of the hold alone (eq. 5){orders} changes {labels[worst_index]} by "
+        f"{100 * difference[worst_index]:+.2g} %, "
+        f"{'more' if excess[worst_index] else 'not more'} than noise explains",
+        float(magnitude[worst_index]),
         remedy="Use the fit of ramp and hold.",
         always_passes=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
@@ -479,7 +483,7 @@ def record_window(tests: Sequence[RampHold]) -> tuple[float, float]:
     )
 
 
-def wander(residual: FloatArray) -> float:
+def compute_wander(residual: FloatArray) -> float:
     """Return the mean power at 6 to 24 cycles per record over that at 60 to 240."""
     cycles, power = slow_periodogram(residual, 240)
     slow_power, medium = (
@@ -489,47 +493,55 @@ def wander(residual: FloatArray) -> float:
     return slow_power / medium if medium > 0 else 1.0
 
 
-def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
+def find_worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
     """Return the largest rms of ramp, a ramp after it, and the rest; and where, in words."""
     time = test.time[: test.hold.stop][-len(residual) :]
-    parts = (
+    located_residuals = (
         ("in the ramp", (time > test.onset) & (time <= test.ramp_end)),
         ("after the ramp", (time > test.ramp_end) & (time <= test.ramp_end + test.ramp_time)),
         ("in the hold", time > test.ramp_end + test.ramp_time),
     )
-    return largest_rms(residual, parts)
+    return find_largest_rms(residual, located_residuals)
 
 
-def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) -> tuple[float, str]:
+def find_largest_rms(
+    residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]
+) -> tuple[float, str]:
     """Return the largest rms of some parts of a residual, and the words for that part."""
     pairs = [
-        (float(np.sqrt(np.mean(residual[part] ** 2))), location)
-        for location, part in parts
-        if np.count_nonzero(part) >= 5
+        (float(np.sqrt(np.mean(residual[mask] ** 2))), location)
+        for location, mask in parts
+        if np.count_nonzero(mask) >= 5
     ]
     return max(pairs, default=(0.0, "in the record"))
 
 
-def slow_noise(residual: FloatArray, peak: float) -> float:
-    """The median rms of eight stretches of a residual, N, and no more than `SLIGHT` of the peak.
+def estimate_slow_noise(residual: FloatArray, peak: float) -> float:
+    """Return the median rms of eight stretches of a residual, N, up to a limit.
+
+    The limit is `SLIGHT_WANDER` of the peak.
 
     Slow noise does not scatter between samples, and a misfit of the ramp is in few stretches.
     """
-    parts = np.array_split(residual, 8)
-    return min(median(np.array([_rms(part) for part in parts if len(part)])), SLIGHT * peak)
+    pieces = np.array_split(residual, 8)
+    return min(
+        median(np.array([_rms(piece) for piece in pieces if len(piece)])), SLIGHT_WANDER * peak
+    )
 
 
 def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values * values)))
 
 
-def noise_of_force(test: RampHold) -> float:
+def estimate_force_noise(test: RampHold) -> float:
     """Return the noise of the force, N: the scatter between samples, and about the baseline."""
     if test.loading_start is None:
-        rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
+        unloaded_force = test.force[
+            (test.time < test.onset) & (test.displacement < REST_TOLERANCE * test.depth)
+        ]
     else:
-        rest = test.force[test.baseline_samples]
-    return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
+        unloaded_force = test.force[test.baseline_samples]
+    return max(test.force_noise, float(unloaded_force.std()) if len(unloaded_force) >= 20 else 0.0)
 
 
 def _format_changes(changes: Mapping[str, float]) -> str:

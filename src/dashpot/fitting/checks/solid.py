@@ -9,7 +9,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.plain_text import sentence
 from dashpot.base.units import format_quantity, get_display_unit
-from dashpot.datamodel.bounds import WELL_KNOWN, BandError
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.numerics.inference.model_order import (
     MAX_SE_LN_TAU,
     MIN_K_OVER_SE,
@@ -22,13 +22,13 @@ MIN_TAU_RATIO = 1.5
 # what is left of zero in a sum of stiffnesses, relative to it
 ROUNDING = 1e-12
 # an error of a loss factor beyond which its size says nothing
-FAR_OFF = 1.0
+MAX_STATED_ERROR = 1.0
 # so many independent samples beyond the parameters show the size of a noise to a third
-FREEDOM = 5.0
+MIN_DOF = 5.0
 # residuals of which no more say the same are as good as white
-SAME_TIME_FACTOR = 10.0
+MAX_KAPPA = 10.0
 # residuals of which more say the same hold a part of the curve
-CORRELATED = 20.0
+MIN_CORRELATED_KAPPA = 20.0
 
 
 @criterion(
@@ -140,25 +140,25 @@ def tau_inside_window(
     """
     low, high = window
     holds = np.less if is_closed else np.less_equal
-    outside = [tau for tau in model.tau if not (holds(low, tau) and holds(tau, high))]
+    outside_times = [tau for tau in model.tau if not (holds(low, tau) and holds(tau, high))]
     span = f"{low:.3g} s{end_names[0]} to {high:.3g} s{end_names[1]}"
-    taus_text = ", ".join(f"{tau:.3g} s" for tau in outside)
+    taus_text = ", ".join(f"{tau:.3g} s" for tau in outside_times)
     return Finding(
         f"Every relaxation time lies in what {subject} can show, {span}",
-        min(outside, default=None),
-        always_passes=bool(model.arms) and not outside,
+        min(outside_times, default=None),
+        always_passes=bool(model.arms) and not outside_times,
         failure=f"A relaxation time, {taus_text}, lies outside what {subject} can show, {span}. "
         "Only the tail of this arm was measured, so its k and tau are extrapolated",
         remedy=remedy,
         limit=high,
-        always_fails=bool(outside),
+        always_fails=bool(outside_times),
     )
 
 
 @criterion(
     "samples that count as one",
     "<=",
-    CORRELATED,
+    MIN_CORRELATED_KAPPA,
     "our choice: white residuals give 1",
     grade="note",
 )
@@ -167,17 +167,17 @@ def residuals_white(kappa: float, rms: float, noise: float | None = None) -> Fin
 
     `rms` is that of weighted residuals, or in N beside a `noise`.
     """
-    size = f"weighted residuals are {rms:.3g} rms"
+    size_text = f"weighted residuals are {rms:.3g} rms"
     cause, advice = "The model misses part of the curve", "Look at the dense spectrum."
     if noise is not None:
-        size = f"residuals are {format_quantity(rms, 'mN', '.3g')} rms"
+        size_text = f"residuals are {format_quantity(rms, 'mN', '.3g')} rms"
         if rms > 1.3 * noise:
             advice = "Try another arm, or look at the residuals."
         else:
             cause, advice = "The record was filtered, or drifts", "Use the raw record."
     count = "each sample counts" if kappa < 1.005 else f"{kappa:.3g} samples count"
     return Finding(
-        f"The {size}, and {count} as one independent sample",
+        f"The {size_text}, and {count} as one independent sample",
         kappa,
         f"The intervals are wider for it. {cause}",
         advice,
@@ -236,7 +236,7 @@ def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Findi
 
 
 @criterion(
-    "independent samples beyond the parameters", ">=", FREEDOM,
+    "independent samples beyond the parameters", ">=", MIN_DOF,
     "our choice; only if at least ten samples count as one",
 )  # fmt: skip
 def samples_independent(effective: float, parameters: int, kappa: float) -> Finding:
@@ -247,12 +247,12 @@ def samples_independent(effective: float, parameters: int, kappa: float) -> Find
         effective - parameters,
         "So few do not show how large the noise is",
         "Look at the residuals: use more arms, or reduce slow noise.",
-        always_passes=kappa < SAME_TIME_FACTOR,
+        always_passes=kappa < MAX_KAPPA,
     )
 
 
 def format_residual(rms: float, unit: str) -> str:
-    """Return what a fit leaves in words."""
+    """Return the residual of a fit as text."""
     if unit in {"N", "m"}:
         return format_quantity(rms, {"N": "mN", "m": "um"}[unit], ".3g")
     return f"{100 * rms:.3g} %" if unit == "1" else f"{rms:.3g} {unit}"
@@ -273,15 +273,17 @@ def valid_band_exists(band: tuple[float, float]) -> Finding:
     )
 
 
-@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %, over all spectra")
+@criterion(
+    "error of the loss factor", "<=", MAX_LOSS_FACTOR_ERROR, "our choice; 95 %, over all spectra"
+)
 def loss_factor_determined(band_error: BandError | None) -> Finding:
     """The loss factor is known in the valid band, for every spectrum that fits the data."""
     if band_error is None:
         return Finding("How well the loss factor is known was not computed")
     error = band_error.max_errors[1]
-    size = f"±{100 * error:.2g} %" if error < FAR_OFF else "a factor of two or worse"
+    size_text = f"±{100 * error:.2g} %" if error < MAX_STATED_ERROR else "a factor of two or worse"
     return Finding(
-        f"In the valid band the loss factor is known to {size}",
+        f"In the valid band the loss factor is known to {size_text}",
         error,
         "Arms that the data cannot show, or lines that the model misses, leave it open",
         "Use the stiffness alone, measure with less noise, or add a hammer test.",

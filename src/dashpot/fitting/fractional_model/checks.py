@@ -7,9 +7,9 @@ from dashpot.base.errors import Status
 from dashpot.datamodel.fit_diagnostics import Alternative
 
 #: frequencies at which parts of a car or a machine vibrate and are heard end about here, Hz
-HEARD = 100.0
+MAX_HEARD_FREQUENCY = 100.0
 #: a part of the stiffness, and of the loss factor, that is worth telling
-STIFFNESS_MATTERS, LOSS_MATTERS = 0.02, 0.1
+MIN_STIFFNESS_DIFFERENCE, MIN_LOSS_DIFFERENCE = 0.02, 0.1
 
 
 @criterion(
@@ -56,7 +56,10 @@ def fractional_model_suffices(ratio: float, arms: int) -> Finding:
 
 
 @criterion(
-    "frequency from which they differ, Hz", ">", HEARD, "2 % of stiffness, 10 % of loss factor"
+    "frequency from which they differ, Hz",
+    ">",
+    MAX_HEARD_FREQUENCY,
+    "2 % of stiffness, 10 % of loss factor",
 )
 def model_families_distinguished(alternative: Alternative | None) -> Finding:
     """No other family of models fits the data and predicts another response."""

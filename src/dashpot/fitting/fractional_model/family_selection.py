@@ -15,12 +15,12 @@ from dashpot.base.errors import FitError
 from dashpot.base.plain_text import sentence
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Alternative, OrderScore
-from dashpot.datamodel.parameter_estimate import ELEMENT, Profile
-from dashpot.fitting.data_blocks import FitData, solid_of
+from dashpot.datamodel.parameter_estimate import ELEMENT_PARAMETERS, Profile
+from dashpot.fitting.data_blocks import FitData, build_solid
 from dashpot.fitting.fractional_model.checks import (
-    HEARD,
-    LOSS_MATTERS,
-    STIFFNESS_MATTERS,
+    MAX_HEARD_FREQUENCY,
+    MIN_LOSS_DIFFERENCE,
+    MIN_STIFFNESS_DIFFERENCE,
     fractional_model_suffices,
     fractional_slope_determined,
     model_families_distinguished,
@@ -39,13 +39,13 @@ from dashpot.numerics.least_squares import (
     triangle,
 )
 from dashpot.numerics.log_tau_descent import Stack
-from dashpot.solids.fractional import FractionalZener, Weights, weights_at
+from dashpot.solids.fractional import FractionalZener, Weights, compute_arm_weights
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # The best fractional element in a stack of blocks, without a guess.
 #
 # At fixed relaxation times tau_i, even in ln tau, the column of an element is a sum of columns of
-# arms (:func:`~dashpot.solids.fractional.weights_at`),
+# arms (:func:`~dashpot.solids.fractional.compute_arm_weights`),
 #
 # .. math:: c(\tau, \alpha) = \sum_i w(\ln\tau_i - \ln\tau;\, \alpha)\, \varphi(\tau_i)
 #
@@ -54,17 +54,17 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # step of ln tau of the columns, and how far beyond the window of a stack they stand: an arm that
 # far out is a spring or nothing
-STEP, BEYOND = 0.2, float(np.log(1e3))
+GRID_STEP, GRID_MARGIN = 0.2, float(np.log(1e3))
 # slopes between which elements are sought: nearly a spring, and nearly an arm
-ALPHA = (0.05, 0.92)
+ALPHA_RANGE = (0.05, 0.92)
 # relaxation times are sought this far beyond the window
-SOUGHT = float(np.log(100.0))
-_SLOPES, _PER_FOLD = (0.2, 0.4, 0.6, 0.8), 1.0
+TAU_MARGIN = float(np.log(100.0))
+_START_SLOPES, _STARTS_PER_FOLD = (0.2, 0.4, 0.6, 0.8), 1.0
 _STARTS = 3
 # sizes of steps of ln tau and alpha
-_SIZES = (1.0, 0.13)
+_STEP_SIZES = (1.0, 0.13)
 # columns evaluated on every sample at once
-_AT_ONCE = 16
+_COLUMNS_PER_BATCH = 16
 
 
 class ArmColumns:
@@ -73,21 +73,21 @@ class ArmColumns:
     def __init__(self, blocks: Sequence[DataBlock]) -> None:
         self.stack = stack = Stack(blocks)
         low, high = stack.bounds
-        count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
-        self.log_tau = low - BEYOND + STEP * np.arange(count + 1.0)
+        count = int(np.ceil((high - low + 2 * GRID_MARGIN) / GRID_STEP))
+        self.log_tau = low - GRID_MARGIN + GRID_STEP * np.arange(count + 1.0)
         rows = stack.evaluate(self.log_tau, derivative=False)
         factor = triangle(rows.columns)
         q = len(stack.names)
         self.fixed, self.arms, self.target = factor[:, :q], factor[:, q:-1], factor[:, -1]
         self.restricted = stack.get_nonnegative_mask(1, signed=False)
         self.bounds = (
-            np.array([low - SOUGHT, ALPHA[0]]),
-            np.array([high + SOUGHT, ALPHA[1]]),
+            np.array([low - TAU_MARGIN, ALPHA_RANGE[0]]),
+            np.array([high + TAU_MARGIN, ALPHA_RANGE[1]]),
         )
 
     def weights(self, element: FloatArray) -> Weights:
         """Return weights of the arms that stand for an element."""
-        return weights_at(self.log_tau - element[0], float(element[1]))
+        return compute_arm_weights(self.log_tau - element[0], float(element[1]))
 
     @cached_property
     def problem(self) -> Problem:
@@ -95,27 +95,32 @@ class ArmColumns:
         low, high = self.bounds
 
         def model(theta: FloatArray) -> Rows:
-            column, *by = (self.arms @ part for part in self.weights(theta))
+            column, *by = (self.arms @ weight for weight in self.weights(theta))
             A = np.concatenate((self.fixed, column[:, None]), axis=1)
             return Rows(self.target, A, lambda beta: beta[-1] * np.column_stack(by))
 
-        return Problem(model, [*map(Parameter, low, high, _SIZES)], self.restricted)
+        return Problem(model, [*map(Parameter, low, high, _STEP_SIZES)], self.restricted)
 
     def best(self) -> Optimum:
         """Return the element that leaves least, from the best of a grid of starts."""
-        return require_optimum(self.problem, [start.theta for start in self.starts(_STARTS)])
+        return require_optimum(
+            self.problem, [start_theta.theta for start_theta in self.starts(_STARTS)]
+        )
 
     def starts(self, count: int) -> list[Optimum]:
         """Return the best points of a grid, no two of nearly the same relaxation time."""
         low, high = self.bounds
-        times = np.arange(low[0], high[0], 1 / _PER_FOLD)
+        times = np.arange(low[0], high[0], 1 / _STARTS_PER_FOLD)
         grid_optima = [
-            self.problem.solve_linear(np.array([t, slope])) for t in times for slope in _SLOPES
+            self.problem.solve_linear(np.array([t, slope]))
+            for t in times
+            for slope in _START_SLOPES
         ]
         optima: list[Optimum] = []
         for grid_optimum in sorted(grid_optima, key=lambda optimum: optimum.cost):
             if all(
-                abs(grid_optimum.theta[0] - optimum.theta[0]) > 2 / _PER_FOLD for optimum in optima
+                abs(grid_optimum.theta[0] - optimum.theta[0]) > 2 / _STARTS_PER_FOLD
+                for optimum in optima
             ):
                 optima.append(grid_optimum)
             if len(optima) == count:
@@ -127,7 +132,7 @@ class ArmColumns:
         arms = best.beta[-1] * self.weights(best.theta).value
         low, high = self.bounds
         # an edge of tau or of alpha is one of all its arms
-        edge = bool(((best.theta <= low + 1e-9) | (best.theta >= high - 1e-9)).any())
+        is_at_edge = bool(((best.theta <= low + 1e-9) | (best.theta >= high - 1e-9)).any())
         return Solution(
             log_tau=self.log_tau,
             groups=self.stack.groups,
@@ -138,9 +143,9 @@ class ArmColumns:
             samples=self.stack.samples,
             requested=len(arms),
             evaluations=0,
-            converged=best.stationary and not edge,
+            converged=best.stationary and not is_at_edge,
             relative_offset=0.0 if best.stationary else 1.0,
-            at_bound=np.full(len(arms), edge),
+            at_bound=np.full(len(arms), is_at_edge),
             bounds=self.stack.bounds,
         )
 
@@ -152,8 +157,8 @@ def fractional_jacobian(
     stack, weights = Stack(blocks), columns.weights(best.theta)
     matrix = np.stack(weights, axis=1)
     values = None
-    for first in range(0, len(columns.log_tau), _AT_ONCE):
-        part = slice(first, first + _AT_ONCE)
+    for first in range(0, len(columns.log_tau), _COLUMNS_PER_BATCH):
+        part = slice(first, first + _COLUMNS_PER_BATCH)
         rows = stack.evaluate(columns.log_tau[part], derivative=False)
         q = len(stack.names)
         if values is None:
@@ -176,11 +181,11 @@ def fractional_jacobian(
 
 
 # fall of BIC below which arms keep their place
-VERY_STRONG = 10.0
+DECISIVE_FAMILY_BIC = 10.0
 #: what distinguishes two families that explain ramps and holds, and sweeps
-RAMPS = "A faster ramp, a colder test or a hammer test"
+FAMILY_ADVICE = "A faster ramp, a colder test or a hammer test"
 # lines per decade on which two solids are compared
-_LINES = 40
+_LINES_PER_DECADE = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +228,9 @@ class FractionalFit(SelectedModel):
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the solid's parameters."""
-        return (*ELEMENT, "b") if "b" in self.solution.fixed_names else ELEMENT
+        return (
+            (*ELEMENT_PARAMETERS, "b") if "b" in self.solution.fixed_names else ELEMENT_PARAMETERS
+        )
 
     @cached_property
     def covariance(self) -> FloatArray:
@@ -233,13 +240,13 @@ class FractionalFit(SelectedModel):
         covariance = self.estimate.covariance[np.ix_(rows, rows)]
         if not np.isfinite(covariance).all():
             return np.diag(np.full(len(rows), np.inf))
-        turn = np.eye(len(rows))
-        turn[1, 0] = 1.0
-        return np.asarray(turn @ covariance @ turn.T)
+        transform = np.eye(len(rows))
+        transform[1, 0] = 1.0
+        return np.asarray(transform @ covariance @ transform.T)
 
     @property
     def is_at_edge(self) -> bool:
-        """Slope or relaxation time stands at an end of what is sought."""
+        """Whether slope or relaxation time is at an end of its range."""
         return bool(self.solution.at_bound.any())
 
     def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:  # noqa: ARG002
@@ -258,7 +265,7 @@ class FractionalFit(SelectedModel):
 
 
 def fit_fractional(data: FitData) -> FractionalFit:
-    """Return the best fractional solid of some data, whose priors weigh as their noise does.
+    """Return the best fractional solid; the weight of the priors follows the noise.
 
     Raises
     ------
@@ -325,7 +332,9 @@ class FamilySelection:
     arms: SelectedModel
     other: AlternativeFamily | None = None
 
-    def alternative(self, band: tuple[float, float], extra: str = RAMPS) -> Alternative | None:
+    def alternative(
+        self, band: tuple[float, float], extra: str = FAMILY_ADVICE
+    ) -> Alternative | None:
         """Return the other family, as a fit keeps it; `band` is what the data inform, Hz."""
         if self.other is None:
             return None
@@ -335,13 +344,13 @@ class FamilySelection:
         )
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
-        """Return what to ask of a solid that was taken beside another family."""
+        """Return the checks of a solid that was selected against another family."""
         if self.other is None:
             return ()
         check = model_families_distinguished(alternative)
         if not isinstance(self.best, FractionalFit):
             return (check,)
-        error = float(self.best.error[ELEMENT.index("alpha")])
+        error = float(self.best.error[ELEMENT_PARAMETERS.index("alpha")])
         return (
             fractional_slope_determined(error, edge=self.best.is_at_edge),
             fractional_model_suffices(self.other.residual, self.other.solid.maxwell.arms),
@@ -350,7 +359,7 @@ class FamilySelection:
 
 
 class _Contender(NamedTuple):
-    """One solid of a family: what it leaves, N^2, and how many parameters it has."""
+    """One solid of a family: its sum of squared residuals, N^2, and its number of parameters."""
 
     family: SelectedModel
     solid: Solid
@@ -358,7 +367,7 @@ class _Contender(NamedTuple):
     parameters: int
 
 
-def chosen_family(
+def select_family(
     arms: SelectedModel, family: str, fit: FractionalFit | None = None
 ) -> FamilySelection:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
@@ -382,8 +391,8 @@ def chosen_family(
 
     def is_as_good(contender: _Contender, best: _Contender) -> bool:
         value, lowest_deviance = (
-            deviance(item.sse, effective=effective, rounding_sse=rounding_sse)
-            for item in (contender, best)
+            deviance(candidate_fit.sse, effective=effective, rounding_sse=rounding_sse)
+            for candidate_fit in (contender, best)
         )
         return not is_significant_fall(
             value - lowest_deviance, max(best.parameters - contender.parameters, 1)
@@ -393,24 +402,29 @@ def chosen_family(
         # many arms leave less of few samples by chance alone
         return (contender.sse + rounding_sse) / max(effective - contender.parameters, 1.0)
 
-    single, arm_solutions = _candidate(fit), _list_orders(arms)
+    maxwell_candidate, arm_solutions = _candidate(fit), _list_orders(arms)
     selected = arm_solutions[0]
-    is_better = criterion(single) + VERY_STRONG < criterion(selected) and not fit.is_at_edge
-    best, contenders = (
-        (single, arm_solutions) if is_better or family == "fractional" else (selected, [single])
+    is_better = (
+        criterion(maxwell_candidate) + DECISIVE_FAMILY_BIC < criterion(selected)
+        and not fit.is_at_edge
     )
-    bic_limit = criterion(best) + VERY_STRONG
+    best, contenders = (
+        (maxwell_candidate, arm_solutions)
+        if is_better or family == "fractional"
+        else (selected, [maxwell_candidate])
+    )
+    bic_limit = criterion(best) + DECISIVE_FAMILY_BIC
     explain = [
-        other for other in contenders if criterion(other) < bic_limit or is_as_good(other, best)
+        rival for rival in contenders if criterion(rival) < bic_limit or is_as_good(rival, best)
     ]
-    other = (explain or contenders)[0]
+    rival = (explain or contenders)[0]
     return FamilySelection(
         best.family,
         arms,
         AlternativeFamily(
-            other.solid,
-            residual=float(np.sqrt(spread(best) / spread(other))),
-            bic=criterion(other) - criterion(best),
+            rival.solid,
+            residual=float(np.sqrt(spread(best) / spread(rival))),
+            bic=criterion(rival) - criterion(best),
             explains=bool(explain),
         ),
     )
@@ -434,7 +448,7 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
         *(
             _Contender(
                 arms,
-                solid_of(solution),
+                build_solid(solution),
                 solution.sse,
                 contender.parameters + count * (solution.order - arms.solution.order),
             )
@@ -443,10 +457,10 @@ def _list_orders(arms: SelectedModel) -> list[_Contender]:
     ]
 
 
-def with_linear_fractional(
+def add_linear_alternative(
     nonlinear_fit: Fit, residuals: Sequence[FloatArray], fit: FractionalFit
 ) -> Fit:
-    """Return a fit hold first that says what a linear fractional solid makes of the same tests.
+    """Return a nonlinear fit with a linear fractional solid as its alternative.
 
     Parameters
     ----------
@@ -457,10 +471,15 @@ def with_linear_fractional(
         Fit of the same tests.
     """
     pairs = [
-        (residual[-min(len(residual), len(other)) :], other[-min(len(residual), len(other)) :])
-        for residual, other in zip(residuals, fit.estimate.residuals, strict=True)
+        (
+            residual[-min(len(residual), len(linear_residual)) :],
+            linear_residual[-min(len(residual), len(linear_residual)) :],
+        )
+        for residual, linear_residual in zip(residuals, fit.estimate.residuals, strict=True)
     ]
-    sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
+    sse = np.array(
+        [[residual_part @ residual_part for residual_part in pair] for pair in pairs]
+    ).sum(axis=0)
     effective = fit.estimate.effective
     own_sse, other_sse = sse.tolist()
     deviance_fall = deviance(other_sse, effective=effective) - deviance(
@@ -475,18 +494,19 @@ def with_linear_fractional(
     bic_difference = deviance_fall + (len(fit.estimate.names) - parameters) * float(
         np.log(effective)
     )
-    explains = bic_difference < VERY_STRONG or not is_significant_fall(deviance_fall, 1)
-    other = build_alternative(
+    explains = bic_difference < DECISIVE_FAMILY_BIC or not is_significant_fall(deviance_fall, 1)
+    linear_alternative = build_alternative(
         nonlinear_fit.solid,
         fit.solid,
         bic_difference,
         nonlinear_fit.band,
         explains=explains,
-        extra=RAMPS,
+        extra=FAMILY_ADVICE,
     )
-    checks = (*nonlinear_fit.checks, model_families_distinguished(other))
+    checks = (*nonlinear_fit.checks, model_families_distinguished(linear_alternative))
     return replace(
-        nonlinear_fit, evidence=replace(nonlinear_fit.evidence, alternative=other, checks=checks)
+        nonlinear_fit,
+        evidence=replace(nonlinear_fit.evidence, alternative=linear_alternative, checks=checks),
     )
 
 
@@ -504,20 +524,22 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
     From the middle of `band`, what the data inform, Hz, to where parts vibrate.
     """
     # the slow half of what the data inform is of the end of the hold, not of vibration
-    low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], HEARD)
-    count = int(np.ceil(_LINES * np.log10(high / low))) + 1
+    low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], MAX_HEARD_FREQUENCY)
+    count = int(np.ceil(_LINES_PER_DECADE * np.log10(high / low))) + 1
     f = np.geomspace(low, high, count)
     indices = np.flatnonzero(_find_disagreement(first, second, f))
     return float(f[indices[0]]) if indices.size else None
 
 
-def _find_disagreement(first: Solid, second: Solid, f: FloatArray) -> FloatArray:
+def _find_disagreement(first: Solid, other_solid: Solid, f: FloatArray) -> FloatArray:
     """Return where two solids differ by more than is worth telling."""
-    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, second))
+    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, other_solid))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
     of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
-    return np.asarray((np.abs(a.real / b.real - 1) > STIFFNESS_MATTERS) | (of_loss > LOSS_MATTERS))
+    return np.asarray(
+        (np.abs(a.real / b.real - 1) > MIN_STIFFNESS_DIFFERENCE) | (of_loss > MIN_LOSS_DIFFERENCE)
+    )
 
 
 def build_alternative(
@@ -553,17 +575,17 @@ def build_alternative(
     if not explains:
         message = f"{name} does not explain the data; its BIC is {bic_difference:.3g} higher"
     elif frequency is None:
-        message = f"{both_text}. It predicts the same up to {HEARD:g} Hz"
+        message = f"{both_text}. It predicts the same up to {MAX_HEARD_FREQUENCY:g} Hz"
     else:
-        at = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
+        decade = max(10.0, 10.0 ** np.ceil(np.log10(frequency)))
         a, b = (
-            complex(item.complex_stiffness(omega=2 * np.pi * at))
-            for item in (own_solid, other_solid)
+            complex(solid.complex_stiffness(omega=2 * np.pi * decade))
+            for solid in (own_solid, other_solid)
         )
         advice = sentence(f"{extra} separates them")
         message = (
-            f"{both_text}. From {frequency:.2g} Hz on the two differ: at {at:g} Hz the loss factor "
-            f"is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
-            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
+            f"{both_text}. From {frequency:.2g} Hz on the two differ: at {decade:g} Hz the loss "
+            f"factor is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the "
+            f"other, the stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
         )
     return Alternative(other_solid, bic_difference, explains, frequency, sentence(message))

@@ -9,21 +9,23 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.errors import Status
-from dashpot.datamodel.bounds import WELL_KNOWN, BandError
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.numerics.inference.model_order import DECISIVE_BIC, MAX_SE_LN_TAU
 
-STRAINED = 2.5
-EXPLAINED = 2.0
-UNEXPLAINED = 0.1
+MAX_PRIOR_DEVIATION = 2.5
+MAX_EXPLAINED_MISFIT = 2.0
+MAX_UNEXPLAINED = 0.1
 # a squared residual so many times as large is another seal
-CONTRADICTED = 4.0
-REMEDY = Remedy("Weigh the test mass. Check number, length and compression of the seals.", "mass")
+CONTRADICTION_RATIO = 4.0
+DEFAULT_REMEDY = Remedy(
+    "Weigh the test mass. Check number, length and compression of the seals.", "mass"
+)
 _CONTRADICTION = "Hammer and relaxation test contradict each other"
 # a force missed by less than this part of its peak changes no use of the solid
-IMMATERIAL = 1e-4
+NEGLIGIBLE_FORCE = 1e-4
 # a stiffness, mass or gain this far off moves a peak by half of it
-SLIGHT = 0.05
+SLIGHT_CHANGE = 0.05
 # stiffness and loss factor are known so well in a band, a standard error
 MAX_ERROR = 0.025, 0.1
 
@@ -31,7 +33,7 @@ MAX_ERROR = 0.025, 0.1
 @criterion(
     "misfit / scatter",
     "<=",
-    EXPLAINED,
+    MAX_EXPLAINED_MISFIT,
     "our choice; 0.1 of the FRF without scatter",
     other_grade="stop beyond 20, and 0.5",
     fit_status=Status.TESTS_DISAGREE,
@@ -48,7 +50,7 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
             scale,
             reason,
             advice,
-            grade="stop" if scale > 10 * EXPLAINED else None,
+            grade="stop" if scale > 10 * MAX_EXPLAINED_MISFIT else None,
         )
     weighting_text = (
         "It has coherence but no number of hits, so the misfit gave the scatter"
@@ -60,8 +62,8 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
         scale,
         reason,
         advice,
-        limit=UNEXPLAINED,
-        grade="stop" if scale > 5 * UNEXPLAINED else None,
+        limit=MAX_UNEXPLAINED,
+        grade="stop" if scale > 5 * MAX_UNEXPLAINED else None,
     )
 
 
@@ -70,7 +72,7 @@ def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> 
     "<=",
     1.3,
     "our choice; or too little to matter",
-    other_grade=f"stop beyond {CONTRADICTED:g}",
+    other_grade=f"stop beyond {CONTRADICTION_RATIO:g}",
     fit_status=Status.TESTS_DISAGREE,
 )
 def hammer_agrees_with_relaxation_test(
@@ -86,13 +88,15 @@ def hammer_agrees_with_relaxation_test(
         "of its own fit",
         ratio,
         _CONTRADICTION,
-        REMEDY,
-        always_passes=residual_ratio < IMMATERIAL,
-        grade="stop" if ratio > CONTRADICTED else None,
+        DEFAULT_REMEDY,
+        always_passes=residual_ratio < NEGLIGIBLE_FORCE,
+        grade="stop" if ratio > CONTRADICTION_RATIO else None,
     )
 
 
-@criterion("error of the loss factor", "<=", WELL_KNOWN, "our choice; 95 %", grade="note")
+@criterion(
+    "error of the loss factor", "<=", MAX_LOSS_FACTOR_ERROR, "our choice; 95 %", grade="note"
+)
 def cables_described(band_error: BandError, peak: float) -> Finding:
     """The loss factor is known at the peak although cables and table were not described."""
     error = float(np.interp(peak, band_error.frequency, band_error.loss_factor))
@@ -105,7 +109,12 @@ def cables_described(band_error: BandError, peak: float) -> Finding:
     )
 
 
-@criterion("distance in standard deviations", "<=", STRAINED, "root mean square of all parameters")
+@criterion(
+    "distance in standard deviations",
+    "<=",
+    MAX_PRIOR_DEVIATION,
+    "root mean square of all parameters",
+)
 def hammer_agrees_with_earlier_fit(deviation: float) -> Finding:
     """The hammer test agrees with the earlier fit."""
     return Finding(
@@ -113,7 +122,7 @@ def hammer_agrees_with_earlier_fit(deviation: float) -> Finding:
         "standard deviations",
         deviation,
         _CONTRADICTION,
-        REMEDY,
+        DEFAULT_REMEDY,
     )
 
 
@@ -137,11 +146,11 @@ def tests_agree(lead: Explanation | None) -> Finding:
             "No single seal matches both tests, whatever mass, gain or stiffness is taken. "
             f"Chi-square falls by {lead.deviance_fall:.3g} at most"
         )
-    slight = lead.is_sufficient and abs(lead.relative_deviation) <= SLIGHT
+    slight = lead.is_sufficient and abs(lead.relative_deviation) <= SLIGHT_CHANGE
     return Finding(
         message,
         lead.deviance_fall,
-        remedy=REMEDY,
+        remedy=DEFAULT_REMEDY,
         always_fails=True,
         grade="limit" if slight else "stop",
     )
@@ -169,9 +178,9 @@ def _plausible(quantity: str, end_status: Status | None = None) -> Believable:
     @criterion(
         "distance in standard deviations",
         "<=",
-        STRAINED,
+        MAX_PRIOR_DEVIATION,
         source="1.2 % of normal errors are beyond",
-        other_grade=f"stop beyond {4 * STRAINED:g}",
+        other_grade=f"stop beyond {4 * MAX_PRIOR_DEVIATION:g}",
         fit_status=end_status,
         name=f"{quantity}_plausible",
         question=f"The fitted {quantity} agrees with its prior.",
@@ -182,7 +191,7 @@ def _plausible(quantity: str, end_status: Status | None = None) -> Believable:
             "standard deviations",
             abs(deviation) / sd,
             remedy=remedy,
-            grade="stop" if abs(deviation) > 4 * STRAINED * sd else None,
+            grade="stop" if abs(deviation) > 4 * MAX_PRIOR_DEVIATION * sd else None,
         )
 
     return evaluate

@@ -44,12 +44,12 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
 #: what the model lacks may decide between causes by this part of what they explain
-LACKING = 0.02
+MODEL_ERROR_SHARE = 0.02
 TOLERANCE = 1e-11
 # standard errors beyond which a stiffness is said to be another
-_OTHER = 2.0
+_MAX_STANDARD_ERRORS = 2.0
 # stiffnesses within this part of a whole multiple look like another number of seals
-_LIKE_A_COUNT = 0.1
+_COUNT_TOLERANCE = 0.1
 
 
 class DiscrepancyCause(NamedTuple):
@@ -122,7 +122,7 @@ def explain_discrepancy(
     law: ElasticLaw | None = None,
     compression: float | None = None,
 ) -> Discrepancy | None:
-    """Look for what explains both tests; None if they agree.
+    """Find the cause that explains the difference of both tests; None if they agree.
 
     Parameters
     ----------
@@ -137,12 +137,12 @@ def explain_discrepancy(
         Where the seals under the hammer were supposed to be, m.
     """
     problem = best_candidate.problem
-    single = not problem.relaxations and problem.constraints.before is None
-    if single or not is_contradicted(best_candidate):
+    hammer_only = not problem.relaxations and problem.constraints.before is None
+    if hammer_only or not is_contradicted(best_candidate):
         return None
-    before, threshold, ranked = _rank_causes(best_candidate, refit)
+    refit_candidate, threshold, ranked = _rank_causes(best_candidate, refit)
     explanations = [
-        _build_explanation(cause, candidate, before, law, compression, is_leading=not rank)
+        _build_explanation(cause, candidate, refit_candidate, law, compression, is_leading=not rank)
         for rank, (cause, candidate) in enumerate(ranked)
     ]
     if not explanations[0].is_sufficient and _find_failed_checks(best_candidate) == {
@@ -159,16 +159,19 @@ def explain_discrepancy(
         return Discrepancy(
             tuple(explanations),
             best_candidate,
-            refit_with_free_cause(before, explanations[0].name).point.model,
+            refit_with_free_cause(refit_candidate, explanations[0].name).point.model,
             problem.priors,
         )
     if rivals:
         message = f"{explanations[0].message}. It is as well explained by {', or by '.join(rivals)}"
         explanations[0] = replace(explanations[0], message=message)
-    lead = ranked[0][1]
-    fixed_problem = replace(lead.problem, priors=problem.priors)
+    leading_cause = ranked[0][1]
+    fixed_problem = replace(leading_cause.problem, priors=problem.priors)
     return Discrepancy(
-        tuple(explanations), lead, _to(fixed_problem, lead).point.model, problem.priors
+        tuple(explanations),
+        leading_cause,
+        _solve_from(fixed_problem, leading_cause).point.model,
+        problem.priors,
     )
 
 
@@ -180,39 +183,39 @@ def _rank_causes(
     All are by the line scale of the closest; two causes at once are tried where none alone does.
     """
     problem = best_candidate.problem
-    free: list[DiscrepancyCause] = []
+    free_causes: list[DiscrepancyCause] = []
     candidates: list[Candidate] = []
     for causes in (CAUSES, PAIRS):
         if all(map(is_contradicted, candidates)):
-            new = [
+            new_candidates = [
                 cause
                 for cause in causes
                 if problem.priors.priors_by_name[cause.quantity] is not None
             ]
-            free += new
-            candidates += [refit(_free_quantity(problem, cause)) for cause in new]
+            free_causes += new_candidates
+            candidates += [refit(_free_quantity(problem, cause)) for cause in new_candidates]
     scale = min(candidate.line_scale for candidate in candidates)
     candidates = [_refit_at_scale(candidate, scale) for candidate in candidates]
-    before = _refit_at_scale(best_candidate, scale)
+    refit_candidate = _refit_at_scale(best_candidate, scale)
     lowest_criterion = min(candidate.criterion for candidate in candidates)
     # an arm that the model lacks also distinguishes causes: only a decisive lead counts
     threshold = lowest_criterion + max(
-        DECISIVE_BIC, LACKING * (before.criterion - lowest_criterion)
+        DECISIVE_BIC, MODEL_ERROR_SHARE * (refit_candidate.criterion - lowest_criterion)
     )
     by = sorted(
-        zip(free, candidates, strict=True),
+        zip(free_causes, candidates, strict=True),
         key=lambda pair: (is_contradicted(pair[1]), max(pair[1].criterion, threshold)),
     )
-    return before, threshold, by
+    return refit_candidate, threshold, by
 
 
 def refit_with_free_cause(candidate: Candidate, name: str) -> Candidate:
     """The optimum of the same arms, or of the element, where the cause of that name is free."""
     cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
-    return _to(_free_quantity(candidate.problem, cause), candidate)
+    return _solve_from(_free_quantity(candidate.problem, cause), candidate)
 
 
-def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
+def _solve_from(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
     """Return the optimum of a problem from that of another."""
     return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 
@@ -227,7 +230,7 @@ def _find_failed_checks(candidate: Candidate) -> set[str]:
 
 
 def agreement(candidate: Candidate, priors: NuisancePriors | None = None) -> list[Check]:
-    """Return every check of whether one seal explains all tests under what is known of the rig.
+    """Return the checks of whether one seal explains all tests, given the priors of the rig.
 
     `priors` is that, where the candidate was found with a cause free.
     """
@@ -262,7 +265,7 @@ def _compute_excess_force(relaxation: RelaxationData, chi2: float) -> float:
 
 
 def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Check]:
-    """Return how far each nuisance had to go from what was known of it."""
+    """Return the deviation of each nuisance parameter from its prior."""
     mass = priors.mass
     pairs = [
         (checks.gain_plausible, float(np.log(point.gain)), priors.gain.sd),
@@ -277,12 +280,12 @@ def _check_rig_nuisances(point: Parameters, priors: NuisancePriors) -> list[Chec
 def _free_quantity(
     problem: IdentificationProblem, cause: DiscrepancyCause
 ) -> IdentificationProblem:
-    free = {
+    free_quantities = {
         name: (problem.priors.priors_by_name[name] or UNCHANGED)._replace(sd=np.inf)
         for name in (cause.quantity, cause.paired_stiffness)
         if name
     }
-    return replace(problem, priors=replace(problem.priors, **free))
+    return replace(problem, priors=replace(problem.priors, **free_quantities))
 
 
 def _refit_at_scale(candidate: Candidate, scale: float) -> Candidate:
@@ -335,7 +338,7 @@ def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate)
     if not cause.paired_stiffness:
         return ""
     value, error = _read_free_quantity(candidate, cause.paired_stiffness)
-    if abs(value - 1) < _OTHER * error:
+    if abs(value - 1) < _MAX_STANDARD_ERRORS * error:
         return ""
     return f". Then {_SENTENCES[cause.paired_stiffness](value, error)}"
 
@@ -346,9 +349,9 @@ def _format_stiffness_change(value: float, error: float) -> str:
 
 
 def format_seal_count_hint(value: float) -> str:
-    """Say so where the seals are as stiff as another number of them would be."""
+    """Return a hint if the stiffness would fit another number of seals."""
     times = max(value, 1 / value)
-    if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
+    if round(times) < 2 or abs(times / round(times) - 1) > _COUNT_TOLERANCE:
         return ""
     remedy = f"{round(times)} times as many seals" if value > 1 else f"one seal in {round(times)}"
     return f". So would be {remedy}"

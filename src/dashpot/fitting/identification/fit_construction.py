@@ -10,9 +10,9 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.reported_values import NORMAL
-from dashpot.datamodel.bounds import WELL_KNOWN, BandError, EndOfHold
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError, EndOfHold
 from dashpot.datamodel.fit import LINES_IN_BAND, Fit
 from dashpot.datamodel.fit_diagnostics import (
     Alternative,
@@ -39,7 +39,7 @@ from dashpot.fitting.fractional_model.checks import (
     fractional_slope_determined,
     model_families_distinguished,
 )
-from dashpot.fitting.fractional_model.family_selection import VERY_STRONG, build_alternative
+from dashpot.fitting.fractional_model.family_selection import DECISIVE_FAMILY_BIC, build_alternative
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agreement
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
@@ -60,7 +60,10 @@ from dashpot.solids.maxwell import Solid
 
 
 # what would distinguish families that explain a hammer alone, and with relaxation tests
-_ALONE, _JOINT = "a relaxation test of the seal", "a colder test or a hammer on another mass"
+_HAMMER_ADVICE, _JOINT_ADVICE = (
+    "a relaxation test of the seal",
+    "a colder test or a hammer on another mass",
+)
 
 
 class AlternativeCandidate(NamedTuple):
@@ -79,21 +82,23 @@ class AlternativeCandidate(NamedTuple):
 
     @property
     def worst_misfit_ratio(self) -> float:
-        """Root of what the best leaves of a test over what the other does, of the worst test."""
-        own_misfits, other = (_compute_misfits(candidate) for candidate in (self.best, self.other))
-        return float(np.sqrt(np.max(own_misfits / np.maximum(other, 1e-300))))
+        """Ratio of the misfits of both families, of the test where it is worst."""
+        own_misfits, other_misfits = (
+            _compute_misfits(candidate) for candidate in (self.best, self.other)
+        )
+        return float(np.sqrt(np.max(own_misfits / np.maximum(other_misfits, 1e-300))))
 
     def alternative(self, band: tuple[float, float]) -> Alternative:
         """Return the other family as a fit keeps it; `band` is what the tests inform, Hz."""
         problem, bic_difference = self.best.problem, self.other.bic - self.best.bic
-        single = not problem.relaxations and problem.constraints.before is None
+        hammer_only = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
             self.best.point.model, self.other.point.model, bic_difference, band,
-            explains=self.explains, extra=_ALONE if single else _JOINT,
+            explains=self.explains, extra=_HAMMER_ADVICE if hammer_only else _JOINT_ADVICE,
         )  # fmt: skip
 
 
-def chosen_rival(
+def select_family_rival(
     arms: Candidate, candidates: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
@@ -109,7 +114,7 @@ def chosen_rival(
     family : "fractional" or "auto"
     """
     arm_candidates = [arms, *(other for other in candidates if other.arms > arms.arms)]
-    is_better = candidate.bic + VERY_STRONG < arms.bic and not is_at_bound(candidate)
+    is_better = candidate.bic + DECISIVE_FAMILY_BIC < arms.bic and not is_at_bound(candidate)
     best, contenders = (
         (candidate, arm_candidates) if family == "fractional" or is_better else (arms, [candidate])
     )
@@ -126,10 +131,10 @@ def reselect_family(
 
 
 def is_at_bound(candidate: Candidate) -> bool:
-    """Return whether a relaxation time or a slope stands at an end of what is sought."""
+    """Return whether a relaxation time or a slope is at an end of its range."""
     problem = candidate.problem
-    numbers = candidate.theta[: problem.sought.size]
-    return is_at_edge(problem.sought, numbers, problem.log_tau_range)
+    numbers = candidate.theta[: problem.parametrisation.size]
+    return is_at_edge(problem.parametrisation, numbers, problem.log_tau_range)
 
 
 def family_checks(
@@ -137,7 +142,7 @@ def family_checks(
 ) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
     all_checks = []
-    if isinstance(best.problem.sought, FractionalElement):
+    if isinstance(best.problem.parametrisation, FractionalElement):
         all_checks.append(
             fractional_slope_determined(
                 float(np.sqrt(best.covariance[3, 3])), edge=is_at_bound(best)
@@ -159,7 +164,7 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
     extra_parameters = len(best.theta) - len(rival.theta)
     bic_difference = rival.bic - best.bic
     deviance_fall = bic_difference + extra_parameters * float(np.log(best.samples))
-    return bic_difference < VERY_STRONG or not is_significant_fall(
+    return bic_difference < DECISIVE_FAMILY_BIC or not is_significant_fall(
         deviance_fall, max(extra_parameters, 1)
     )
 
@@ -199,8 +204,8 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
         stack_real_rows(_compute_rig_doubts(best, rig) / problem.frf_data.sd[:, None])
         / problem.scale
     )
-    first = sum(len(rows) for rows in best.model_prediction.tests)
-    slope = best.model_prediction.slope[first : first + len(rows)]
+    row_count = sum(len(rows) for rows in best.model_prediction.tests)
+    slope = best.model_prediction.slope[row_count : row_count + len(rows)]
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
     return np.asarray(covariance @ (slope.T @ rows))
 
@@ -226,22 +231,22 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     if error <= 0:
         return line_slopes
     step = _DECAY_STEP * error
-    shifted = (
+    shifted_windows = (
         replace(data, lines=replace(data.lines, shift=data.lines.shift + change))
         for change in (step, -step)
     )
-    raised, lowered = (
+    raised_lines, lowered_lines = (
         item.predict(item.response(point.seal_under_hammer, point.mass), point.gain, point.delay)
-        for item in shifted
+        for item in shifted_windows
     )
-    return np.column_stack((line_slopes, error * (raised - lowered) / (2 * step)))
+    return np.column_stack((line_slopes, error * (raised_lines - lowered_lines) / (2 * step)))
 
 
 # Construction of a fit: errors, nuisances, changes.
 
 
 # arms nearer than this in ln tau are the same arm
-SAME = 1.0
+SAME_ARM_DISTANCE = 1.0
 
 
 def build_identified_fit(
@@ -266,34 +271,36 @@ def build_identified_fit(
     `doubtful_tests` are its tests with all that their rigs may have done without a trace.
     """
     point, covariance = best.point, best.covariance
-    names, values, physical = _physical(best)
-    unmeasured = _compute_rig_sensitivity(best, physical, doubtful_tests, rig)
+    names, values, physical = _compute_physical_parameters(best)
+    rig_sensitivity = _compute_rig_sensitivity(best, physical, doubtful_tests, rig)
     if discrepancy is not None:
         # which of the two solids is right is a doubt of its own
-        physical = physical + np.outer(*[values - _physical(best, discrepancy.other)[1]] * 2)
-    residual, samples = _residual(best)
-    band = data_band(best, earlier_fit)
-    other = None if family_rival is None else family_rival.alternative(band)
+        physical = physical + np.outer(
+            *[values - _compute_physical_parameters(best, discrepancy.other)[1]] * 2
+        )
+    residual, samples = _compute_residual(best)
+    band = compute_data_band(best, earlier_fit)
+    alternative = None if family_rival is None else family_rival.alternative(band)
     estimate = ParameterEstimate(
         names,
         physical,
         dof=max(samples - len(best.theta), 1.0),
         residual=residual,
-        nuisance=_nuisance(best, covariance),
+        nuisance=_list_nuisances(best, covariance),
     )
     in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
     errors = (np.inf, np.inf)
-    if earlier_fit is None and isinstance(best.problem.sought, Arms):
+    if earlier_fit is None and isinstance(best.problem.parametrisation, Arms):
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
-        *_checks(best, covariance, earlier_fit, discrepancy, errors),
-        *family_checks(best, family_rival, other),
+        *_run_checks(best, covariance, earlier_fit, discrepancy, errors),
+        *family_checks(best, family_rival, alternative),
         *dashpot,
     )
-    of_noise, estimate = estimate, estimate.with_rig(unmeasured)
+    of_noise, estimate = estimate, estimate.with_rig(rig_sensitivity)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
     all_checks = (*all_checks, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
-    end = end_of_data(best, earlier_fit, estimate)
+    end_of_hold = compute_end_of_data(best, earlier_fit, estimate)
     law = None if earlier_fit is None else earlier_fit.elastic_law
     return build_fit(
         SolidEstimate(
@@ -308,16 +315,16 @@ def build_identified_fit(
             checks=all_checks,
             parameter_changes=()
             if fit is None
-            else _compare_parameters(fit, point.model, names, physical, end),
+            else _compare_parameters(fit, point.model, names, physical, end_of_hold),
             explanations=() if discrepancy is None else discrepancy.explanations,
-            alternative=other,
-            end_of_hold=end,
+            alternative=alternative,
+            end_of_hold=end_of_hold,
             band_error=known_there,
         ),
         Provenance(
             "joint" if tests or earlier_fit is not None else "frf",
-            (*frf.source, *sources_of(tests)),
-            (*frf.steps, *steps_of(tests), _step(best)),
+            (*frf.source, *list_sources(tests)),
+            (*frf.steps, *list_steps(tests), _make_step(best)),
             _specimen(tests, earlier_fit),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
@@ -325,10 +332,10 @@ def build_identified_fit(
     )
 
 
-def end_of_data(
+def compute_end_of_data(
     best: Candidate, earlier_fit: Fit | None, estimate: ParameterEstimate
 ) -> EndOfHold | None:
-    r"""Return what the tests leave open of the stiffness at rest; None where nothing bounds it.
+    r"""Return the limits of the stiffness at rest; None if no test limits it.
 
     A hammer says nothing of it: with a hold it is what the hold leaves. Of vibration alone it is at
     most the storage at the lowest line, :math:`k_\infty \le K'(\omega_1)`, for
@@ -372,11 +379,11 @@ def _specimen(tests: Sequence[RampHold], earlier_fit: Fit | None) -> Specimen:
     return Specimen() if earlier_fit is None else earlier_fit.specimen
 
 
-def _physical(
+def _compute_physical_parameters(
     best: Candidate, model: Solid | None = None
 ) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Names, values and covariance of the solid's parameters; values of another model, if given."""
-    problem, parametrisation = best.problem, best.problem.sought
+    problem, parametrisation = best.problem, best.problem.parametrisation
 
     def physical(theta: FloatArray) -> FloatArray:
         b = [np.exp(theta[problem.index["b"]])] if problem.dashpot else []
@@ -408,23 +415,25 @@ def _compute_rig_sensitivity(
     all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
     was moved by.
     """
-    size = len(covariance)
-    gradients = [data.compute_rig_gradient(best.point.model)[:size] for data in doubtful_tests]
-    before = best.problem.constraints.before
-    if before is not None and best.problem.earlier is not None:
+    parameter_count = len(covariance)
+    gradients = [
+        data.compute_rig_gradient(best.point.model)[:parameter_count] for data in doubtful_tests
+    ]
+    prior = best.problem.constraints.before
+    if prior is not None and best.problem.earlier is not None:
         earlier_indices, _, root = best.problem.earlier
-        gradients.append(np.zeros((size, len(earlier_indices))))
+        gradients.append(np.zeros((parameter_count, len(earlier_indices))))
         gradients[-1][earlier_indices] = np.linalg.solve(
-            root @ root.T, _compute_rig_covariance_root(before, best)
+            root @ root.T, _compute_rig_covariance_root(prior, best)
         )
-    of_hammer = _slope_of_physical(best) @ compute_hammer_rig_sensitivity(best, rig)
+    of_hammer = _differentiate_physical_parameters(best) @ compute_hammer_rig_sensitivity(best, rig)
     indices = np.where(np.isfinite(covariance), covariance, 0.0)
     return np.hstack([*(indices @ gradient for gradient in gradients), of_hammer])
 
 
-def _slope_of_physical(best: Candidate) -> FloatArray:
+def _differentiate_physical_parameters(best: Candidate) -> FloatArray:
     """Return derivative of the solid's parameters by the flat vector."""
-    problem, parametrisation = best.problem, best.problem.sought
+    problem, parametrisation = best.problem, best.problem.parametrisation
     slope = np.zeros((parametrisation.size + problem.dashpot, len(best.theta)))
     slope[: parametrisation.size, : parametrisation.size] = parametrisation.physical(
         best.theta[: parametrisation.size]
@@ -443,7 +452,7 @@ def _compute_rig_covariance_root(earlier_fit: Fit, best: Candidate) -> FloatArra
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-def _residual(best: Candidate) -> tuple[Residual, float]:
+def _compute_residual(best: Candidate) -> tuple[Residual, float]:
     lines, relaxations = 2 * len(best.problem.frf_data.lines.s), best.problem.relaxations
     effective = lines + sum(relaxation.samples for relaxation in relaxations)
     n = lines + sum(relaxation.block.samples for relaxation in relaxations)
@@ -496,7 +505,7 @@ def _find_loss_factor_band(
     full_errors, noise = errors_by(estimate), errors_by(of_noise)
     # an error by a covariance costs little: so many lines place the ends to a few per cent
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
-    errors = full_errors if full_errors(peak)[1] <= WELL_KNOWN else noise
+    errors = full_errors if full_errors(peak)[1] <= MAX_LOSS_FACTOR_ERROR else noise
     values, band_error = find_loss_factor_band(
         errors, band, {line: errors(line) for line in lines}, included_line=peak
     )
@@ -510,7 +519,7 @@ def _find_loss_factor_band(
     )
 
 
-def data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
+def compute_data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
     """Return the valid band: an octave about the peak, and that of the relaxation test."""
     frf_data = best.problem.frf_data
     low = max(frf_data.peak_hz / 2, float(frf_data.lines.frequency[0]))
@@ -520,8 +529,8 @@ def data_band(best: Candidate, earlier: Fit | None) -> tuple[float, float]:
     )
 
 
-def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
-    at, point = best.problem.index, best.point
+def _list_nuisances(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
+    index, point = best.problem.index, best.point
     items = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
     items += [
         (title, name, "1")
@@ -531,13 +540,13 @@ def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
     nuisances = []
     for title, name, unit in items:
         value = float(getattr(point, name))
-        number = covariance[at[name], at[name]] if name in at else 0.0
+        number = covariance[index[name], index[name]] if name in index else 0.0
         scale = DELAY_UNIT if name == "delay" else value
         nuisances.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
     return tuple(nuisances)
 
 
-def _step(best: Candidate) -> Step:
+def _make_step(best: Candidate) -> Step:
     frf_data, relaxations = best.problem.frf_data, best.problem.relaxations
     return Step(
         "identify",
@@ -563,7 +572,7 @@ def _compare_parameters(
     """Return each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
     of_noise = earlier_fit.estimate.noise_only.covariance
-    old, new = (
+    old_errors, new_errors = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
         for rows, matrix in ((earlier_fit.estimate.parameters, of_noise), (names, covariance))
     )
@@ -577,12 +586,12 @@ def _compare_parameters(
             )
         ]  # fmt: skip
     else:
-        first, last = earlier_fit.model, solid.maxwell
-        rows = [("k_inf", "N/m", first.k_inf, "k_inf", last.k_inf, "k_inf")]
-        partner = _partners(first.tau, last.tau)
-        for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
+        old_model, new_model = earlier_fit.model, solid.maxwell
+        rows = [("k_inf", "N/m", old_model.k_inf, "k_inf", new_model.k_inf, "k_inf")]
+        partner = _match_arms(old_model.tau, new_model.tau)
+        for j, (k, tau) in enumerate(zip(new_model.k, new_model.tau, strict=True)):
             i = partner.get(j)
-            k0, tau0 = (None, None) if i is None else (first.k[i], first.tau[i])
+            k0, tau0 = (None, None) if i is None else (old_model.k[i], old_model.tau[i])
             arm_number = 0 if i is None else i + 1
             rows.append((f"k_{j + 1}", "N/m", k0, f"k_{arm_number}", k, f"k_{j + 1}"))
             rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{arm_number}", tau, f"ln_tau_{j + 1}"))
@@ -611,8 +620,8 @@ def _compare_parameters(
             continue
         reference = (
             None
-            if value_before is None or error_before not in old
-            else error(old, error_before, value_before)
+            if value_before is None or error_before not in old_errors
+            else error(old_errors, error_before, value_before)
         )
         changes.append(
             ParameterChange(
@@ -620,36 +629,36 @@ def _compare_parameters(
                 value_before,
                 reference,
                 value_after,
-                error(new, error_after, value_after),
+                error(new_errors, error_after, value_after),
                 unit,
             )
         )
     return tuple(changes)
 
 
-def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
-    """New arm -> old arm, nearest pairs first, none farther apart than a factor e."""
+def _match_arms(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
+    """Return the old arm of each new arm: nearest pairs first, within a factor e."""
     pairs = sorted((abs(np.log(a / b)), i, j) for i, a in enumerate(old) for j, b in enumerate(new))
     entries: dict[int, int] = {}
     for distance, i, j in pairs:
-        if distance < SAME and j not in entries and i not in entries.values():
+        if distance < SAME_ARM_DISTANCE and j not in entries and i not in entries.values():
             entries[j] = i
     return entries
 
 
-def _checks(
+def _run_checks(
     best: Candidate,
     covariance: FloatArray,
     earlier_fit: Fit | None,
     discrepancy: Discrepancy | None,
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
-    lead = None if discrepancy is None else discrepancy.explanations[0]
+    leading_explanation = None if discrepancy is None else discrepancy.explanations[0]
     all_checks = [optimum_found(stationary=best.optimum.stationary)]
     requested_checks = agreement(best, None if discrepancy is None else discrepancy.priors)
     if earlier_fit is not None:
-        check = checks.tests_agree(lead)
-        if lead is not None and lead.is_sufficient:
+        check = checks.tests_agree(leading_explanation)
+        if leading_explanation is not None and leading_explanation.is_sufficient:
             # what follows from the cause is no graver than the cause
             requested_checks = [
                 replace(requested_check, grade=check.grade)
@@ -659,12 +668,12 @@ def _checks(
             ]
         all_checks.append(check)
     all_checks += requested_checks
-    if isinstance(best.problem.sought, Arms):
-        arms = best.problem.sought.count
-        worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
-        new = 0 if earlier_fit is None else arms - earlier_fit.model.arms
+    if isinstance(best.problem.parametrisation, Arms):
+        arms = best.problem.parametrisation.count
+        largest_error = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
+        new_arms = 0 if earlier_fit is None else arms - earlier_fit.model.arms
         resolved_check = checks.arms_identified(
-            arms, worst, unknown=best.unknown, new=new, in_band=in_band
+            arms, largest_error, unknown=best.unknown, new=new_arms, in_band=in_band
         )
         all_checks.append(resolved_check)
     return tuple(all_checks)

@@ -13,15 +13,15 @@ from dashpot.numerics.least_squares import stack_real_rows
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import Response
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.modal.pole_fit import FLOOR
+from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 # lines within this factor of the peak are fitted unless a band is given
-AROUND_THE_PEAK = 3.0
-FEWEST_LINES = 8
+PEAK_BAND_FACTOR = 3.0
+MIN_LINES = 8
 # a relaxation time can be determined up to so many times beyond the lines, and farther where the
 # lines are better known than any that were measured: of an arm so slow they show k/tau alone, but
 # for a part of (omega tau)^-2, which must stand so far above what is left of them
-REACH, FARTHEST, ABOVE = 10.0, 3e3, 100.0
+TAU_REACH, MAX_TAU_REACH, TAU_SIGNAL_RATIO = 10.0, 3e3, 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +54,13 @@ class FRFData:
     peak_hz: float
     kind: Kind = Kind.ACCELERANCE
     weighed_mass: float | None = None
-    reach: float = REACH
+    reach: float = TAU_REACH
 
-    def reaching(self, remainder: float) -> FRFData:
+    def extend_reach(self, remainder: float) -> FRFData:
         """Return the data with the reach at which a part of that size stays unexplained."""
-        slowest_factor = min(max(1 / np.sqrt(ABOVE * max(remainder, 1e-300)), REACH), FARTHEST)
+        slowest_factor = min(
+            max(1 / np.sqrt(TAU_SIGNAL_RATIO * max(remainder, 1e-300)), TAU_REACH), MAX_TAU_REACH
+        )
         return replace(self, reach=float(slowest_factor))
 
     def response(self, model: Solid, mass: float) -> Response:
@@ -76,9 +78,9 @@ class FRFData:
         :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale;
         of a sensor between both ends, :math:`g\,e^{-s d}\,m A / m_0`.
         """
-        share, base = self._over_base(response.mass)
+        relative_motion, base = self._over_base(response.mass)
         line_gain = gain * np.exp(-self.lines.s * delay)
-        return np.asarray(line_gain * (share * response.accelerance - base) + base)
+        return np.asarray(line_gain * (relative_motion * response.accelerance - base) + base)
 
     def slopes(
         self, response: Response, gain: float, delay: float, columns: ComplexArray
@@ -87,14 +89,14 @@ class FRFData:
 
         `columns` is that of the accelerance by those parameters, shape (n, q).
         """
-        share, base = self._over_base(response.mass)
+        relative_motion, base = self._over_base(response.mass)
         line_gain = gain * np.exp(-self.lines.s * delay)
-        moving = line_gain * share * response.accelerance
+        moving = line_gain * relative_motion * response.accelerance
         moving_part = moving - line_gain * base
-        extra = moving if self.weighed_mass is not None else 0 * moving
+        mass_slope = moving if self.weighed_mass is not None else 0 * moving
         return (
-            (line_gain * share)[:, None] * columns,
-            extra,
+            (line_gain * relative_motion)[:, None] * columns,
+            mass_slope,
             moving_part,
             -self.lines.s * moving_part,
         )
@@ -149,7 +151,7 @@ class FRFData:
         )
 
 
-def frf_data_of(
+def select_frf_data(
     frf: FRF, *, seals: float, band: tuple[float, float] | None, mass: float | None = None
 ) -> FRFData:
     """Choose the lines of an FRF that a mass on seals can explain.
@@ -164,24 +166,28 @@ def frf_data_of(
         raise DataError(
             "a transmissibility gives the stiffness over the mass, and neither alone: give the mass"
         )
-    measured = frf.to(Kind.ACCELERANCE, mass=mass)
-    peak = find_peak(measured if band is None else measured.band(*band)).frequency
-    low, high = (peak / AROUND_THE_PEAK, peak * AROUND_THE_PEAK) if band is None else band
-    keep = measured.usable & (measured.frequency >= low) & (measured.frequency <= high)
-    if np.count_nonzero(keep) < FEWEST_LINES:
+    accelerance = frf.to(Kind.ACCELERANCE, mass=mass)
+    peak = find_peak(accelerance if band is None else accelerance.band(*band)).frequency
+    low, high = (peak / PEAK_BAND_FACTOR, peak * PEAK_BAND_FACTOR) if band is None else band
+    keep = accelerance.usable & (accelerance.frequency >= low) & (accelerance.frequency <= high)
+    if np.count_nonzero(keep) < MIN_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} usable lines between {low:.4g} and {high:.4g} Hz; a model "
-            f"needs at least {FEWEST_LINES}, and the FRF has lines from {frf.frequency[0]:.3g} to "
+            f"needs at least {MIN_LINES}, and the FRF has lines from {frf.frequency[0]:.3g} to "
             f"{frf.frequency[-1]:.4g} Hz: widen --band, or record longer for more lines"
         )
-    lines = measured.only(keep)
-    scatter, size = lines.random_sd, np.abs(lines.value)
+    lines = accelerance.only(keep)
+    scatter, magnitude = lines.random_sd, np.abs(lines.value)
     has_scatter = scatter is not None
     if scatter is None and lines.single_average_sd is not None:
         # of an unknown number of hits: the lines' shares of the misfit, which shows its size
-        share = np.hypot(lines.single_average_sd / size, FLOOR)
-        scatter = size * share / np.sqrt(np.mean(share**2))
-    sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
+        relative_scatter = np.hypot(lines.single_average_sd / magnitude, MIN_LINE_ERROR)
+        scatter = magnitude * relative_scatter / np.sqrt(np.mean(relative_scatter**2))
+    sd = (
+        _size(lines, frf.quantity, mass)
+        if scatter is None
+        else np.hypot(scatter, MIN_LINE_ERROR * magnitude)
+    )
     rig_mass = mass if over_base else None
     return FRFData(lines, sd, has_scatter, float(seals), peak, frf.quantity, rig_mass)
 

@@ -26,10 +26,10 @@ from dashpot.fitting.identification.discrepancy_causes import (
 from dashpot.fitting.identification.fit_construction import (
     AlternativeCandidate,
     build_identified_fit,
-    chosen_rival,
     reselect_family,
+    select_family_rival,
 )
-from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
+from dashpot.fitting.identification.frf_data import MAX_TAU_REACH, select_frf_data
 from dashpot.fitting.identification.likelihood import (
     Candidate,
     IdentificationProblem,
@@ -37,7 +37,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.identification.parametrisation import (
-    GONE,
+    MIN_STIFFNESS_SHARE,
     Arms,
     FractionalElement,
     with_dashpot,
@@ -61,17 +61,17 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a criterion this much above the best ends the search for more arms
-WORSE = 6.0
+MAX_CRITERION_RISE = 6.0
 # a fractional element lies in a narrow valley of slope and relaxation time: so many starts along it
 ELEMENT_STARTS = 4
 # steps after which the best of them are known, and how many are then taken to the end
-ROUGH, FINISHED = 25, 2
+ROUGH_STEPS, FINISHED_STARTS = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 COARSE_TOLERANCE, FINE_TOLERANCE = 1e-9, 1e-13
 # fall of chi-square over a whole descent: along a valley so flat the optimum is no better known
-SETTLED = 0.5
+SETTLED_FALL = 0.5
 # a larger number of arms that leaves so many times what the last one leaves
-ASTRAY = 1.01
+FAILED_DESCENT_RATIO = 1.01
 
 
 def identify(
@@ -150,30 +150,32 @@ def identify(
     mass, compression = convert_to_si(mass, "mass"), convert_to_si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
-    frf_data = frf_data_of(
+    frf_data = select_frf_data(
         frf, seals=require_seals(seals), band=si_range(band, "frequency"), mass=mass
     )
-    before = find_prior_tests(
+    prior_tests = find_prior_tests(
         records, fit, convert_to_si(temperature, "temperature"), family, bench
     )
-    point = find_operating_point(before.primary_fit, mass, seals, compression)
-    priors, constraints = make_priors(mass, rig, point), make_constraints(known, before)
-    full_problem = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
+    point = find_operating_point(prior_tests.primary_fit, mass, seals, compression)
+    priors, constraints = make_priors(mass, rig, point), make_constraints(known, prior_tests)
+    full_problem = IdentificationProblem(prior_tests.relaxations, frf_data, priors, constraints)
     parallel_dashpot = known.parallel_dashpot
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
-    numbers = list_arm_counts(arms, before.arms)
-    problems = _reaching(problems, max(numbers))
-    best, candidates, family_rival = _best(problems, numbers, before, family)
+    numbers = list_arm_counts(arms, prior_tests.arms)
+    problems = _extend_reach(problems, max(numbers))
+    best, candidates, family_rival = _select_best(problems, numbers, prior_tests, family)
     scale = best.line_scale
-    final = _last_descent(replace(best.problem, scale=scale), best.theta)
-    earlier_fit = before.primary_fit
+    final_optimum = _run_final_descent(replace(best.problem, scale=scale), best.theta)
+    earlier_fit = prior_tests.primary_fit
     element = (
-        before.fractional_fit if isinstance(best.problem.sought, FractionalElement) else before.arms
+        prior_tests.fractional_fit
+        if isinstance(best.problem.parametrisation, FractionalElement)
+        else prior_tests.arms
     )
     discrepancy = explain_discrepancy(
-        final,
-        lambda problem: _solve_from_start(problem, final.point, numbers, element),
+        final_optimum,
+        lambda problem: _solve_from_start(problem, final_optimum.point, numbers, element),
         law=None if earlier_fit is None else earlier_fit.elastic_law,
         compression=None if point is None else point.compression,
     )
@@ -183,17 +185,17 @@ def identify(
             lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
     orders = [candidate.copy_with_scale(scale) for candidate in candidates]
-    if discrepancy is not None and discrepancy.candidate is not final:
+    if discrepancy is not None and discrepancy.candidate is not final_optimum:
         # what explains both tests chose its arms anew
-        final, orders = discrepancy.candidate, [discrepancy.candidate]
+        final_optimum, orders = discrepancy.candidate, [discrepancy.candidate]
     solid = build_identified_fit(
-        final,
+        final_optimum,
         orders,
         frf=frf,
         tests=records,
         earlier_fit=earlier_fit,
         fit=element,
-        doubtful_tests=before.doubtful,
+        doubtful_tests=prior_tests.doubtful,
         request=arms,
         requested_arms=max(numbers),
         discrepancy=discrepancy,
@@ -201,33 +203,33 @@ def identify(
         # where two tests disagree, a dashpot only hides it
         dashpot=()
         if discrepancy
-        else (_dashpot_missed(best, element), *_arms_enough(best, arms, element)),
+        else (_check_dashpot(best, element), *_check_arm_count(best, arms, element)),
         rig=rig,
     )
-    return _with_choices(solid, bench)
+    return _record_choices(solid, bench)
 
 
-def _with_choices(fit: Fit, bench: FitOptions) -> Fit:
+def _record_choices(fit: Fit, bench: FitOptions) -> Fit:
     """Return a fit whose last step names how its relaxation tests were fitted, if that was said."""
     if not bench.choices:
         return fit
-    *earlier_steps, last = fit.steps
+    *earlier_steps, last_step = fit.steps
     stated_values = tuple((f"test {name}", str(value)) for name, value in bench.choices.items())
-    step = replace(last, parameters=(*last.parameters, *stated_values))
+    step = replace(last_step, parameters=(*last_step.parameters, *stated_values))
     return replace(fit, provenance=replace(fit.provenance, steps=(*earlier_steps, step)))
 
 
-def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
+def _run_final_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidate:
     """The optimum from near it, to the last digit; or where a whole descent lowers nothing more.
 
     A slow arm and k_inf may trade along a valley without an end, which vibration cannot
     distinguish.
     """
-    final = descend(problem, theta, tolerance=FINE_TOLERANCE)
-    if final.optimum.stationary:
-        return final
-    candidate = descend(problem, final.theta, tolerance=FINE_TOLERANCE)
-    is_settled = final.cost - candidate.cost <= SETTLED
+    optimum = descend(problem, theta, tolerance=FINE_TOLERANCE)
+    if optimum.optimum.stationary:
+        return optimum
+    candidate = descend(problem, optimum.theta, tolerance=FINE_TOLERANCE)
+    is_settled = optimum.cost - candidate.cost <= SETTLED_FALL
     stationary = candidate.optimum.stationary or bool(is_settled)
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
@@ -235,7 +237,7 @@ def _last_descent(problem: IdentificationProblem, theta: FloatArray) -> Candidat
 # -- the best solid of either family ----------------------------------------------------------
 
 
-def _best(
+def _select_best(
     problems: Sequence[IdentificationProblem],
     numbers: Sequence[int],
     prior_tests: PriorTests,
@@ -247,10 +249,10 @@ def _best(
         # an earlier fit of four parameters is no prior of arms
         return candidate, [], None
     candidates = _solve_every_order(problems, numbers, prior_tests.arms)
-    best = _chosen(candidates)
+    best = _select_candidate(candidates)
     if candidate is None:
         return best, candidates, None
-    family_rival = chosen_rival(best, candidates, candidate, family)
+    family_rival = select_family_rival(best, candidates, candidate, family)
     return family_rival.best, candidates if family_rival.best is best else [], family_rival
 
 
@@ -260,13 +262,14 @@ def _fit_fractional(
     """Return the best fractional element, from the linear start of dynamic stiffness."""
     element, attempts = FractionalElement.from_relaxations(prior_tests.relaxations), []
     for problem in (
-        replace(identification_problem, sought=element) for identification_problem in problems
+        replace(identification_problem, parametrisation=element)
+        for identification_problem in problems
     ):
         starts = []
         columns = ArmColumns(_stiffness_blocks(problem))
         for grid_start in (columns.best(), *columns.starts(ELEMENT_STARTS)):
-            *rest, k = grid_start.beta.tolist()
-            fixed = dict(zip(columns.stack.names, rest, strict=True))
+            *fixed_coefficients, k = grid_start.beta.tolist()
+            fixed = dict(zip(columns.stack.names, fixed_coefficients, strict=True))
             k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
             tau, alpha = float(np.exp(grid_start.theta[0])), float(grid_start.theta[1])
             solid = FractionalZener(k_inf + k, k_inf, tau, alpha, b)
@@ -275,20 +278,20 @@ def _fit_fractional(
             prior_tests.fractional_fit.solid, FractionalZener
         ):
             starts.append((prior_tests.fractional_fit.solid, starts[0][1]))
-        rough = [
+        rough_optima = [
             descend(
                 problem,
                 problem.pack(_start(problem, *start)),
                 tolerance=COARSE_TOLERANCE,
-                max_steps=ROUGH,
+                max_steps=ROUGH_STEPS,
             )
             for start in starts
             if start[1] > 0 and start[0].k_0 > 0
         ]
-        rough.sort(key=lambda candidate: candidate.cost)
+        rough_optima.sort(key=lambda candidate: candidate.cost)
         attempts += [
             descend(problem, candidate.theta, tolerance=COARSE_TOLERANCE)
-            for candidate in rough[:FINISHED]
+            for candidate in rough_optima[:FINISHED_STARTS]
         ]
     if not attempts:
         raise FitError("no fractional model explains the FRF; widen --band, or fit arms")
@@ -303,22 +306,24 @@ def _solve_every_order(
 ) -> list[Candidate]:
     """Return the optimum for every number of arms, or for fewer where the data reject so many."""
     candidates = [
-        best for problem in problems for best in _candidates(problem, numbers, earlier_fit)
+        optimum
+        for problem in problems
+        for optimum in _fit_candidates(problem, numbers, earlier_fit)
     ]
     fewest_arms = 0 if problems[0].constraints.before is not None else min(numbers)
     while not candidates and fewest_arms > 0:
         fewest_arms -= 1
         candidates = [
-            best
+            optimum
             for problem in problems
-            for best in _candidates(problem, [fewest_arms], earlier_fit)
+            for optimum in _fit_candidates(problem, [fewest_arms], earlier_fit)
         ]
     if not candidates:
         raise FitError("no model with arms of positive stiffness explains the FRF; widen --band")
     return candidates
 
 
-def _candidates(
+def _fit_candidates(
     whole_problem: IdentificationProblem,
     numbers: Sequence[int],
     earlier_fit: Fit | None,
@@ -336,23 +341,23 @@ def _candidates(
     )
     candidates: list[Candidate] = []
     for number in numbers:
-        problem = replace(whole_problem, sought=Arms(number))
+        problem = replace(whole_problem, parametrisation=Arms(number))
         # found one after another, in the order of `numbers`: no more of them than are tried
         starts = next((points for arms, points in linear if arms == number), [])
-        best = _lowest(problem, [*starts, *_spread(problem, earlier_fit)])
+        best = _find_lowest_optimum(problem, [*starts, *_spread_arms(problem, earlier_fit)])
         # more arms explain no less: where they do, their optimum was not found
-        if best.problem.sought.is_complete(best.point.model) and not (
-            candidates and best.cost > ASTRAY * candidates[-1].cost
+        if best.problem.parametrisation.is_complete(best.point.model) and not (
+            candidates and best.cost > FAILED_DESCENT_RATIO * candidates[-1].cost
         ):
             candidates.append(best)
         lowest_bic = min((candidate.bic for candidate in candidates), default=np.inf)
-        if candidates and (candidates[-1].exact or best.bic > lowest_bic + WORSE):
+        if candidates and (candidates[-1].exact or best.bic > lowest_bic + MAX_CRITERION_RISE):
             break
     return candidates
 
 
-def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
-    """Return the lowest optimum from several starts, or the first that nothing is left of."""
+def _find_lowest_optimum(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
+    """Return the lowest optimum from several starts, or the first that fits exactly."""
     attempts: list[Candidate] = []
     for start in starts:
         attempts.append(descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE))
@@ -368,20 +373,20 @@ def _solve_from_start(
     earlier_fit: Fit | None,
 ) -> Candidate:
     """Return the best of a problem with no more arms than a start has, from there."""
-    if isinstance(problem.sought, FractionalElement):
+    if isinstance(problem.parametrisation, FractionalElement):
         return descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     start_arms = start.model.maxwell.arms
     smaller_numbers = [number for number in numbers if number < start_arms]
-    candidates = _candidates(problem, [*smaller_numbers, start_arms], earlier_fit, start=start)
+    candidates = _fit_candidates(problem, [*smaller_numbers, start_arms], earlier_fit, start=start)
     # where an arm has left every candidate, as it is
     return (
-        _chosen(candidates)
+        _select_candidate(candidates)
         if candidates
         else descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
     )
 
 
-def _chosen(candidates: Sequence[Candidate]) -> Candidate:
+def _select_candidate(candidates: Sequence[Candidate]) -> Candidate:
     """Choose the arms by both rules, with and without a dashpot; then the better of the two.
 
     An arm that cannot be placed leads nevertheless where BIC is decisive. Were the smaller model to
@@ -393,7 +398,7 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
     shows it, and the check on the arms lets the verdict be no better than "use with care".
     """
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
-    best = []
+    best_candidates = []
     for dashpot in (False, True):
         ladder = {
             candidate.arms: candidate
@@ -405,24 +410,24 @@ def _chosen(candidates: Sequence[Candidate]) -> Candidate:
                 candidate.copy_with_scale(scale).significant for candidate in ladder.values()
             ]
             bics = [candidate.bic for candidate in ladder.values()]
-            best.append(
+            best_candidates.append(
                 ladder[
                     select_model_order([*ladder], bics, are_significant, decisive=DECISIVE_BIC).arms
                 ]
             )
-    return min(best, key=lambda candidate: candidate.bic)
+    return min(best_candidates, key=lambda candidate: candidate.bic)
 
 
-def _arms_enough(
+def _check_arm_count(
     best: Candidate, request: int | Literal["auto"], earlier_fit: Fit | None
 ) -> tuple[Check, ...]:
     """Return whether the data support no further arm, where their number was asked for."""
-    parametrisation = best.problem.sought
+    parametrisation = best.problem.parametrisation
     if request == "auto" or not isinstance(parametrisation, Arms) or best.exact:
         return ()
     arm_count, shortage = parametrisation.count, None
     larger_numbers = [arm_count + index for index in range(1, EXTRA_ARMS + 1)]
-    candidates = [best, *_candidates(best.problem, larger_numbers, earlier_fit)]
+    candidates = [best, *_fit_candidates(best.problem, larger_numbers, earlier_fit)]
     scale = min(candidates, key=lambda candidate: candidate.bic).line_scale
     are_significant = [candidate.copy_with_scale(scale).significant for candidate in candidates]
     numbers = [candidate.arms for candidate in candidates]
@@ -433,15 +438,17 @@ def _arms_enough(
         samples = 2 * len(lines) + sum(
             relaxation.samples for relaxation in best.problem.relaxations
         )
-        other = candidates[numbers.index(supported_count)]
-        residuals = (float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, other))
+        supported_candidate = candidates[numbers.index(supported_count)]
+        residuals = (
+            float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, supported_candidate)
+        )
         shortage = Shortage(arm_count, supported_count, *residuals)
     return (arms_enough(shortage, arm_count, unit="sd"),)
 
 
-def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
+def _check_dashpot(best: Candidate, earlier_fit: Fit | None) -> Check:
     """Whether a parallel dashpot, beside the arms or in place of one, lowers the criterion."""
-    parametrisation = best.problem.sought
+    parametrisation = best.problem.parametrisation
     if best.problem.dashpot:
         return dashpot_not_missed(
             None, parametrisation.format_model_order(), best.point.model.maxwell.b
@@ -452,8 +459,8 @@ def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
     if isinstance(parametrisation, Arms):
         fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
         for arms in range(max(parametrisation.count - 1, fewest_arms), parametrisation.count + 1):
-            problem = replace(best.problem, dashpot=True, sought=Arms(arms))
-            attempts += [(problem, start) for start in _spread(problem, earlier_fit)]
+            problem = replace(best.problem, dashpot=True, parametrisation=Arms(arms))
+            attempts += [(problem, start) for start in _spread_arms(problem, earlier_fit)]
     else:
         problem, point = replace(best.problem, dashpot=True), best.point
         attempts = [(problem, replace(point, model=_add_parallel_dashpot(problem, point.model)))]
@@ -461,12 +468,12 @@ def _dashpot_missed(best: Candidate, earlier_fit: Fit | None) -> Check:
         descend(problem, problem.pack(start), tolerance=COARSE_TOLERANCE)
         for problem, start in attempts
     ]
-    other = min(candidates, key=lambda candidate: candidate.bic)
+    lowest_candidate = min(candidates, key=lambda candidate: candidate.bic)
     is_significant = best.copy_with_scale(best.line_scale).significant
-    b = other.point.model.maxwell.b
+    b = lowest_candidate.point.model.maxwell.b
     return dashpot_not_missed(
-        best.bic - other.bic,
-        other.problem.sought.format_model_order(),
+        best.bic - lowest_candidate.bic,
+        lowest_candidate.problem.parametrisation.format_model_order(),
         b,
         is_determined=is_significant,
     )
@@ -497,7 +504,7 @@ def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Para
         k = solution.arms[0]
         model = GeneralizedMaxwell(
             max(solution.coefficient("k_inf"), 0.0),
-            tuple(np.maximum(k, GONE * k.max(initial=0.0))),
+            tuple(np.maximum(k, MIN_STIFFNESS_SHARE * k.max(initial=0.0))),
             tuple(solution.tau),
             max(solution.coefficient("b"), 0.0) if problem.dashpot else 0.0,
         )
@@ -506,33 +513,41 @@ def _linear(problem: IdentificationProblem, max_arms: int) -> Iterator[list[Para
         yield [_start(problem, model, mass)] if mass > 0 else []
 
 
-def _spread(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Parameters]:
+def _spread_arms(problem: IdentificationProblem, earlier_fit: Fit | None) -> list[Parameters]:
     """Starts from the earlier fit, or from nothing, with arms spread over the lines."""
     omega = 2 * np.pi * problem.frf_data.peak_hz
     prior = problem.priors.mass
     mass = 1.0 if prior is None else prior.mean
     # at the peak the mass holds the storage stiffness in balance
     level = mass * omega**2 / (problem.frf_data.seals * problem.priors.factor.mean)
-    base, part = GeneralizedMaxwell(level * 0.8), 0.2
+    base, fraction = GeneralizedMaxwell(level * 0.8), 0.2
     if earlier_fit is not None:
         level = level if prior is None else earlier_fit.model.k_0
-        base, part = earlier_fit.model, 0.1
-    assert isinstance(problem.sought, Arms)  # noqa: S101  # an element has a start of its own
-    arms = problem.sought.count
-    new = arms - base.arms
-    if new < 0:
+        base, fraction = earlier_fit.model, 0.1
+    assert isinstance(problem.parametrisation, Arms)  # noqa: S101  # an element has a start of its own
+    arms = problem.parametrisation.count
+    new_arms = arms - base.arms
+    if new_arms < 0:
         return []
     starts = []
-    for span in (1.0, 6.0) if new > 1 else (1.0,):
-        tau = np.geomspace(1 / (span * omega), span / omega, new) if new > 1 else [1 / omega] * new
-        model = base + GeneralizedMaxwell(0.0, (part * level / max(new, 1),) * new, tuple(tau))
+    for span in (1.0, 6.0) if new_arms > 1 else (1.0,):
+        tau = (
+            np.geomspace(1 / (span * omega), span / omega, new_arms)
+            if new_arms > 1
+            else [1 / omega] * new_arms
+        )
+        model = base + GeneralizedMaxwell(
+            0.0, (fraction * level / max(new_arms, 1),) * new_arms, tuple(tau)
+        )
         if model.arms == arms:
             starts.append(_start(problem, model, mass))
     return starts
 
 
-def _reaching(problems: list[IdentificationProblem], max_arms: int) -> list[IdentificationProblem]:
-    """They seek arms as slow as lines can show without a measurement: computed, without scatter."""
+def _extend_reach(
+    problems: list[IdentificationProblem], max_arms: int
+) -> list[IdentificationProblem]:
+    """Return the problems, of computed lines with slower arms: these have no scatter."""
     identification_problem = problems[-1]
     if (
         identification_problem.frf_data.known_sd
@@ -541,12 +556,13 @@ def _reaching(problems: list[IdentificationProblem], max_arms: int) -> list[Iden
     ):
         return problems
     far_reaching = replace(
-        identification_problem, frf_data=replace(identification_problem.frf_data, reach=FARTHEST)
+        identification_problem,
+        frf_data=replace(identification_problem.frf_data, reach=MAX_TAU_REACH),
     )
     lowest_sse = min(
         solution.sse for solution in iterate_orders(_stiffness_blocks(far_reaching), max_arms)
     )
-    data = identification_problem.frf_data.reaching(
+    data = identification_problem.frf_data.extend_reach(
         float(np.sqrt(lowest_sse / (2 * len(identification_problem.frf_data.lines.s))))
     )
     return [replace(problem, frf_data=data) for problem in problems]

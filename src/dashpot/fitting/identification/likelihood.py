@@ -55,12 +55,12 @@ from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
 # arms are sought this far, as a factor in time, beyond what the lines and tests could show
-BEYOND = 3.0
+TAU_MARGIN = 3.0
 SMALLEST_SCATTER = 1e-9
 # a step that ends a search
-SHORT = 1e-10
+STEP_TOLERANCE = 1e-10
 # what moves the rows by less, as a part of what anything does, has left the solid
-UNFELT = 1e-7
+MIN_COLUMN_SHARE = 1e-7
 SPRING = Arms(0)
 
 
@@ -152,7 +152,7 @@ class IdentificationProblem:
     frf_data : FRFData
     priors : NuisancePriors
     constraints : Constraints
-    sought : Parametrisation
+    parametrisation : Parametrisation
     dashpot : bool
     scale : float
         What the standard deviation of the lines is multiplied by.
@@ -162,44 +162,44 @@ class IdentificationProblem:
     frf_data: FRFData
     priors: NuisancePriors
     constraints: Constraints
-    sought: Parametrisation = SPRING
+    parametrisation: Parametrisation = SPRING
     dashpot: bool = False
     scale: float = 1.0
 
     @cached_property
     def index(self) -> dict[str, int]:
         """Place of b, and of each nuisance, in the vector."""
-        free = [
+        free_names = [
             name
             for name, prior in self.priors.priors_by_name.items()
             if prior is None or prior.sd > 0
         ]
-        names = ["b"] * self.dashpot + free
-        return {name: index for index, name in enumerate(names, start=self.sought.size)}
+        names = ["b"] * self.dashpot + free_names
+        return {name: index for index, name in enumerate(names, start=self.parametrisation.size)}
 
     @property
     def log_tau_range(self) -> tuple[float, float]:
         """Shortest and longest relaxation time that is sought, ln s."""
         windows = [relaxation.window for relaxation in self.relaxations]
         windows.append(self.frf_data.stiffness_block(1.0, dashpot=False).window)
-        before = self.constraints.before
-        if before is not None and before.model.arms:
-            solid = before.solid
-            tau = (solid.tau,) if isinstance(solid, FractionalZener) else before.model.tau
-            windows.append((tau[0] / BEYOND, tau[-1] * BEYOND))
+        prior = self.constraints.before
+        if prior is not None and prior.model.arms:
+            solid = prior.solid
+            tau = (solid.tau,) if isinstance(solid, FractionalZener) else prior.model.tau
+            windows.append((tau[0] / TAU_MARGIN, tau[-1] * TAU_MARGIN))
         low, high = min(w[0] for w in windows), max(w[1] for w in windows)
-        return float(np.log(low / BEYOND)), float(np.log(high * BEYOND))
+        return float(np.log(low / TAU_MARGIN)), float(np.log(high * TAU_MARGIN))
 
     # -- parameters ---------------------------------------------------------------------------
 
     def pack(self, point: Parameters) -> FloatArray:
         """Return the vector of a point."""
         values_by_name = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
-        rest = [
+        nuisance_values = [
             values_by_name[name] / DELAY_UNIT if name == "delay" else np.log(values_by_name[name])
             for name in self.index
         ]
-        return np.append(self.sought.pack(point.model), rest)
+        return np.append(self.parametrisation.pack(point.model), nuisance_values)
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """Return the point of a vector."""
@@ -207,7 +207,9 @@ class IdentificationProblem:
             name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
             for name, i in self.index.items()
         }
-        model = self.sought.unpack(theta[: self.sought.size], entries.pop("b", 0.0))
+        model = self.parametrisation.unpack(
+            theta[: self.parametrisation.size], entries.pop("b", 0.0)
+        )
         available = {
             name: prior.mean
             for name, prior in self.priors.priors_by_name.items()
@@ -233,14 +235,14 @@ class IdentificationProblem:
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
         """Return indices, values and covariance root of the parameters of an earlier fit."""
-        before = self.constraints.before
-        if before is None:
+        prior = self.constraints.before
+        if prior is None:
             return None
-        earlier_values, indices = self.sought.extract_earlier_values(before)
+        earlier_values, indices = self.parametrisation.extract_earlier_values(prior)
         place_of = dict(zip(earlier_values, indices, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
-        covariance, rows = before.estimate.noise_only.covariance, self.earlier_rows
-        names = [before.estimate.parameters[i] for i in rows]
+        covariance, rows = prior.estimate.noise_only.covariance, self.earlier_rows
+        names = [prior.estimate.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return (
             [place_of[name] for name in names],
@@ -251,21 +253,23 @@ class IdentificationProblem:
     @cached_property
     def earlier_rows(self) -> list[int]:
         """Rows of the covariance of an earlier fit that are kept."""
-        before = self.constraints.before
-        if before is None:
+        prior = self.constraints.before
+        if prior is None:
             return []
-        earlier_values = self.sought.extract_earlier_values(before)[0]
-        variance = np.diag(before.estimate.noise_only.covariance)
+        earlier_values = self.parametrisation.extract_earlier_values(prior)[0]
+        variance = np.diag(prior.estimate.noise_only.covariance)
         return [
-            i for i, name in enumerate(before.estimate.parameters)
+            i for i, name in enumerate(prior.estimate.parameters)
             if name in earlier_values and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
 
     def build_problem(self, start: FloatArray) -> least_squares.Problem:
         """Return the least-squares problem about a start; logarithms stay within doubles."""
         low, high = start - 25.0, start + 12.0
-        log_tau_limits = self.sought.ends(self.log_tau_range)
-        tau_slice = slice(self.sought.size - len(log_tau_limits), self.sought.size)
+        log_tau_limits = self.parametrisation.ends(self.log_tau_range)
+        tau_slice = slice(
+            self.parametrisation.size - len(log_tau_limits), self.parametrisation.size
+        )
         low[tau_slice], high[tau_slice] = log_tau_limits.T
         if "delay" in self.index:
             low[self.index["delay"]], high[self.index["delay"]] = -1e3, 1e3
@@ -290,7 +294,7 @@ class ModelPrediction:
 
     @property
     def rows(self) -> Rows:
-        """All weighted residuals, tests first, what is known beforehand last; none is linear."""
+        """All weighted residuals: tests first, priors last; none is linear."""
         y = -np.concatenate([*self.tests, self.lines, self.prior_residuals[0]])
         return Rows(y, np.empty((len(y), 0)), lambda _: self.slope)
 
@@ -298,7 +302,7 @@ class ModelPrediction:
     def tests(self) -> list[FloatArray]:
         """Residuals of the relaxation tests."""
         return [
-            relaxation.residual + self._b * relaxation.dashpot
+            relaxation.residual + self._get_dashpot * relaxation.dashpot
             for relaxation in self._relaxation_residuals
         ]
 
@@ -312,8 +316,8 @@ class ModelPrediction:
     @cached_property
     def prior_residuals(self) -> tuple[FloatArray, FloatArray]:
         """Residuals of the priors, shape (r,), and their slope (r, p)."""
-        at, mean, sd = self.problem.rig
-        rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
+        index, mean, sd = self.problem.rig
+        rig = (self.theta[index] - mean) / sd, np.eye(len(self.theta))[index] / sd[:, None]
         residuals, slopes = zip(rig, *self._iterate_solid_constraints(), self.earlier, strict=True)
         return np.concatenate(list(map(np.atleast_1d, residuals))), np.vstack(slopes)
 
@@ -323,41 +327,41 @@ class ModelPrediction:
         slope = np.zeros((0, len(self.theta)))
         if self.problem.earlier is None:
             return np.empty(0), slope
-        indices, old, root = self.problem.earlier
-        _, values, gradient = self.problem.sought.physical(self._numbers)
+        indices, prior_values, root = self.problem.earlier
+        _, values, gradient = self.problem.parametrisation.physical(self._numbers)
         slope = np.zeros((len(indices), len(self.theta)))
         slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[indices])
-        return np.asarray(np.linalg.solve(root, values[indices] - old)), slope
+        return np.asarray(np.linalg.solve(root, values[indices] - prior_values)), slope
 
     @property
     def slope(self) -> FloatArray:
         """Derivative of every row."""
-        size = len(self._numbers)
+        parameter_count = len(self._numbers)
         tests = [
             np.zeros((len(relaxation.residual), len(self.theta)))
             for relaxation in self._relaxation_residuals
         ]
         for columns, residuals in zip(tests, self._relaxation_residuals, strict=True):
-            columns[:, :size] = residuals.jacobian
+            columns[:, :parameter_count] = residuals.jacobian
             if self.problem.dashpot:
-                columns[:, self.problem.index["b"]] = self._b * residuals.dashpot
+                columns[:, self.problem.index["b"]] = self._get_dashpot * residuals.dashpot
         return np.concatenate([*tests, self._differentiate_lines(), self.prior_residuals[1]])
 
     # -- private ------------------------------------------------------------------------------
 
     @property
     def _numbers(self) -> FloatArray:
-        return self.theta[: self.problem.sought.size]
+        return self.theta[: self.problem.parametrisation.size]
 
     @property
-    def _b(self) -> float:
+    def _get_dashpot(self) -> float:
         return float(np.exp(self.theta[self.problem.index["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
     def _relaxation_residuals(self) -> list[RelaxationResiduals]:
         problem = self.problem
         return [
-            problem.sought.residuals(relaxation, self._numbers)
+            problem.parametrisation.residuals(relaxation, self._numbers)
             for relaxation in problem.relaxations
         ]
 
@@ -368,13 +372,16 @@ class ModelPrediction:
     def _differentiate_lines(self) -> FloatArray:
         problem, response, p = self.problem, self._response, self.point
         s, data = response.s, problem.frf_data
-        values = problem.sought.differentiate_stiffness(self._numbers, s)
+        values = problem.parametrisation.differentiate_stiffness(self._numbers, s)
         stiffness = 1 / response.receptance - p.mass * s**2
 
         def differentiate_lost_poles(
             truncation: TruncationLoss,
         ) -> tuple[ComplexArray, ComplexArray]:
-            mass, columns = p.mass, differentiate_poles(problem.sought, self._numbers, truncation.p)
+            mass, columns = (
+                p.mass,
+                differentiate_poles(problem.parametrisation, self._numbers, truncation.p),
+            )
             return (
                 self._differentiate_impedance(truncation.p, columns[0], -mass * truncation.p**2),
                 self._differentiate_impedance(
@@ -388,9 +395,9 @@ class ModelPrediction:
         by = response.slope(
             self._differentiate_impedance(s, values, stiffness), differentiate_lost_poles
         )
-        by, *rest = data.slopes(response, p.gain, p.delay, by)
+        by, *solid_slopes = data.slopes(response, p.gain, p.delay, by)
         units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
-        for (name, unit), column in zip(units.items(), rest, strict=True):
+        for (name, unit), column in zip(units.items(), solid_slopes, strict=True):
             if name in problem.index:
                 by[:, problem.index[name]] += unit * column
         return stack_real_rows(by / data.sd[:, None]) / problem.scale
@@ -414,14 +421,14 @@ class ModelPrediction:
         by = np.zeros((len(s), len(self.theta)), dtype=complex)
         by[:, : derivatives.shape[1]] = count * derivatives
         by[:, 0] += (p.spring - 1) * spring
-        rest = {
-            "b": count * self._b * s ** (1 - order),
+        nuisance_slopes = {
+            "b": count * self._get_dashpot * s ** (1 - order),
             "mass": p.mass * s ** (2 - order) * (1 + order),
             "factor": seal_stiffness,
             "spring": p.spring * spring,
         }
-        for name in rest.keys() & problem.index.keys():
-            by[:, problem.index[name]] = rest[name]
+        for name in nuisance_slopes.keys() & problem.index.keys():
+            by[:, problem.index[name]] = nuisance_slopes[name]
         return by
 
     def _iterate_solid_constraints(self) -> Iterator[tuple[float, FloatArray]]:
@@ -435,18 +442,18 @@ class ModelPrediction:
             return
         solid = self.problem.frf_data.seals * p.seal_under_hammer
         pole = ringing_pole(solid, p.mass)
-        at, size = np.array([pole]), abs(pole)
-        values = differentiate_poles(self.problem.sought, self._numbers, at)[0]
-        by = self._differentiate_impedance(at, values, -p.mass * at**2)[0]
-        change = -by * complex(residues(solid.maxwell, p.mass, at)[0])
-        growth = (pole.conjugate() * change).real / size
+        pole_array, pole_magnitude = np.array([pole]), abs(pole)
+        values = differentiate_poles(self.problem.parametrisation, self._numbers, pole_array)[0]
+        by = self._differentiate_impedance(pole_array, values, -p.mass * pole_array**2)[0]
+        change = -by * complex(residues(solid.maxwell, p.mass, pole_array)[0])
+        growth = (pole.conjugate() * change).real / pole_magnitude
         if constraints.natural_frequency is not None:
             yield constraints.natural_frequency.standardise(
-                size / (2 * np.pi), growth / (2 * np.pi)
+                pole_magnitude / (2 * np.pi), growth / (2 * np.pi)
             )
         if constraints.damping_ratio is not None:
-            slope = (pole.real * growth / size - change.real) / size
-            yield constraints.damping_ratio.standardise(-pole.real / size, slope)
+            slope = (pole.real * growth / pole_magnitude - change.real) / pole_magnitude
+            yield constraints.damping_ratio.standardise(-pole.real / pole_magnitude, slope)
 
 
 # -- the optimum ------------------------------------------------------------------------------
@@ -487,8 +494,11 @@ class Candidate:
     @cached_property
     def estimate(self) -> Estimate:
         """Every row has unit variance; what has faded from the solid is held."""
-        size = np.linalg.norm(self.optimum.jacobian, axis=0)
-        noise, faded = white_noise(self.optimum, 1.0), size <= UNFELT * size.max()
+        column_norms = np.linalg.norm(self.optimum.jacobian, axis=0)
+        noise, faded = (
+            white_noise(self.optimum, 1.0),
+            column_norms <= MIN_COLUMN_SHARE * column_norms.max(),
+        )
         # lines that nobody measured stand far above what is known of the mass
         return estimate(
             self.optimum, noises=[noise], is_fixed=faded, prior_variance=1.0, with_fine_scales=True
@@ -502,19 +512,21 @@ class Candidate:
     @property
     def significant(self) -> bool:
         """Every arm has k > 3 SE and SE(ln tau) < 0.5; the slope of an element is known."""
-        return self.problem.sought.is_identified(self._error)
+        return self.problem.parametrisation.is_identified(self._error)
 
     @property
     def unknown(self) -> tuple[float, ...]:
         """Relaxation times of the arms that are not known, s, ascending."""
-        assert isinstance(self.problem.sought, Arms)  # noqa: S101  # an element has none
-        tau = np.exp(self.problem.sought.log_tau(self.theta))
-        return tuple(np.sort(tau[~self.problem.sought.find_identified_arms(self._error)]).tolist())
+        assert isinstance(self.problem.parametrisation, Arms)  # noqa: S101  # an element has none
+        tau = np.exp(self.problem.parametrisation.log_tau(self.theta))
+        return tuple(
+            np.sort(tau[~self.problem.parametrisation.find_identified_arms(self._error)]).tolist()
+        )
 
     @property
     def _error(self) -> FloatArray:
         """Standard errors of the solid's numbers."""
-        return np.sqrt(np.diag(self.covariance))[: self.problem.sought.size]
+        return np.sqrt(np.diag(self.covariance))[: self.problem.parametrisation.size]
 
     @cached_property
     def bic(self) -> float:
@@ -529,11 +541,13 @@ class Candidate:
 
     @property
     def exact(self) -> bool:
-        """True if it leaves nothing of the lines, and nothing else was measured."""
+        """Whether it fits the lines exactly, and there is no other data."""
         lines = 2.0 * len(self.problem.frf_data.lines.s)
-        remaining = self.line_misfit / lines <= SMALLEST_SCATTER**2
+        is_negligible = self.line_misfit / lines <= SMALLEST_SCATTER**2
         return (
-            remaining and not self.problem.relaxations and self.problem.constraints.before is None
+            is_negligible
+            and not self.problem.relaxations
+            and self.problem.constraints.before is None
         )
 
     @property
@@ -594,7 +608,7 @@ def descend(
             whole_problem,
             [start],
             max_steps=max_steps,
-            step_tolerance=SHORT,
+            step_tolerance=STEP_TOLERANCE,
             cost_tolerance=tolerance,
         ),
     )

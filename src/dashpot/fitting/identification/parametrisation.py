@@ -17,18 +17,23 @@ import numpy as np
 from dashpot.base import dataclass, field, replace
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.parameter_estimate import ELEMENT, parameter_names
+from dashpot.datamodel.parameter_estimate import ELEMENT_PARAMETERS, parameter_names
 from dashpot.fitting.fractional_model.checks import fractional_slope_determined
-from dashpot.fitting.fractional_model.family_selection import ALPHA, BEYOND, SOUGHT, STEP
+from dashpot.fitting.fractional_model.family_selection import (
+    ALPHA_RANGE,
+    GRID_MARGIN,
+    GRID_STEP,
+    TAU_MARGIN,
+)
 from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.numerics.inference.model_order import is_well_determined
-from dashpot.solids.fractional import FractionalZener, weights_at
+from dashpot.solids.fractional import FractionalZener, compute_arm_weights
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # arms that lose this many powers of e are gone
-FADED = 1e-9
+ZERO_STIFFNESS_SHARE = 1e-9
 # an arm or an element with less than this part of the stiffness has left
-GONE = 1e-6
+MIN_STIFFNESS_SHARE = 1e-6
 _AT_EDGE = 1e-3
 
 
@@ -64,7 +69,7 @@ class Arms:
     def pack(self, solid: Solid) -> FloatArray:
         """Return the numbers of a solid."""
         model = solid.maxwell
-        k_inf = max(model.k_inf, FADED * max(model.k_0, 1e-300))
+        k_inf = max(model.k_inf, ZERO_STIFFNESS_SHARE * max(model.k_0, 1e-300))
         return np.log([k_inf, *model.k, *model.tau])
 
     def unpack(self, numbers: FloatArray, b: float) -> GeneralizedMaxwell:
@@ -79,9 +84,11 @@ class Arms:
         N = self.count
         rows = relaxation.rows(numbers[1 + N :])
         k_inf, k = np.exp(numbers[0]), np.exp(numbers[1 : 1 + N])
-        parts = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
-        force = parts[0][:, 0] + rows.arms @ k
-        return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
+        columns = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
+        force = columns[0][:, 0] + rows.arms @ k
+        return RelaxationResiduals(
+            force - rows.target, np.concatenate(columns, axis=1), rows.dashpot
+        )
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
         """Return the limits of the last parameters, those of relaxation times."""
@@ -106,19 +113,23 @@ class Arms:
 
     def extract_earlier_values(self, before: Fit) -> tuple[dict[str, float], list[int]]:
         """Return the values of an earlier fit, by name, and their indices."""
-        old = Arms(before.model.arms)
-        names, values, _ = old.physical(old.pack(before.model))
+        prior_arms = Arms(before.model.arms)
+        names, values, _ = prior_arms.physical(prior_arms.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
-        new, count = self.count - old.count, self.count
-        indices = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
+        new_order, count = self.count - prior_arms.count, self.count
+        indices = [
+            0,
+            *range(1 + new_order, 1 + count),
+            *range(1 + count + new_order, 1 + 2 * count),
+        ]
         return dict(zip(names, values.tolist(), strict=True)), indices
 
     def is_identified(self, error: FloatArray) -> bool:
-        """Return whether standard errors of the numbers leave none unknown."""
+        """Return whether the standard errors of all parameters are small enough."""
         return bool(self.find_identified_arms(error).all())
 
     def find_identified_arms(self, error: FloatArray) -> BoolArray:
-        """Return which arms those leave known, in the order of the numbers."""
+        """Return which arms these errors identify, in the order of the parameters."""
         N = self.count
         return is_well_determined(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
 
@@ -128,7 +139,7 @@ class Arms:
 
     def is_complete(self, solid: Solid) -> bool:
         """Return whether no part of the solid has left it."""
-        return all(k > GONE * solid.k_0 for k in solid.maxwell.k)
+        return all(k > MIN_STIFFNESS_SHARE * solid.k_0 for k in solid.maxwell.k)
 
     def format_model_order(self) -> str:
         """Return what is sought, in words."""
@@ -159,8 +170,8 @@ class FractionalElement:
         grids = {}
         for relaxation in relaxations:
             low, high = np.log(relaxation.window)
-            count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
-            log_tau = low - BEYOND + STEP * np.arange(count + 1.0)
+            count = int(np.ceil((high - low + 2 * GRID_MARGIN) / GRID_STEP))
+            log_tau = low - GRID_MARGIN + GRID_STEP * np.arange(count + 1.0)
             grids[relaxation] = log_tau, relaxation.rows(log_tau, slopes=False)
         return cls(MappingProxyType(grids))
 
@@ -168,7 +179,9 @@ class FractionalElement:
         """Return the numbers of a solid."""
         assert isinstance(solid, FractionalZener)  # noqa: S101  # nothing else is an element
         k_inf, value = solid.k_inf, solid.k_0 - solid.k_inf
-        springs = [max(number, FADED * max(solid.k_0, 1e-300)) for number in (k_inf, value)]
+        springs = [
+            max(number, ZERO_STIFFNESS_SHARE * max(solid.k_0, 1e-300)) for number in (k_inf, value)
+        ]
         return np.array([*np.log(springs), np.log(solid.tau), solid.alpha])
 
     def unpack(self, numbers: FloatArray, b: float) -> FractionalZener:
@@ -180,22 +193,22 @@ class FractionalElement:
         """Return what it makes of a relaxation test."""
         log_tau, rows = self.grids[relaxation]
         k_inf, value = np.exp(numbers[:2])
-        weights = weights_at(log_tau - numbers[2], float(numbers[3]))
-        column, by_tau, by_alpha = (value * (rows.arms @ part) for part in weights)
+        weights = compute_arm_weights(log_tau - numbers[2], float(numbers[3]))
+        column, by_tau, by_alpha = (value * (rows.arms @ weight) for weight in weights)
         spring = k_inf * rows.spring
         slopes = np.column_stack((spring, column, by_tau, by_alpha))
         return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
         """Return the limits of ln tau and alpha."""
-        return np.array([(log_tau[0] - SOUGHT, log_tau[1] + SOUGHT), ALPHA])
+        return np.array([(log_tau[0] - TAU_MARGIN, log_tau[1] + TAU_MARGIN), ALPHA_RANGE])
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
         """Names, values and derivatives of a fit's parameters."""
         k_inf, value = np.exp(numbers[:2])
         gradient = np.eye(4)
         gradient[:2, :2] = [[k_inf, 0.0], [k_inf, value]]
-        return ELEMENT, np.array([k_inf, k_inf + value, *numbers[2:]]), gradient
+        return ELEMENT_PARAMETERS, np.array([k_inf, k_inf + value, *numbers[2:]]), gradient
 
     def arm_gradient(self, numbers: FloatArray) -> FloatArray:
         """Return the gradient of the arms that approximate the element."""
@@ -215,7 +228,7 @@ class FractionalElement:
     def extract_earlier_values(self, earlier_fit: Fit) -> tuple[dict[str, float], list[int]]:
         """Return what an earlier fit found."""
         values = self.physical(self.pack(earlier_fit.solid))[1]
-        return dict(zip(ELEMENT, values.tolist(), strict=True)), [*range(4)]
+        return dict(zip(ELEMENT_PARAMETERS, values.tolist(), strict=True)), [*range(4)]
 
     def is_identified(self, error: FloatArray) -> bool:
         """Return whether no number is unknown."""
@@ -223,7 +236,7 @@ class FractionalElement:
 
     def is_complete(self, solid: Solid) -> bool:
         """Return whether no part has left it."""
-        return solid.k_0 - solid.k_inf > GONE * solid.k_0
+        return solid.k_0 - solid.k_inf > MIN_STIFFNESS_SHARE * solid.k_0
 
     def format_model_order(self) -> str:
         """Return the model order in words."""
@@ -246,14 +259,14 @@ def differentiate_poles(
 def is_at_edge(
     parametrisation: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]
 ) -> bool:
-    """Return whether a relaxation time or a slope stands at an end of what is sought."""
+    """Return whether a relaxation time or a slope is at an end of its range."""
     low, high = (limits := parametrisation.ends(log_tau)).T
-    last = numbers[len(numbers) - len(limits) :]
-    return bool(np.any((last < low + _AT_EDGE) | (last > high - _AT_EDGE)))
+    end_numbers = numbers[len(numbers) - len(limits) :]
+    return bool(np.any((end_numbers < low + _AT_EDGE) | (end_numbers > high - _AT_EDGE)))
 
 
 def on_another_spring(solid: Solid, times: float) -> Solid:
-    """Return a solid whose k_inf alone is so many times as large."""
+    """Return the solid with k_inf multiplied by a factor."""
     if isinstance(solid, FractionalZener):
         k_inf = times * solid.k_inf
         return replace(solid, k_inf=k_inf, k_0=solid.k_0 - solid.k_inf + k_inf)

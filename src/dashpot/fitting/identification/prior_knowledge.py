@@ -50,7 +50,7 @@ class HammerRig:
         return DEFAULT_UNCERTAINTIES["cable"].size if self.cable is None else self.cable
 
     def with_machine(self, machine: Machine | None) -> HammerRig:
-        """Return the rig, and what a user says of its cable among what is known of the machines."""
+        """Return the rig with the stated stiffness of its cable added to that of the machines."""
         if machine is None or machine.cable is None:
             return self
         return replace(self, cable=machine.cable)

@@ -14,7 +14,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_options import FitOptions, require_maxwell_family
 from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
 from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
-from dashpot.fitting.input_tests import temperatures_of
+from dashpot.fitting.input_tests import list_temperatures
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -23,7 +23,7 @@ from dashpot.vibration.mass_on_seals import MassOnSeals, OperatingPoint, operati
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001
-MOST_ARMS = 3
+MAX_ARMS = 3
 
 
 class PriorTests(NamedTuple):
@@ -68,7 +68,7 @@ def find_prior_tests(
     """
     if not records:
         return _use_earlier_fit(fit, temperature, family)
-    if len(temperatures_of(records)) > 1:
+    if len(list_temperatures(records)) > 1:
         require_maxwell_family(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
     earlier_fit = _select_family_fit("maxwell", fit) or fit_tests(list(records), **bench.choices)
@@ -76,8 +76,10 @@ def find_prior_tests(
         earlier_fit = earlier_fit.at_temperature(temperature)
     is_same_fit = len(records) == 1 and earlier_fit.method in get_choice_values(Method)
     # a test by itself has one temperature
-    single = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
-    fits = [earlier_fit] if is_same_fit else [fit_tests(record, **single) for record in records]
+    fit_choices = FitOptions(method=bench.method, law=bench.law, thorough=bench.thorough).choices
+    fits = (
+        [earlier_fit] if is_same_fit else [fit_tests(record, **fit_choices) for record in records]
+    )
     relaxation_datasets, doubtful_tests = (
         tuple(
             build_relaxation_data(record, earlier_fit, single_fit=fit, for_limits=for_limits)
@@ -115,7 +117,7 @@ def _use_earlier_fit(fit: Fit | None, temperature: float | None, family: str) ->
 def find_operating_point(
     earlier_fit: Fit | None, mass: float | None, seals: float, compression: float | None
 ) -> OperatingPoint | None:
-    """Return the operating point under the hammer; None if not needed or not known."""
+    """Return the operating point under the hammer; None if it is not needed or unknown."""
     law = None if earlier_fit is None else earlier_fit.elastic_law
     if earlier_fit is None or law is None or law.kind == "linear":
         return None
@@ -130,7 +132,7 @@ def list_arm_counts(arms: int | str, earlier_fit: Fit | None) -> list[int]:
     """Return the numbers of arms to try: from those of the earlier fit on, or as asked."""
     fewest_arms = 0 if earlier_fit is None else earlier_fit.model.arms
     if arms == "auto":
-        return list(range(fewest_arms, fewest_arms + MOST_ARMS + 1))
+        return list(range(fewest_arms, fewest_arms + MAX_ARMS + 1))
     if not isinstance(arms, int | np.integer) or arms < 0:
         raise FitError(f'arms = {arms!r}; expected a number >= 0 or "auto"')
     if arms < fewest_arms:
@@ -149,7 +151,7 @@ def require_seals(seals: float) -> float:
 
 
 def make_priors(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
-    """Return what is known of mass, rig and seals before the hammer."""
+    """Return the priors of mass, rig and seals."""
     factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
     return NuisancePriors(
         _make_mass_prior(mass, rig.mass_sd),
@@ -175,7 +177,7 @@ def make_constraints(solid_prior: KnownSolid, prior_tests: PriorTests) -> Constr
 
 
 def _make_mass_prior(mass: float | None, sd: float | None) -> Prior | None:
-    """Return what is known of a mass, kg."""
+    """Return the prior of a mass, kg."""
     if mass is None:
         return None
     if not (np.isfinite(mass) and mass > 0):

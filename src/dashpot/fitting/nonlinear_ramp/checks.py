@@ -80,21 +80,21 @@ def hold_residual_small(rho: Sequence[float], residuals: Sequence[float]) -> Fin
     `residuals` are those of each hold as fractions of the largest force; below 0.5 % they are
     negligible.
     """
-    worst = int(
+    worst_index = int(
         np.argmax(
             np.where(np.array(residuals) > _NEGLIGIBLE_RESIDUAL, rho, 0.0) + 1e-9 * np.array(rho)
         )
     )
-    test_label = f" of test {worst + 1}" if len(rho) > 1 else ""
+    test_label = f" of test {worst_index + 1}" if len(rho) > 1 else ""
     return Finding(
-        f"The residual of the hold{test_label} is {rho[worst]:.3g} times that of its own fit",
-        float(rho[worst]),
+        f"The residual of the hold{test_label} is {rho[worst_index]:.3g} times that of its own fit",
+        float(rho[worst_index]),
         "The tests contradict each other: another specimen, temperature, or shape of relaxation"
         if len(rho) > 1
         else "The ramp changes what the hold gives",
         "Fit each test alone." if len(rho) > 1 else Remedy("Fit the hold alone.", "method", "hold"),
-        always_passes=residuals[worst] <= _NEGLIGIBLE_RESIDUAL,
-        grade="stop" if rho[worst] > _CONTRADICTION else "limit",
+        always_passes=residuals[worst_index] <= _NEGLIGIBLE_RESIDUAL,
+        grade="stop" if rho[worst_index] > _CONTRADICTION else "limit",
     )
 
 
@@ -134,14 +134,14 @@ def k_inf_plausible(model: GeneralizedMaxwell, se: float, end: float, hold: floa
     """
     total = sum(k * np.exp(-hold / tau) for k, tau in zip(model.k, model.tau, strict=True))
     difference = abs(model.k_inf - (end - float(total)))
-    share = difference / max(abs(end), 1e-300)
+    relative_difference = difference / max(abs(end), 1e-300)
     # a plateau that does not differ significantly from zero is not compared
-    is_implausible = share > _IMPLAUSIBLE_SHARE and model.k_inf > 3.0 * se
+    is_implausible = relative_difference > _IMPLAUSIBLE_SHARE and model.k_inf > 3.0 * se
     return Finding(
         f"k_inf and the rest of the arms miss the stiffness at the end of the hold by "
-        f"{100 * share:.2g} %. They are {format_quantity(model.k_inf, 'N/mm')} and "
+        f"{100 * relative_difference:.2g} %. They are {format_quantity(model.k_inf, 'N/mm')} and "
         f"{convert_to_unit(total, 'N/mm'):.2g}, and {format_quantity(end, 'N/mm')} was measured",
-        share,
+        relative_difference,
         "Offset or drift of the load cell took what is stiffness, or the other way round",
         Remedy("Record a baseline before contact, or give the drift.", "machine", "drift=..."),
         always_passes=difference <= 3.0 * se,
@@ -221,15 +221,17 @@ def clocks_agree(results: Sequence[tuple[float, float, float]]) -> Finding:
     if not results:
         return Finding("No delay between force and displacement is fitted")
     delay_ratios = [abs(value) / error if error > 0 else 0.0 for value, error, _ in results]
-    worst = int(np.argmax(delay_ratios))
-    value, error, prior = results[worst]
+    worst_index = int(np.argmax(delay_ratios))
+    value, error, prior = results[worst_index]
     test_label, max_delay_sd = (
-        (f" of test {worst + 1}", MAX_JOINT_DELAY_SD) if len(results) > 1 else ("", MAX_DELAY_SD)
+        (f" of test {worst_index + 1}", MAX_JOINT_DELAY_SD)
+        if len(results) > 1
+        else ("", MAX_DELAY_SD)
     )
     return Finding(
         f"The force{test_label} lags the displacement by {convert_to_unit(value, 'ms'):.3g} ± "
         f"{format_quantity(error, 'ms', '.2g')}",
-        delay_ratios[worst],
+        delay_ratios[worst_index],
         "The fit corrects for this, but a late force looks like less damping",
         Remedy(
             "Read both channels at one time, or give the delay of the force.", "machine", "sync=..."
@@ -248,14 +250,14 @@ def _compare_with_prior(
     if not results:
         return Finding(f"No {noun} is fitted")
     deviations = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in results]
-    worst = int(np.argmax(deviations))
-    value, mean, *_ = results[worst]
+    worst_index = int(np.argmax(deviations))
+    value, mean, *_ = results[worst_index]
     is_notable = any(abs(value - mean) > max(3 * sd, limit) for value, mean, sd, limit in results)
-    test_label = f" of test {worst + 1}" if len(results) > 1 else ""
+    test_label = f" of test {worst_index + 1}" if len(results) > 1 else ""
     return Finding(
         f"The fitted {noun}{test_label} ({scale * value:.3g} {unit}) differs from {name} "
-        f"({scale * mean:.3g} {unit}) by {deviations[worst]:.2g} standard deviations",
-        deviations[worst],
+        f"({scale * mean:.3g} {unit}) by {deviations[worst_index]:.2g} standard deviations",
+        deviations[worst_index],
         "It hides a misfit",
         "Record a longer baseline, or let the load cell warm up.",
         grade="limit" if is_notable else None,

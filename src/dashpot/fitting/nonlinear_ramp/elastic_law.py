@@ -13,19 +13,19 @@ from dashpot.base.errors import FitError
 from dashpot.base.option_fields import RampLawOption, require_choice
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, parameter_names
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.fit_construction import nuisances
+from dashpot.fitting.fit_construction import list_nuisances
 from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
     MAX_ARMS,
     HoldEstimate,
     RampHoldOptimum,
+    add_residual_statistics,
     build_nuisances,
     delay_derivative,
     fit_hold_only,
     fit_ramp_and_hold,
+    fit_recorded_hold,
     independent,
-    recorded_hold,
     spread,
-    with_residual_statistics,
 )
 from dashpot.fitting.nonlinear_ramp.linearity import (
     LinearFitQuality,
@@ -36,13 +36,13 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     DownsampledRows,
     QuasiLinear,
     Weighted,
-    downsample,
+    downsample_tests,
     tau_bounds,
 )
 from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.fitting.parameter_errors import ParameterCovariance
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.numerics.inference.model_order import Shortage, bic_of_deviance, deviance
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
@@ -52,7 +52,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 # a law that lowers BIC by less is as good
-LEAST_GAIN = 10.0
+MIN_BIC_GAIN = 10.0
 
 
 class KnotSpacing(NamedTuple):
@@ -151,7 +151,7 @@ class RampLaw:
 
     @property
     def rho(self) -> tuple[float, ...]:
-        """Residual of each hold over what the hold alone leaves."""
+        """Residual of each hold over that of a fit of the hold alone."""
         return tuple(a / b for a, b in zip(self.optimum.hold, self.hold.rms, strict=True))
 
 
@@ -171,37 +171,37 @@ def build_ramp_law(
         tuple(k[1:][arm_order].tolist()),
         tuple(np.exp(log_tau[arm_order]).tolist()),
     )
-    first = len(optimum.optimum.theta)
+    theta_count = len(optimum.optimum.theta)
 
     def seal(values: FloatArray) -> FloatArray:
         """Return the solid's parameters, then the law's shape, whose mean is 1."""
-        log_tau, shape = solid.split_parameters(values[:first])
-        k = values[first : first + 1 + len(log_tau)]
+        log_tau, shape = solid.split_parameters(values[:theta_count])
+        k = values[theta_count : theta_count + 1 + len(log_tau)]
         return np.concatenate(
             (k[:1], k[1 + arm_order], log_tau[arm_order], shape / (solid.weights @ shape))
         )
 
     # each encoder's step scales every stiffness of its test
     depth_error = float(np.sqrt(np.mean([test.depth_error**2 for test in tests]) / len(tests)))
-    scaled = np.zeros(len(optimum.optimum.values))
-    scaled[first : first + len(k)] = depth_error * k
-    estimate = optimum.estimate(hold).add_parameter_error(scaled)
+    scale_vector = np.zeros(len(optimum.optimum.values))
+    scale_vector[theta_count : theta_count + len(k)] = depth_error * k
+    estimate = optimum.estimate(hold).add_parameter_error(scale_vector)
     covariance, names = (estimate.derive_quantity(seal).covariance, parameter_names(len(arm_order)))
     nuisance = optimum.nuisance
     errors = dict(zip(nuisance, estimate.standard_error[-len(nuisance) :].tolist(), strict=True))
     residuals = tuple(_residual(test, i, model, optimum) for i, test in enumerate(tests))
     parameter_covariance = ParameterCovariance(
-        (), covariance, residuals, tuple(map(noise_of, residuals))
+        (), covariance, residuals, tuple(map(estimate_noise, residuals))
     )
     return RampLaw(
-        law=elastic_law_of(optimum),
+        law=get_elastic_law(optimum),
         model=model,
         estimate=ParameterEstimate(
             names,
             covariance[: len(names), : len(names)],
-            dof=max(parameter_covariance.effective - len(scaled), 1.0),
+            dof=max(parameter_covariance.effective - len(scale_vector), 1.0),
             residual=parameter_covariance.statistics([1.0] * len(tests)),
-            nuisance=nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
+            nuisance=list_nuisances([*nuisance], nuisance.__getitem__, errors.__getitem__),
         ),
         law_covariance=covariance,
         hold=hold,
@@ -217,9 +217,9 @@ def _residual(
 ) -> FloatArray:
     """Return every sample less the model and the load cell."""
     priors = optimum.weighted.solid.rows.priors[i]
-    path = elastic_law_of(optimum).path(denoise_displacement(test)[0])
+    path = get_elastic_law(optimum).path(denoise_displacement(test)[0])
     time = test.time[: len(path)] - test.time[0]
-    arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
+    arms = compute_arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
     values = optimum.nuisance
     force = model.k_inf * path + arms @ np.asarray(model.k)
     force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - priors.offset_time)
@@ -228,7 +228,7 @@ def _residual(
     return np.asarray((test.force[: len(path)] - force)[priors.first_sample :])
 
 
-def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
+def get_elastic_law(optimum: RampHoldOptimum) -> ElasticLaw:
     """Return the law of an optimum."""
     knots, shape, k_inf = optimum.weighted.solid.knots, optimum.shape, float(optimum.k[0, 0])
     if len(knots) == 2:
@@ -246,17 +246,17 @@ def elastic_law_of(optimum: RampHoldOptimum) -> ElasticLaw:
 
 # a law that moves the path by less than this part of the depth is not worth having: behind one of
 # .1 to 1 % that is not taken, what a linear solid leaves on the ramp doubts sound records
-LEAST_GAP = 5e-4
+MIN_GAP = 5e-4
 
 # a knot of the law needs so many rows of the ramp
 _ROWS_PER_KNOT = 2
 # so many depths bear finer laws
-_SEVERAL = 3
+_MIN_DEPTHS = 3
 
-LINEAR = KnotSpacing(2)
-LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
+LINEAR_KNOTS = KnotSpacing(2)
+KNOT_LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
 # several depths show the law's integral at each, to the noise of a hold
-DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
+DEPTHS_KNOT_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 
 
 def select_elastic_law(
@@ -288,26 +288,34 @@ def select_elastic_law(
         If a record has no samples on its ramp or in its hold to speak of.
     """
     require_choice("law", law, RampLawOption, FitError)
-    rows = downsample(tests)
+    rows = downsample_tests(tests)
     hold = fit_hold_only(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     linear_qualities, optimum = _assess_linear_law(rows, hold, noise, arms)
     if law != "nonlinear" and all(quality.is_adequate for quality in linear_qualities):
-        score = ElasticLawScore(LINEAR, elastic_law_of(optimum), 0.0, optimum.ramp, optimum.hold)
+        score = ElasticLawScore(
+            LINEAR_KNOTS, get_elastic_law(optimum), 0.0, optimum.ramp, optimum.hold
+        )
         return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
     max_knots = int(rows.ramp.sum()) // _ROWS_PER_KNOT
-    finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
+    finer_laws = DEPTHS_KNOT_LADDER if len(set(rows.depths)) >= _MIN_DEPTHS else ()
     nonlinear_laws = [
-        item for item in (*LADDER, *finer) if item.knots <= max(max_knots, LADDER[0].knots)
+        item
+        for item in (*KNOT_LADDER, *finer_laws)
+        if item.knots <= max(max_knots, KNOT_LADDER[0].knots)
     ]
-    laws = {"linear": [LINEAR], "nonlinear": nonlinear_laws, "auto": [LINEAR, *nonlinear_laws]}[law]
-    start = recorded_hold(rows, hold)
+    laws = {
+        "linear": [LINEAR_KNOTS],
+        "nonlinear": nonlinear_laws,
+        "auto": [LINEAR_KNOTS, *nonlinear_laws],
+    }[law]
+    start = fit_recorded_hold(rows, hold)
     optima = {law: _solve_law(rows, law, hold, start) for law in laws}
-    scores = _scores(optima, hold)
+    scores = _score_laws(optima, hold)
     selected = _select_law(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    ramp_optimum = _with_delay(optima[selected.spacing], hold)
+    ramp_optimum = _add_delay(optima[selected.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
-        ramp_optimum = _with_faster_arm(ramp_optimum, hold)
+        ramp_optimum = _add_faster_arm(ramp_optimum, hold)
     return build_ramp_law(tests, hold, linear_qualities, ramp_optimum, scores)
 
 
@@ -323,7 +331,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
         The holds by the number of arms that was asked for, or by the most that a fit chooses.
     """
     arms = len(hold.log_tau)
-    hold_only = fit_hold_only(downsample(tests), max_arms=max(MAX_ARMS, arms + EXTRA_ARMS))
+    hold_only = fit_hold_only(downsample_tests(tests), max_arms=max(MAX_ARMS, arms + EXTRA_ARMS))
     supported = len(hold_only.log_tau)
     if supported <= arms:
         return None
@@ -341,16 +349,16 @@ def _solve_law(
     return fit_ramp_and_hold(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
 
 
-def _scores(
+def _score_laws(
     optima: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
 ) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
-    best = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
+    best_optimum = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
     return tuple(
         ElasticLawScore(
             spacing,
-            elastic_law_of(optimum),
-            _bic(optimum, hold, best.ramp_correlation),
+            get_elastic_law(optimum),
+            _compute_bic(optimum, hold, best_optimum.ramp_correlation),
             optimum.ramp,
             optimum.hold,
         )
@@ -358,49 +366,53 @@ def _scores(
     )
 
 
-def _bic(optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]) -> float:
+def _compute_bic(
+    optimum: RampHoldOptimum, hold: HoldEstimate, correlation: Sequence[float]
+) -> float:
     r"""Return :math:`\sum m_r \ln r_r^2 + m_h \ln r_h^2 + p \ln \sum m_r`, m = rows / kappa."""
     rows = optimum.weighted.solid.rows
     total, effective = 0.0, 0.0
     for i, kappa in enumerate(correlation):
-        on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
+        ramp_rows = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
         noise_level = min(rows.noise[i], optimum.hold[i])
         effective_count = rows.select_hold(i).sum() / hold.correlation[i]
-        total += deviance(max(optimum.ramp[i], noise_level) ** 2, effective=on)
+        total += deviance(max(optimum.ramp[i], noise_level) ** 2, effective=ramp_rows)
         total += deviance(optimum.hold[i] ** 2, effective=effective_count)
-        effective += on
+        effective += ramp_rows
     arms, knot_count = len(optimum.log_tau), optimum.weighted.solid.bends.stop
     delays = len(optimum.nuisance) - 2 * len(rows.depths)
-    free = 2 * arms + max(knot_count - 1, 0) + delays
-    return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
+    parameter_count = 2 * arms + max(knot_count - 1, 0) + delays
+    return bic_of_deviance(total, effective=max(effective, 2.0), parameters=parameter_count)
 
 
 def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
-    best = min(scores, key=lambda score: score.bic)
+    best_score = min(scores, key=lambda score: score.bic)
     linear = scores[0]
-    is_better = linear.bic - best.bic > LEAST_GAIN and best.gap > LEAST_GAP
-    return best if is_better else linear
+    is_better = linear.bic - best_score.bic > MIN_BIC_GAIN and best_score.gap > MIN_GAP
+    return best_score if is_better else linear
 
 
-def _with_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+def _add_delay(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with a delay of each force if the ramps show one."""
-    solid, best = optimum.weighted.solid, optimum.optimum
-    resolved_nuisances = build_nuisances(solid.rows, delay_derivative(optimum.weighted, best))
-    delayed = fit_ramp_and_hold(solid, hold, optimum, best.theta, value=resolved_nuisances)
-    gain = _bic(optimum, hold, delayed.ramp_correlation) - _bic(
+    solid, best_optimum = optimum.weighted.solid, optimum.optimum
+    resolved_nuisances = build_nuisances(
+        solid.rows, delay_derivative(optimum.weighted, best_optimum)
+    )
+    delayed = fit_ramp_and_hold(solid, hold, optimum, best_optimum.theta, value=resolved_nuisances)
+    gain = _compute_bic(optimum, hold, delayed.ramp_correlation) - _compute_bic(
         delayed, hold, delayed.ramp_correlation
     )
-    return delayed if gain > LEAST_GAIN else optimum
+    return delayed if gain > MIN_BIC_GAIN else optimum
 
 
-def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
+def _add_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOptimum:
     """Return the fit with one more arm if the ramps show one that the holds hardly do."""
     solid, n = optimum.weighted.solid, len(hold.log_tau)
     rows = solid.rows
-    first = rows.ramp & (rows.record == 0)
-    ramp = np.log(rows.ends[0] - rows.time[first][0])
+    first_ramp = rows.ramp & (rows.record == 0)
+    ramp = np.log(rows.ends[0] - rows.time[first_ramp][0])
     fastest = float(hold.log_tau[0]) if n else float(ramp)
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return optimum
@@ -408,17 +420,17 @@ def _with_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOp
     cost_fall = optimum.optimum.cost - trial.cost
     if (
         solid.split_parameters(trial.theta)[0].min() > fastest - np.log(2.0)
-        or cost_fall < LEAST_GAIN
+        or cost_fall < MIN_BIC_GAIN
     ):
         return optimum
     refined = fit_ramp_and_hold(solid, hold, optimum, trial.theta, value=optimum.weighted.nuisances)
     is_faster = float(refined.log_tau.min()) < fastest - np.log(2.0)
-    gain = _bic(optimum, hold, refined.ramp_correlation) - _bic(
+    gain = _compute_bic(optimum, hold, refined.ramp_correlation) - _compute_bic(
         refined, hold, refined.ramp_correlation
     )
     return (
         refined
-        if is_faster and bool((refined.k[0, 1:] > 0).all()) and gain > LEAST_GAIN
+        if is_faster and bool((refined.k[0, 1:] > 0).all()) and gain > MIN_BIC_GAIN
         else optimum
     )
 
@@ -431,7 +443,7 @@ def _assess_linear_law(
     candidates = []
     for index in (count, count - 1) if arms is None and count > 1 else (count,):
         start = hold if index == count else fit_hold_only(rows, index)
-        optimum = _joint(rows, hold, start.log_tau, noise)
+        optimum = _fit_jointly(rows, hold, start.log_tau, noise)
         qualities = tuple(
             assess_linear_fit(
                 optimum.ramp[i],
@@ -445,20 +457,24 @@ def _assess_linear_law(
             for i in range(len(noise))
         )
         candidates.append((qualities, optimum))
-        if all(at.is_adequate for at in qualities):
+        if all(quality.is_adequate for quality in qualities):
             break
-    reliable = [pair for pair in candidates if all(at.is_adequate for at in pair[0])]
+    reliable = [pair for pair in candidates if all(quality.is_adequate for quality in pair[0])]
     return (reliable or candidates)[0]
 
 
-def _joint(
+def _fit_jointly(
     rows: DownsampledRows, hold: HoldEstimate, log_tau: FloatArray, noise: Sequence[float]
 ) -> RampHoldOptimum:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     equal_noise = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
     sd = spread(rows, equal_noise, equal_noise)
-    first = Weighted(solid, sd, build_nuisances(rows))
-    best = first.descend(log_tau)
-    with_delay = Weighted(solid, sd, build_nuisances(rows, delay_derivative(first, best)))
-    return with_residual_statistics(with_delay, with_delay.descend(best.theta), independent(hold))
+    first_weights = Weighted(solid, sd, build_nuisances(rows))
+    best_fit = first_weights.descend(log_tau)
+    with_delay = Weighted(
+        solid, sd, build_nuisances(rows, delay_derivative(first_weights, best_fit))
+    )
+    return add_residual_statistics(
+        with_delay, with_delay.descend(best_fit.theta), independent(hold)
+    )

@@ -22,7 +22,7 @@ from dashpot.fitting.fit_construction import (
     Residuals,
     SolidEstimate,
     build_fit,
-    provenance_of,
+    collect_provenance,
     run_relaxation_checks,
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
@@ -100,7 +100,7 @@ def build_ramp_fit(
             end_of_hold=end,
             band_error=error,
         ),
-        provenance_of("full", tests, _make_step(tests, law)),
+        collect_provenance("full", tests, _make_step(tests, law)),
         elastic_law=replace(law.law, ratio_se=_shape_error(law)),
     )
 
@@ -132,9 +132,11 @@ def _add_test_errors(
     arm by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
     """
     depth = [depth_error(test) for test in tests]
-    scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
+    stiffness_vector = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
     mean_error = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
-    error_columns = np.column_stack((mean_error * scaled, compute_clock_sensitivity(tests, model)))
+    error_columns = np.column_stack(
+        (mean_error * stiffness_vector, compute_clock_sensitivity(tests, model))
+    )
     return replace(estimate, covariance=estimate.covariance + error_columns @ error_columns.T)
 
 
@@ -167,14 +169,14 @@ def ramp_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of elastic law and load cell, each at its worst over the records."""
     rows = law.optimum.weighted.solid.rows
-    worst = int(np.argmax(law.relative_residuals))
+    worst_index = int(np.argmax(law.relative_residuals))
     values = law.optimum.nuisance
     error = np.sqrt(np.diag(law.estimate.covariance))
     deepest_index = int(np.argmax(rows.depths))
     residual_check = checks.ramp_residual_small(
-        law.relative_residuals[worst],
-        max(rows.noise[worst], law.hold.rms[worst]) / rows.peak(worst),
-        law.discrepancy[worst],
+        law.relative_residuals[worst_index],
+        max(rows.noise[worst_index], law.hold.rms[worst_index]) / rows.peak(worst_index),
+        law.discrepancy[worst_index],
         law.law.kind,
     )
     return (
@@ -229,24 +231,24 @@ def end_stiffness(test: RampHold, equilibrium_force: float) -> float:
 
 def different_ramps(tests: Sequence[RampHold]) -> int:
     """Return how many ramps differ in rate or depth by a tenth or more."""
-    items: list[tuple[float, float]] = []
+    distinct_ramps: list[tuple[float, float]] = []
     for test in tests:
         ramp = (test.depth / test.ramp_time, test.depth)
-        if all(max(abs(np.log(a / b)) for a, b in zip(ramp, item, strict=True)) >= 0.1
-               for item in items):  # fmt: skip
-            items.append(ramp)
-    return len(items)
+        if all(max(abs(np.log(a / b)) for a, b in zip(ramp, rate_and_depth, strict=True)) >= 0.1
+               for rate_and_depth in distinct_ramps):  # fmt: skip
+            distinct_ramps.append(ramp)
+    return len(distinct_ramps)
 
 
 def _make_step(tests: Sequence[RampHold], ramp_law: RampLaw) -> Step:
     law, arms = ramp_law.law, ramp_law.model.arms
-    plural = f"{len(tests)} tests" if len(tests) > 1 else "one test"
+    test_count = f"{len(tests)} tests" if len(tests) > 1 else "one test"
     shape = "a linear elastic law" if law.kind == "linear" else (
         f"an elastic law whose tangent is linear between {len(law.knots)} knots"
     )  # fmt: skip
     message = (
         f"fitted a generalized Maxwell model with {arms} arm{'s' * (arms != 1)} and {shape} to "
-        f"{plural}, holds first"
+        f"{test_count}, holds first"
     )
     parameters = (("law", law.kind), ("knots", str(len(law.knots))), ("arms", str(arms)))
     return Step("fit", parameters, message)

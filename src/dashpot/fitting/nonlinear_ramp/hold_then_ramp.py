@@ -28,21 +28,21 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
 )
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
-from dashpot.numerics.exponential_fit import Solution, full_jacobian, solve_orders
-from dashpot.numerics.inference.correlated_noise import make_directions, noise_of, white
+from dashpot.numerics.exponential_fit import Solution, compute_full_jacobian, solve_orders
+from dashpot.numerics.inference.correlated_noise import estimate_noise, make_directions, white
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, white_noise
 from dashpot.numerics.inference.model_order import deviance
 from dashpot.numerics.least_squares import Optimum
 
 MAX_ARMS = 5
 _MAX_ITERATIONS = 10
-_CONVERGED = 0.005
+_CONVERGENCE_TOLERANCE = 0.005
 # motion of a plate at rest, as a fraction of the depth
-STANDSTILL = 1e-3
+REST_TOLERANCE = 1e-3
 # least degrees of freedom of a ramp, as a fraction of its rows
-_LEAST_DOF = 0.2
+_MIN_DOF_SHARE = 0.2
 # residual by rounding, as a fraction of the largest force
-ROUNDING = 3e-6
+ROUNDING_SHARE = 3e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +140,7 @@ def fit_hold_only(
 ) -> HoldEstimate:
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
     bounds = tau_bounds(rows)
-    blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
+    blocks = [_build_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
     fewest_samples = min(block.samples for block in blocks)
     max_order = max(min(max_arms if arms is None else arms, (fewest_samples - 3) // 2), 0)
     arm_penalty = (1 + len(blocks)) * float(np.log(fewest_samples)) if arms is None else 0.0
@@ -149,7 +149,7 @@ def fit_hold_only(
     return _build_hold_estimate(rows, blocks, solution)
 
 
-def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
+def _build_hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     r"""Return the rows of relaxation and of the instantaneous response to a plate still moving.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
@@ -159,7 +159,7 @@ def _hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBlock:
     root = np.sqrt(rows.count[hold_rows])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
     displacement = rows.displacement[hold_rows] - rows.depths[i]
-    if float(np.ptp(displacement)) > STANDSTILL * rows.depths[i]:
+    if float(np.ptp(displacement)) > REST_TOLERANCE * rows.depths[i]:
         fixed[f"settling@{i}"] = displacement
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
@@ -182,9 +182,11 @@ def _select_order(
 ) -> Solution:
     """Return the solution with the least BIC, by the effective number of samples."""
     sizes = [block.samples for block in blocks]
-    largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
-    effective = sum(noise_of(residual).effective for residual in largest)
-    rounding_sse = sum(size * rounding(rows, i) ** 2 for i, size in enumerate(sizes))
+    largest = np.split(compute_full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
+    effective = sum(estimate_noise(residual).effective for residual in largest)
+    rounding_sse = sum(
+        sample_count * rounding(rows, i) ** 2 for i, sample_count in enumerate(sizes)
+    )
     penalty = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
     per_arm = 1 + len(blocks)
     return min(
@@ -199,15 +201,15 @@ def _select_order(
 def _build_hold_estimate(
     rows: DownsampledRows, blocks: Sequence[DataBlock], solution: Solution
 ) -> HoldEstimate:
-    jacobian = full_jacobian(blocks, solution)
+    jacobian = compute_full_jacobian(blocks, solution)
     boundaries = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
     for i, residual in enumerate(np.split(jacobian.residual, boundaries)):
-        items = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in jacobian.names]
-        remaining = max(len(residual) - sum(items), 1)
+        belongs_to_record = [n.endswith(f"@{i}") or n.startswith("ln_tau") for n in jacobian.names]
+        dof = max(len(residual) - sum(belongs_to_record), 1)
         rms.append(max(float(np.sqrt(np.mean(residual**2))), rounding(rows, i)))
-        scatter.append(max(float(np.sqrt(residual @ residual / remaining)), rounding(rows, i)))
-        correlation.append(noise_of(residual).kappa)
+        scatter.append(max(float(np.sqrt(residual @ residual / dof)), rounding(rows, i)))
+        correlation.append(estimate_noise(residual).kappa)
     sd = np.repeat(np.array(scatter) * np.sqrt(correlation), [block.samples for block in blocks])
     covariance = white(jacobian.matrix / sd[:, None], 1.0)
     for i, depth in enumerate(rows.depths):
@@ -227,7 +229,7 @@ def _build_hold_estimate(
 
 def rounding(rows: DownsampledRows, i: int) -> float:
     """Return the residual of record i by block means and rounding, N."""
-    return ROUNDING * rows.peak(i)
+    return ROUNDING_SHARE * rows.peak(i)
 
 
 # -- and its ramp ---------------------------------------------------------------------------------
@@ -274,13 +276,13 @@ def independent(hold: HoldEstimate) -> FloatArray:
     return np.asarray(hold.scatter * np.sqrt(hold.correlation))
 
 
-def recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
+def fit_recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone, with the recorded history of a linear seal."""
-    unmeasured = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
+    effects = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(
-        QuasiLinear(rows, np.array([0.0, rows.depth])), unmeasured, build_nuisances(rows)
+        QuasiLinear(rows, np.array([0.0, rows.depth])), effects, build_nuisances(rows)
     )
-    return with_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
+    return add_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
 
 
 def fit_ramp_and_hold(
@@ -304,16 +306,16 @@ def fit_ramp_and_hold(
         weighted = Weighted(
             solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
         )
-        before = optimum
-        optimum = with_residual_statistics(weighted, weighted.descend(theta), by_hold)
+        previous = optimum
+        optimum = add_residual_statistics(weighted, weighted.descend(theta), by_hold)
         theta = optimum.optimum.theta
-        change = np.array(optimum.ramp_scatter) / np.array(before.ramp_scatter) - 1
-        if float(np.abs(change).max()) < _CONVERGED:
+        change = np.array(optimum.ramp_scatter) / np.array(previous.ramp_scatter) - 1
+        if float(np.abs(change).max()) < _CONVERGENCE_TOLERANCE:
             break
     return optimum
 
 
-def with_residual_statistics(
+def add_residual_statistics(
     weighted: Weighted, best: Optimum, by_hold: FloatArray
 ) -> RampHoldOptimum:
     """Return an optimum with the residual statistics of each ramp and hold."""
@@ -322,19 +324,20 @@ def with_residual_statistics(
     leverage = np.sum(make_directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[
         : len(residual)
     ]
-    scaled = np.sqrt(rows.count) * residual
+    scaled_residual = np.sqrt(rows.count) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):
         ramp, hold = rows.ramp & (rows.record == i), rows.select_hold(i)
-        size = int(ramp.sum())
-        remainder = max(size - float(leverage[ramp].sum()), _LEAST_DOF * size)
-        kappa = noise_of(scaled[ramp]).kappa
-        ramps.append(max(float(np.sqrt(np.mean(scaled[ramp] ** 2))), rounding(rows, i)))
-        holds.append(max(float(np.sqrt(np.mean(scaled[hold] ** 2))), rounding(rows, i)))
+        ramp_rows = int(ramp.sum())
+        remainder = max(ramp_rows - float(leverage[ramp].sum()), _MIN_DOF_SHARE * ramp_rows)
+        kappa = estimate_noise(scaled_residual[ramp]).kappa
+        ramps.append(max(float(np.sqrt(np.mean(scaled_residual[ramp] ** 2))), rounding(rows, i)))
+        holds.append(max(float(np.sqrt(np.mean(scaled_residual[hold] ** 2))), rounding(rows, i)))
         correlations.append(kappa)
         scatters.append(
             max(
-                float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / remainder)), float(by_hold[i])
+                float(np.sqrt(kappa * (scaled_residual[ramp] @ scaled_residual[ramp]) / remainder)),
+                float(by_hold[i]),
             )
         )
     return RampHoldOptimum(

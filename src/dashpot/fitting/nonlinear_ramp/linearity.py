@@ -13,29 +13,29 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import Step
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.relaxation import MAX_CREEP, RampHold
-from dashpot.fitting.checks.relaxation import slow_noise
+from dashpot.fitting.checks.relaxation import estimate_slow_noise
 from dashpot.fitting.data_blocks import (
     FitData,
     FitSetup,
     InitialFit,
     bic_penalty_per_arm,
-    block_of,
+    build_fit_data,
+    build_record_block,
+    build_solid,
     compress_tests,
-    data_of,
     eq5_obstacle,
     fit_all_orders,
     is_multi_step,
     max_determinable_arms,
-    solid_of,
 )
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.fractional_model.family_selection import FractionalFit, fit_fractional
-from dashpot.fitting.nonlinear_ramp.quasi_linear import ramp_obstacle, relaxes_from
+from dashpot.fitting.nonlinear_ramp.quasi_linear import explain_missing_ramp, find_relaxation_start
 from dashpot.fitting.nuisance_priors import LINEAR_DELAY
 from dashpot.fitting.parameter_errors import compute_residual
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import solve
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.clock import is_evenly_sampled
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -45,11 +45,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
 # one independent residual, and than the hold alone in the hold
-SOUND_RAMP, SOUND_SHAPE, SOUND_HOLD = 1.2, 1.5, 1.1
+MAX_RAMP_RATIO, MAX_SHAPE_RATIO, MAX_HOLD_RATIO = 1.2, 1.5, 1.1
 # what a residual of this part of the peak stands for moves no stiffness that anyone would notice
-NEGLIGIBLE = 1e-4
+NEGLIGIBLE_RESIDUAL = 1e-4
 # and more than this part is not what an encoder leaves
-UNREAD = 1e-3
+MAX_ENCODER_RESIDUAL = 1e-3
 
 
 class LinearFitQuality(NamedTuple):
@@ -100,13 +100,13 @@ def assess_linear_fit(
     unread : float
         Force on the ramp that what the encoder leaves of the motion stands for, N.
     """
-    negligible = NEGLIGIBLE * peak
+    negligible = NEGLIGIBLE_RESIDUAL * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
-    is_small = ramp <= max(SOUND_RAMP, by_chance) * noise
-    is_structureless = discrepancy <= SOUND_SHAPE * by_chance
-    unread = min(SOUND_SHAPE * unread, UNREAD * peak)
+    is_small = ramp <= max(MAX_RAMP_RATIO, by_chance) * noise
+    is_structureless = discrepancy <= MAX_SHAPE_RATIO * by_chance
+    unread = min(MAX_SHAPE_RATIO * unread, MAX_ENCODER_RESIDUAL * peak)
     is_followed = (is_small and is_structureless) or ramp <= max(negligible, unread)
-    valid = bool(is_followed and (hold <= SOUND_HOLD * single or hold <= negligible))
+    valid = bool(is_followed and (hold <= MAX_HOLD_RATIO * single or hold <= negligible))
     return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
 
 
@@ -123,18 +123,20 @@ def assess_residuals(
     hold_residuals : array, shape (m,)
         Residual of a fit to the hold alone, N.
     """
-    corner, onset = relaxes_from(test), int(np.searchsorted(test.time, test.onset))
+    corner, onset = find_relaxation_start(test), int(np.searchsorted(test.time, test.onset))
     hold_part = residuals[corner - test.hold.stop :]
     ramp = residuals[: -len(hold_part)][onset - corner :]
     # the colour of the noise shows in a stretch of it
-    noises = noise_of(ramp), noise_of(hold_residuals[: 4 * len(ramp)])
+    noises = estimate_noise(ramp), estimate_noise(hold_residuals[: 4 * len(ramp)])
     rms, hold_rms = (float(np.sqrt(np.mean(part**2))) for part in (ramp, hold_residuals))
     peak = float(np.abs(test.force[: test.hold.stop]).max())
     return assess_linear_fit(
         rms,
         float(np.sqrt(np.mean(hold_part**2))),
         hold_rms,
-        noise=max(sample_noise(test.force_noise, hold_rms), slow_noise(hold_residuals, peak)),
+        noise=max(
+            sample_noise(test.force_noise, hold_rms), estimate_slow_noise(hold_residuals, peak)
+        ),
         discrepancy=rms / max(hold_rms, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
@@ -143,13 +145,13 @@ def assess_residuals(
 
 
 def _compute_motion_residual(test: RampHold, ramp: slice) -> float:
-    """Return standard deviation of what the encoder leaves of the motion on the ramp, m."""
+    """Return the standard deviation of the encoder's error on the ramp, m."""
     _, residual = denoise_displacement(test)
     return float(np.sqrt(np.mean(residual[ramp] ** 2)))
 
 
 def sample_noise(scatter: float, rms: float) -> float:
-    """Standard deviation of the noise of one sample, N: its scatter, or what its hold leaves.
+    """Standard deviation of the noise of one sample, N: scatter, or residual of its hold.
 
     What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
     """
@@ -160,11 +162,11 @@ def sample_noise(scatter: float, rms: float) -> float:
 
 
 # arms that a hold alone is given at least: what it leaves is noise
-_FEWEST_HOLD_ARMS = 2
+_MIN_HOLD_ARMS = 2
 # an arm that lowers the sum of squares by less than this is none that the hold alone needs
-_AS_GOOD = 1.01
+_MIN_SSE_RATIO = 1.01
 # arms nearer than this in ln tau are one
-_SAME_ARM = 1e-6
+_SAME_ARM_DISTANCE = 1e-6
 
 
 class LinearityResult(NamedTuple):
@@ -202,14 +204,16 @@ class HoldBlocks:
         return tuple(
             compress_tests([record], FitSetup("hold", ()))[0]
             if eq5_obstacle(record) is None
-            else block_of(record, terms=_terms_of_hold(record), start=record.settled_samples.start)
+            else build_record_block(
+                record, terms=_terms_of_hold(record), start=record.settled_samples.start
+            )
             for record in self.records
         )
 
     def compute_hold_residual(self, i: int, start: FloatArray) -> FloatArray:
         """Return the residual of one hold alone, with at most as many arms as it supports."""
         block = self.blocks[i]
-        arms = min(max(len(start), _FEWEST_HOLD_ARMS), max_determinable_arms([block]))
+        arms = min(max(len(start), _MIN_HOLD_ARMS), max_determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
         initial = start if len(start) == arms and _has_distinct_times(start, block.window) else None
         negligible = bic_penalty_per_arm([block])
@@ -230,17 +234,17 @@ class HoldBlocks:
             near_log_tau=log_tau_start,
             negligible=bic_penalty_per_arm(self.blocks),
         )
-        return solid_of(solution)
+        return build_solid(solution)
 
 
 def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
-    """Return what a hold is given beside arms: of one that stands, an offset is as its spring."""
+    """Return the nuisance terms of a hold: no offset at rest, where it equals the spring."""
     return ("offset",) if abs(record.hold_creep) > MAX_CREEP else ()
 
 
 def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> bool:
     clipped = np.clip(np.sort(log_tau), *np.log(window))
-    return bool(np.all(np.diff(clipped) > _SAME_ARM))
+    return bool(np.all(np.diff(clipped) > _SAME_ARM_DISTANCE))
 
 
 def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
@@ -248,29 +252,29 @@ def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> L
     determinable_arms = min(options.max_arms, max_determinable_arms(data.blocks))
     arm_count = determinable_arms if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
-    first = fit_all_orders(
+    order_fits = fit_all_orders(
         data, arm_count, auto=auto, thorough=options.thorough, only_max_arms=point
     )
-    linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
+    linearity = LinearityResult(order_fits, None, _evaluate_holds(holds, order_fits))
     if not linearity.is_linear and arm_count < determinable_arms:
         # too few arms are no reason to bend the law
-        first = fit_all_orders(data, determinable_arms, thorough=options.thorough)
-        linearity = LinearityResult(first, None, _evaluate_holds(holds, first))
+        order_fits = fit_all_orders(data, determinable_arms, thorough=options.thorough)
+        linearity = LinearityResult(order_fits, None, _evaluate_holds(holds, order_fits))
     if linearity.is_linear or options.family == "maxwell":
         return linearity
-    fit = fit_fractional(first.data)
+    fit = fit_fractional(order_fits.data)
     if options.family == "fractional":
-        return LinearityResult(first, fit, None)
+        return LinearityResult(order_fits, fit, None)
     fractional_quality = _find_worst_record(
-        holds, fit.estimate.residuals, first.solutions[-1].log_tau
+        holds, fit.estimate.residuals, order_fits.solutions[-1].log_tau
     )
     valid = fractional_quality is None or fractional_quality.is_adequate
-    return LinearityResult(first, fit, fractional_quality if valid else linearity.quality)
+    return LinearityResult(order_fits, fit, fractional_quality if valid else linearity.quality)
 
 
 def _evaluate_holds(holds: HoldBlocks, first: InitialFit) -> LinearFitQuality | None:
     """Return how well the best arms explain every record to its noise, ramp and hold alike."""
-    sse_limit = _AS_GOOD * first.solutions[-1].sse
+    sse_limit = _MIN_SSE_RATIO * first.solutions[-1].sse
     smallest = next(solution for solution in first.solutions if solution.sse <= sse_limit)
     return _find_worst_record(holds, first.residuals, smallest.log_tau)
 
@@ -282,15 +286,17 @@ def _find_worst_record(
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
-    worst = None
+    worst_record = None
     for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
-        if is_multi_step(record) or ramp_obstacle(record) is not None:
+        if is_multi_step(record) or explain_missing_ramp(record) is not None:
             continue
         quality = assess_residuals(record, residual, holds.compute_hold_residual(i, log_tau))
         if not quality.is_adequate:
             return quality
-        worst = quality if worst is None or quality.ramp > worst.ramp else worst
-    return worst
+        worst_record = (
+            quality if worst_record is None or quality.ramp > worst_record.ramp else worst_record
+        )
+    return worst_record
 
 
 # Large delay of the force: the motion is delayed alike.
@@ -330,7 +336,7 @@ class DelayedMotion(NamedTuple):
     ) -> DelayedMotion:
         """Return the data of records; as they are where no lags are said."""
         no_lags = (0.0,) * len(records)
-        return cls(HoldBlocks(records), data_of(records, design), lags or no_lags, filtered)
+        return cls(HoldBlocks(records), build_fit_data(records, design), lags or no_lags, filtered)
 
     def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""
@@ -377,12 +383,12 @@ def _generate_delayed_motions(
     recorded: DelayedMotion, linearity: LinearityResult
 ) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
-    records, best = recorded.holds.records, linearity.initial_fit.solutions[-1]
-    values = [best.coefficient(f"delay@{i}") for i in range(len(records))]
+    records, best_solution = recorded.holds.records, linearity.initial_fit.solutions[-1]
+    values = [best_solution.coefficient(f"delay@{i}") for i in range(len(records))]
     large_delays = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
-    shifted, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
+    delayed_records, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
     if any(lags):
-        yield DelayedMotion.from_records(shifted, FitSetup("full"), lags)
+        yield DelayedMotion.from_records(delayed_records, FitSetup("full"), lags)
     if any(large_delays) and not any(record.machine.force_filter for record in records):
         filtered_records = [*map(_set_force_filter, records, large_delays)]
         yield DelayedMotion.from_records(

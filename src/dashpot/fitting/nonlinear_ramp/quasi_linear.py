@@ -26,11 +26,11 @@ from dashpot.preprocessing.denoising import denoise_displacement
 
 
 # blocks per e-fold of the time since a corner
-_IN_RAMP, _IN_HOLD = 64, 26
+_RAMP_BLOCKS, _HOLD_BLOCKS = 64, 26
 # the fewest samples that can show a ramp and a hold
-_FEWEST_ON_RAMP, _FEWEST = 3, 8
+_MIN_RAMP_SAMPLES, _MIN_HOLD_SAMPLES = 3, 8
 # motion after the ramp, as a part of the depth, that a law of the ramp can bear
-_MOST_BY_RAMP_LAW = 0.15
+_MAX_HOLD_MOTION = 0.15
 # a force that peaks this part of the hold late, by so many times its scatter and this part of
 # itself, had not seen the end of the ramp
 _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
@@ -95,7 +95,7 @@ class DownsampledRows:
         return np.asarray((self.record == record) & ~self.ramp)
 
 
-def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
+def downsample_tests(tests: Sequence[RampHold]) -> DownsampledRows:
     """Return the rows of prepared tests, from contact to the end of the hold.
 
     Raises
@@ -124,18 +124,19 @@ def downsample(tests: Sequence[RampHold]) -> DownsampledRows:
     )
 
 
-def ramp_obstacle(test: RampHold) -> str | None:
+def explain_missing_ramp(test: RampHold) -> str | None:
     """Return why a record shows no elastic law by its ramp, in a sentence; None if it may."""
-    corner, end = relaxes_from(test), test.hold.stop
+    corner, hold_stop = find_relaxation_start(test), test.hold.stop
     climbing = corner - int(np.searchsorted(test.time, test.onset))
-    if climbing < _FEWEST_ON_RAMP or end - corner < _FEWEST:
+    if climbing < _MIN_RAMP_SAMPLES or hold_stop - corner < _MIN_HOLD_SAMPLES:
         return (
-            f"the record has {climbing} samples on the ramp and {end - corner} in the hold; an "
-            f"elastic law from the ramp needs at least {_FEWEST_ON_RAMP} and {_FEWEST}: sample "
-            "faster"
+            f"the record has {climbing} samples on the ramp and {hold_stop - corner} in the hold; "
+            f"an elastic law from the ramp needs at least {_MIN_RAMP_SAMPLES} and "
+            f"{_MIN_HOLD_SAMPLES}: "
+            "sample faster"
         )
-    ratio = float(np.ptp(test.displacement[corner:end])) / test.depth
-    if ratio > _MOST_BY_RAMP_LAW:
+    ratio = float(np.ptp(test.displacement[corner:hold_stop])) / test.depth
+    if ratio > _MAX_HOLD_MOTION:
         return (
             f"the displacement moves by {100 * ratio:.0f} % of the depth after the first ramp; an "
             "elastic law from the ramp needs one ramp and its hold: cut the record to them"
@@ -144,27 +145,27 @@ def ramp_obstacle(test: RampHold) -> str | None:
 
 
 def _downsample_record(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ...]:
-    refusal = ramp_obstacle(test)
+    refusal = explain_missing_ramp(test)
     if refusal is not None:
         raise FitError(refusal)
     x = denoise_displacement(test)[0]
     time, force = test.time[: len(x)] - test.time[0], test.force[: len(x)]
-    corner = relaxes_from(test)
-    on = median(np.diff(time[first:corner]))
-    median_step = median(np.diff(time[corner : corner + _FEWEST]))
+    corner = find_relaxation_start(test)
+    usual_step = median(np.diff(time[first:corner]))
+    median_step = median(np.diff(time[corner : corner + _MIN_HOLD_SAMPLES]))
     cuts = distinct(np.concatenate((
-        _place_ramp_blocks(time[first:corner], on) + first,
-        _place_hold_blocks(time[corner:], median_step, _IN_HOLD) + corner,
+        _place_ramp_blocks(time[first:corner], usual_step) + first,
+        _place_hold_blocks(time[corner:], median_step, _HOLD_BLOCKS) + corner,
     )))  # fmt: skip
     count = np.diff(np.append(cuts, len(x))).astype(float)
     mean_time, mean_x, mean_force = (
         np.add.reduceat(values, cuts) / count for values in (time, x, force)
     )
-    step = np.diff(mean_time, prepend=mean_time[0] - on)
+    step = np.diff(mean_time, prepend=mean_time[0] - usual_step)
     return mean_time, step, mean_x, mean_force, count, np.full(len(cuts), number), cuts < corner
 
 
-def relaxes_from(test: RampHold) -> int:
+def find_relaxation_start(test: RampHold) -> int:
     """Return the sample from which the force falls: the first of the hold, or the peak behind it.
 
     A force that rises on after the plate is said to stand belongs to the ramp.
@@ -181,17 +182,19 @@ def relaxes_from(test: RampHold) -> int:
 
 def _place_ramp_blocks(time: FloatArray, interval: float) -> IndexArray:
     """Return where blocks start that widen from both corners of a ramp."""
-    middle = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
-    first_half = _place_hold_blocks(time[:middle], interval, _IN_RAMP)
-    second_half = len(time) - _place_hold_blocks(-time[middle:][::-1], interval, _IN_RAMP)[1:]
-    return np.concatenate((first_half, [middle], second_half))
+    middle_index = int(np.searchsorted(time, 0.5 * (time[0] + time[-1])))
+    first_half = _place_hold_blocks(time[:middle_index], interval, _RAMP_BLOCKS)
+    second_half = (
+        len(time) - _place_hold_blocks(-time[middle_index:][::-1], interval, _RAMP_BLOCKS)[1:]
+    )
+    return np.concatenate((first_half, [middle_index], second_half))
 
 
 def _place_hold_blocks(time: FloatArray, interval: float, blocks: int) -> IndexArray:
     """Return where blocks start that widen with the time since the first sample."""
     span = float(time[-1] - time[0]) if len(time) else 0.0
-    last = np.ceil(blocks * np.log1p(span / (blocks * interval)))
-    edges = blocks * interval * np.expm1(np.arange(last + 1) / blocks)
+    block_count = np.ceil(blocks * np.log1p(span / (blocks * interval)))
+    edges = blocks * interval * np.expm1(np.arange(block_count + 1) / blocks)
     cuts = distinct(np.searchsorted(time - time[0] if len(time) else time, edges))
     return np.asarray(cuts[cuts < len(time)])
 
@@ -222,16 +225,16 @@ class QuasiLinear:
 
     def __init__(self, rows: DownsampledRows, knots: FloatArray) -> None:
         self.rows, self.knots = rows, knots
-        self.hats = hat_integrals(rows.displacement, knots)
+        self.hats = integrate_hats(rows.displacement, knots)
         width = np.diff(knots)
         self.weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / knots[-1]
         steps = np.diff(self.hats, axis=0, prepend=0.0)
         steps[rows.first] = self.hats[rows.first]
-        self._moved = steps
+        self._hat_steps = steps
 
     @property
     def bends(self) -> slice:
-        """The hats whose shape is free: none of a straight law."""
+        """The hats with a free shape; none if the law is linear."""
         return slice(0, len(self.knots) if len(self.knots) > 2 else 0)
 
     def theta(self, log_tau: FloatArray, shape: FloatArray) -> FloatArray:
@@ -245,41 +248,41 @@ class QuasiLinear:
 
     def columns(self, log_tau: FloatArray) -> FloatArray:
         """Return columns of k_inf and every k under each hat: path and elongations, (M, 1+N, P)."""
-        _, mean, passed = self._steps(log_tau)
-        arms = _run_recursion(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
+        _, mean, decay = self._steps(log_tau)
+        arms = _run_recursion(decay[:, :, None], mean[:, :, None] * self._hat_steps[:, None, :])
         return np.concatenate((self.hats[:, None, :], arms), axis=1)
 
     def slopes(self, log_tau: FloatArray, shape: FloatArray, arms: FloatArray) -> FloatArray:
         """Return derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
-        z, mean, passed = self._steps(log_tau)
-        before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
-        change = (self._moved @ shape)[:, None]
-        return _run_recursion(passed, passed * z * before + (mean - np.exp(-z)) * change)
+        z, mean, decay = self._steps(log_tau)
+        elongation_before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
+        change = (self._hat_steps @ shape)[:, None]
+        return _run_recursion(decay, decay * z * elongation_before + (mean - np.exp(-z)) * change)
 
     def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Step of each row over tau, the mean decay within it, and what passes from row to row."""
         z = self.rows.step[:, None] / np.exp(log_tau)
         change = np.expm1(-z)
-        passed = 1 + change
-        passed[self.rows.first] = 0.0
-        return z, -change / z, passed
+        decay = 1 + change
+        decay[self.rows.first] = 0.0
+        return z, -change / z, decay
 
 
-def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:
+def integrate_hats(x: FloatArray, knots: FloatArray) -> FloatArray:
     """Integral of each hat from 0 to x, shape (M, P); beyond the ends the last tangent stays."""
     width = np.diff(knots)
     i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(width) - 1)
-    part = np.clip(x, 0.0, knots[-1]) - knots[i]
+    distance = np.clip(x, 0.0, knots[-1]) - knots[i]
     half_width = 0.5 * width
     lower_integrals = np.zeros((len(knots), len(knots)))
     for m in range(1, len(knots)):
         lower_integrals[m] = lower_integrals[m - 1]
         lower_integrals[m, m - 1 : m + 1] += half_width[m - 1]
     values = lower_integrals[i]
-    right = 0.5 * part**2 / width[i]
+    area = 0.5 * distance**2 / width[i]
     row_index = np.arange(len(x))
-    values[row_index, i] += part - right
-    values[row_index, i + 1] += right
+    values[row_index, i] += distance - area
+    values[row_index, i + 1] += area
     values[:, 0] += np.minimum(x, 0.0)
     values[:, -1] += np.maximum(x - knots[-1], 0.0)
     return values
@@ -298,9 +301,9 @@ def _run_recursion(decay: FloatArray, increments: FloatArray) -> FloatArray:
 # well as the ramps show their own size.
 
 
-_STEPS = 40
+_MAX_STEPS = 40
 # a fall of the cost, in units of noise variance, that is not worth a further step
-_FINISHED = 1e-5
+_COST_TOLERANCE = 1e-5
 
 
 class Nuisances(NamedTuple):
@@ -337,27 +340,27 @@ class Weighted:
         self, solid: QuasiLinear, sd: FloatArray, nuisances: Nuisances, *, separate: bool = False
     ) -> None:
         self.solid, self.nuisances = solid, nuisances
-        self._set = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
-        self.sets = int(self._set[-1]) + 1
-        self._member = (self._set[:, None] == np.arange(self.sets)) * 1.0
+        self._set_index = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
+        self.sets = int(self._set_index[-1]) + 1
+        self._set_mask = (self._set_index[:, None] == np.arange(self.sets)) * 1.0
         self.root = np.sqrt(solid.rows.count) / sd
         mean, prior_sd = np.array(nuisances.priors).T.reshape(2, -1)
         data = self.root * solid.rows.force
         # how far the mean of the shape is from 1 is the last row
         self._size = float(np.linalg.norm(data[solid.rows.ramp]))
         self.target = np.concatenate((data, mean / prior_sd, [0.0]))
-        self._known = self._white(nuisances.columns)
-        self._known[len(sd) : -1] = np.diag(1.0 / prior_sd)
+        self._prior_rows = self._whiten(nuisances.columns)
+        self._prior_rows[len(sd) : -1] = np.diag(1.0 / prior_sd)
 
-    def _white(self, columns: FloatArray) -> FloatArray:
-        """Columns of the rows in units of their noise, rows of zeros for what is known before."""
+    def _whiten(self, columns: FloatArray) -> FloatArray:
+        """Columns of the rows in units of their noise, with rows of zeros for the priors."""
         values = np.zeros((len(self.target), columns.shape[1]))
         values[: len(columns)] = self.root[:, None] * columns
         return values
 
     def _expand_by_row(self, k: FloatArray) -> FloatArray:
         """Stiffnesses of each row's own set, shape (M, 1 + N)."""
-        return np.asarray(k.reshape(self.sets, -1)[self._set])
+        return np.asarray(k.reshape(self.sets, -1)[self._set_index])
 
     def stiffnesses(self, best: Optimum) -> FloatArray:
         """k_inf and every k of each set, N/m, shape (S, 1 + N)."""
@@ -379,8 +382,8 @@ class Weighted:
             mean = float(solid.weights @ shape)
             hat_columns, shape = solid.columns(log_tau), shape / mean
             columns = hat_columns @ shape
-            value = (self._member[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
-            A = np.concatenate((self._white(value), self._known), axis=1)
+            value = (self._set_mask[:, :, None] * columns[:, None, :]).reshape(len(columns), -1)
+            A = np.concatenate((self._whiten(value), self._prior_rows), axis=1)
 
             def slope(beta: FloatArray) -> FloatArray:
                 k = self._expand_by_row(beta[:stiffness_count])
@@ -388,7 +391,7 @@ class Weighted:
                 force = np.sum(columns * k, axis=1)
                 by_shape = (np.einsum("mnp,mn->mp", hat_columns[:, :, solid.bends], k)
                             - np.outer(force, bend_weights)) / mean  # fmt: skip
-                values = self._white(np.concatenate((by_tau, by_shape), axis=1))
+                values = self._whiten(np.concatenate((by_tau, by_shape), axis=1))
                 values[-1, arms:] = self._size * bend_weights
                 return values
 
@@ -413,5 +416,5 @@ class Weighted:
         """Return the nearest optimum, ln tau in the window of the rows, shape >= 0 of mean 1."""
         problem = self.problem(len(self.solid.split_parameters(theta)[0]))
         return require_optimum(
-            problem, [theta], max_steps=_STEPS, cost_tolerance=_FINISHED / len(self.root)
+            problem, [theta], max_steps=_MAX_STEPS, cost_tolerance=_COST_TOLERANCE / len(self.root)
         )

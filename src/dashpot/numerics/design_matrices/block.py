@@ -26,7 +26,7 @@ from dashpot.base.errors import DataError
 
 
 #: samples of a stretch: a longer one is more work, a shorter one has more ends
-STRETCH = 32
+STRETCH_SAMPLES = 32
 
 
 def compute_arm_elongations(
@@ -43,71 +43,77 @@ def compute_arm_elongations(
     derivative : bool
         Without it the second is the first.
     """
-    size = len(x)
-    count = -(-size // STRETCH)
-    steps = np.zeros(count * STRETCH)
-    np.subtract(x[1:], x[:-1], out=steps[1:size])
+    sample_count = len(x)
+    count = -(-sample_count // STRETCH_SAMPLES)
+    steps = np.zeros(count * STRETCH_SAMPLES)
+    np.subtract(x[1:], x[:-1], out=steps[1:sample_count])
     # beside the steps of each stretch, what the one before it ends with
-    values = np.zeros((count, STRETCH + 2))
-    values[:, :STRETCH] = steps.reshape(count, STRETCH)
-    columns = np.empty((2 if derivative else 1, len(z), count, STRETCH))
-    index = np.arange(STRETCH + 1.0)
+    values = np.zeros((count, STRETCH_SAMPLES + 2))
+    values[:, :STRETCH_SAMPLES] = steps.reshape(count, STRETCH_SAMPLES)
+    columns = np.empty((2 if derivative else 1, len(z), count, STRETCH_SAMPLES))
+    index = np.arange(STRETCH_SAMPLES + 1.0)
     for j, value in enumerate(z):
         power = np.exp(-value * index)
         mean = -np.expm1(-value) / value
         block_ends = compute_exponential_cumsum(
-            values[:, :STRETCH] @ power[STRETCH - 1 :: -1], value * STRETCH
+            values[:, :STRETCH_SAMPLES] @ power[STRETCH_SAMPLES - 1 :: -1], value * STRETCH_SAMPLES
         )
-        values[1:, STRETCH] = block_ends[:-1]
+        values[1:, STRETCH_SAMPLES] = block_ends[:-1]
         np.matmul(values[:, :-1], _compute_responses(mean * power), out=columns[0, j])
         if derivative:
             delayed = index * power
-            late_ends = values[:, :STRETCH] @ delayed[STRETCH - 1 :: -1]
-            late_ends[1:] += delayed[STRETCH] * block_ends[:-1]
-            values[1:, STRETCH + 1] = compute_exponential_cumsum(late_ends, value * STRETCH)[:-1]
+            late_ends = values[:, :STRETCH_SAMPLES] @ delayed[STRETCH_SAMPLES - 1 :: -1]
+            late_ends[1:] += delayed[STRETCH_SAMPLES] * block_ends[:-1]
+            values[1:, STRETCH_SAMPLES + 1] = compute_exponential_cumsum(
+                late_ends, value * STRETCH_SAMPLES
+            )[:-1]
             elongations = _compute_responses((mean - power[1]) * power + mean * value * delayed)
             np.matmul(
                 values,
                 np.concatenate((elongations, mean * value * power[None, 1:])),
                 out=columns[1, j],
             )
-    q, p = (item.reshape(len(z), count * STRETCH) for item in (columns[0], columns[-1]))
+    q, p = (
+        stacked.reshape(len(z), count * STRETCH_SAMPLES) for stacked in (columns[0], columns[-1])
+    )
     if x[0] != 0.0:
-        passed = z[:, None] * np.arange(q.shape[1])
-        remainder = x[0] * np.exp(-passed)
+        scaled_time = z[:, None] * np.arange(q.shape[1])
+        remainder = x[0] * np.exp(-scaled_time)
         q += remainder
         if derivative:
-            p += passed * remainder
-    return q.T[:size], p.T[:size]
+            p += scaled_time * remainder
+    return q.T[:sample_count], p.T[:sample_count]
 
 
 def _compute_responses(kernel: FloatArray) -> FloatArray:
     """Return a row of responses to each step of a stretch, and one to the end before it."""
-    return np.concatenate((_triangle(kernel[:STRETCH]), kernel[None, 1:]))
+    return np.concatenate((_make_triangular_matrix(kernel[:STRETCH_SAMPLES]), kernel[None, 1:]))
 
 
 def compute_exponential_cumsum(values: FloatArray, z: float) -> FloatArray:
     r"""Return the sums :math:`\sum_{j \le i} e^{-z (i - j)} v_j`, shape (n,)."""
-    size = len(values)
-    if size <= STRETCH:
-        return values @ _triangle(np.exp(-z * np.arange(float(size))))
-    power = np.exp(-z * np.arange(STRETCH + 1.0))
-    matrix = np.zeros((-(-size // STRETCH), STRETCH))
-    matrix.ravel()[:size] = values
-    result = matrix @ _triangle(power[:STRETCH])
-    result[1:] += compute_exponential_cumsum(result[:, -1], z * STRETCH)[:-1, None] * power[1:]
-    return np.asarray(result.ravel()[:size])
+    sample_count = len(values)
+    if sample_count <= STRETCH_SAMPLES:
+        return values @ _make_triangular_matrix(np.exp(-z * np.arange(float(sample_count))))
+    power = np.exp(-z * np.arange(STRETCH_SAMPLES + 1.0))
+    matrix = np.zeros((-(-sample_count // STRETCH_SAMPLES), STRETCH_SAMPLES))
+    matrix.ravel()[:sample_count] = values
+    result = matrix @ _make_triangular_matrix(power[:STRETCH_SAMPLES])
+    result[1:] += (
+        compute_exponential_cumsum(result[:, -1], z * STRETCH_SAMPLES)[:-1, None] * power[1:]
+    )
+    return np.asarray(result.ravel()[:sample_count])
 
 
-def _triangle(kernel: FloatArray) -> FloatArray:
+def _make_triangular_matrix(kernel: FloatArray) -> FloatArray:
     """Return the matrix whose row j holds kernel[i - j] at every i >= j."""
-    lag, lower_indices = _lags(len(kernel))
+    lag, lower_indices = _make_lag_matrix(len(kernel))
     return np.where(lower_indices, kernel[lag], 0.0)
 
 
 @lru_cache(maxsize=64)
-def _lags(size: int) -> tuple[IndexArray, BoolArray]:
-    lag = np.arange(size) - np.arange(size)[:, None]
+def _make_lag_matrix(lag_count: int) -> tuple[IndexArray, BoolArray]:
+    lag = np.arange(lag_count) - np.arange(lag_count)[:, None]
     return np.maximum(lag, 0), lag >= 0
 
 
@@ -439,7 +445,7 @@ def prior_block(
     *,
     unit: float,
 ) -> DataBlock:
-    r"""Return what is known of fixed coefficients before the data, as rows beside those of a block.
+    r"""Return priors of fixed coefficients as rows beside those of a block.
 
     .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
 

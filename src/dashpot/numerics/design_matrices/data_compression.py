@@ -30,18 +30,18 @@ from dashpot.numerics.design_matrices.block import Columns, DataBlock, Rows, des
 # *Math. Comp.* 23 (1969), give nodes and weights from the Jacobi matrix P' x P.
 
 
-NODES = 13
-SUB_NODES = 8
-#: samples of a piece, which starts at NODES times its length or later
-PIECES = (1, 32, 256, 2048)
+NODES_PER_PIECE = 13
+NODES_PER_SUBPIECE = 8
+#: samples of a piece, which starts at NODES_PER_PIECE times its length or later
+PIECE_LENGTHS = (1, 32, 256, 2048)
 SMALL_BLOCK = 300
 #: samples worked on at once
-IN_CACHE = 16_384
-_COUNTED = np.arange(float(IN_CACHE))
+CACHE_SAMPLES = 16_384
+_SAMPLE_NUMBERS = np.arange(float(CACHE_SAMPLES))
 #: relative accuracy of a compressed model's columns
 ACCURACY = 1e-11
 #: share of the data's sum of squares from which a difference of such sums keeps 10 digits
-PLAIN = 1e-5
+MIN_REMAINDER_SHARE = 1e-5
 
 
 class _RecordSection(NamedTuple):
@@ -84,16 +84,16 @@ class DataCompression:
         if self.weighted or not self.stages:
             return self._explicit(values)
         # a constant is its own compression; without it the differences below are of small numbers
-        last = values[..., -1:]
-        rest = values - last
-        z = _apply_stages(rest, self.stages)
-        energy = _squares(rest)
-        remainder_sse = energy - _squares(z)
-        if (remainder_sse < PLAIN * energy).any():
-            z, remainder_sse = self._explicit(rest)
-        return z + last * self.root_weight, remainder_sse
+        last_value = values[..., -1:]
+        differences = values - last_value
+        z = _apply_stages(differences, self.stages)
+        energy = _sum_squares(differences)
+        remainder_sse = energy - _sum_squares(z)
+        if (remainder_sse < MIN_REMAINDER_SHARE * energy).any():
+            z, remainder_sse = self._explicit(differences)
+        return z + last_value * self.root_weight, remainder_sse
 
-    def nodes_of(self, values: FloatArray) -> FloatArray:
+    def compress_to_nodes(self, values: FloatArray) -> FloatArray:
         """Compress and forget the floor: all that inner products with smooth functions need."""
         return _apply_stages(values, self.stages)
 
@@ -106,15 +106,15 @@ class DataCompression:
         """Return the projection with the remainder summed explicitly, without cancellation."""
         remainder_sse = np.zeros(values.shape[:-1])
         for sections in self.stages:
-            parts = []
+            projections = []
             for section in sections:
-                pieces, z = _cut(values, section)
+                piece_values, z = _cut_into_pieces(values, section)
                 if len(section.basis) > 1:
-                    remainder_sse = remainder_sse + _aside(
-                        pieces, z.reshape(*pieces.shape[:-1], -1), section.basis
+                    remainder_sse = remainder_sse + _compute_residual_sse(
+                        piece_values, z.reshape(*piece_values.shape[:-1], -1), section.basis
                     )
-                parts.append(z)
-            values = np.concatenate(parts, axis=-1)
+                projections.append(z)
+            values = np.concatenate(projections, axis=-1)
         return values, remainder_sse
 
 
@@ -122,51 +122,55 @@ def project_values(
     plans: Sequence[DataCompression], values: FloatArray
 ) -> tuple[FloatArray, FloatArray | float]:
     """Compress values, shape (..., M), that stand one plan after the other."""
-    parts, first = [], 0
+    projections, first_sample = [], 0
     remainder_sse: FloatArray | float = 0.0
     for plan in plans:
-        part, part_sse = plan.project(values[..., first : first + plan.samples])
-        parts.append(part)
-        remainder_sse = remainder_sse + part_sse
-        first += plan.samples
-    return np.concatenate(parts, axis=-1), remainder_sse
+        projection, projection_sse = plan.project(
+            values[..., first_sample : first_sample + plan.samples]
+        )
+        projections.append(projection)
+        remainder_sse = remainder_sse + projection_sse
+        first_sample += plan.samples
+    return np.concatenate(projections, axis=-1), remainder_sse
 
 
 def _apply_stages(values: FloatArray, stages: Sequence[tuple[_RecordSection, ...]]) -> FloatArray:
     for sections in stages:
-        values = np.concatenate([_cut(values, section)[1] for section in sections], axis=-1)
+        values = np.concatenate(
+            [_cut_into_pieces(values, section)[1] for section in sections], axis=-1
+        )
     return values
 
 
-def _squares(values: FloatArray) -> FloatArray:
+def _sum_squares(values: FloatArray) -> FloatArray:
     return np.asarray(np.vecdot(values, values))
 
 
-def _cut(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
+def _cut_into_pieces(values: FloatArray, section: _RecordSection) -> tuple[FloatArray, FloatArray]:
     """Return a section's pieces, (..., pieces, length), and their projections, (..., points)."""
-    part = values[..., section.start : section.stop]
+    section_values = values[..., section.start : section.stop]
     length = len(section.basis)
     if length == 1:
-        return part, part
-    if length == part.shape[-1]:
-        return part[..., None, :], part @ section.basis
-    pieces = part.reshape(*values.shape[:-1], -1, length)
+        return section_values, section_values
+    if length == section_values.shape[-1]:
+        return section_values[..., None, :], section_values @ section.basis
+    pieces = section_values.reshape(*values.shape[:-1], -1, length)
     return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
-def _aside(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+def _compute_residual_sse(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
     total = np.zeros(shaped.shape[:-2])
-    pieces = max(1, IN_CACHE // (total.size * len(basis)))
-    for first in range(0, shaped.shape[-2], pieces):
-        span = slice(first, first + pieces)
-        rest = z[..., span, :] @ basis.T
-        np.subtract(shaped[..., span, :], rest, out=rest)
-        total = total + np.einsum("...ij,...ij->...", rest, rest)
+    pieces_at_once = max(1, CACHE_SAMPLES // (total.size * len(basis)))
+    for first in range(0, shaped.shape[-2], pieces_at_once):
+        span = slice(first, first + pieces_at_once)
+        residual = z[..., span, :] @ basis.T
+        np.subtract(shaped[..., span, :], residual, out=residual)
+        total = total + np.einsum("...ij,...ij->...", residual, residual)
     return total
 
 
-def compression(
+def plan_compression(
     position: FloatArray, weights: FloatArray | None = None, *, step: float | None = None
 ) -> DataCompression:
     """Plan the compression of a sampling, positions ascending from where the decay starts.
@@ -188,7 +192,7 @@ def compression(
         nodes = position[0] + step * plan.nodes
         return DataCompression(nodes, plan.root_weight, plan.stages, step)
     root = np.ones(len(position)) if weights is None else weights
-    nodes, root, sections = _blocks(position - position[0], root)
+    nodes, root, sections = _place_nodes(position - position[0], root)
     return DataCompression(position[0] + nodes, root, (sections,), step, weights is not None)
 
 
@@ -208,9 +212,9 @@ def uniform_step(position: FloatArray) -> float | None:
     if not step > 0:
         return None
     tolerance = max(1e-9 * step, 8e-16 * float(max(abs(position[0]), abs(position[-1]))))
-    grid = step * _COUNTED[: len(position)]
-    for first in range(0, len(position), IN_CACHE):
-        span = position[first : first + IN_CACHE]
+    grid = step * _SAMPLE_NUMBERS[: len(position)]
+    for first in range(0, len(position), CACHE_SAMPLES):
+        span = position[first : first + CACHE_SAMPLES]
         deviation = span - grid[: len(span)]
         deviation -= float(position[0]) + step * first
         # the sum of squares, which is cheaper, bounds the largest
@@ -232,9 +236,12 @@ def make_sample_plan(count: int) -> DataCompression:
     sections: list[_RecordSection] = []
     start = 0
     # ever longer pieces while they are short beside their distance from the start, then the rest
-    stops = [*(min(count, NODES * length_factor) for length_factor in PIECES[1:]), count]
-    rest = [(length, count) for length in PIECES[::-1]]
-    for length, stop in [*zip(PIECES, stops, strict=True), *rest]:
+    stops = [
+        *(min(count, NODES_PER_PIECE * length_factor) for length_factor in PIECE_LENGTHS[1:]),
+        count,
+    ]
+    rest = [(length, count) for length in PIECE_LENGTHS[::-1]]
+    for length, stop in [*zip(PIECE_LENGTHS, stops, strict=True), *rest]:
         pieces = (stop - start) // length
         if pieces > 0:
             nodes, root, basis = _piece(length)
@@ -243,9 +250,9 @@ def make_sample_plan(count: int) -> DataCompression:
             weight.append(np.tile(root, pieces))
             sections.append(_RecordSection(start, start + pieces * length, basis))
             start += pieces * length
-    at, root = np.concatenate(position), np.concatenate(weight)
+    positions, root = np.concatenate(position), np.concatenate(weight)
     edges = np.array(_doubling(count)[1:-1]) - 0.5
-    nodes, root, second = _blocks(at, root, np.searchsorted(at, edges))
+    nodes, root, second = _place_nodes(positions, root, np.searchsorted(positions, edges))
     return DataCompression(nodes, root, (tuple(sections), second))
 
 
@@ -254,12 +261,12 @@ def _piece(length: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Nodes, root weights and basis of one short piece of equal samples."""
     if length == 1:
         return np.zeros(1), np.ones(1), np.ones((1, 1))
-    return gauss(np.arange(float(length)), np.ones(length), SUB_NODES)
+    return compute_gauss_nodes(np.arange(float(length)), np.ones(length), NODES_PER_SUBPIECE)
 
 
 def _doubling(count: int) -> list[int]:
     """Edges 0, 13, 26, 52, ... count; a last block that would be short joins its neighbour."""
-    edges = [0, NODES]
+    edges = [0, NODES_PER_PIECE]
     while 2 * edges[-1] < count:
         edges.append(2 * edges[-1])
     if count - edges[-1] < edges[-1] // 8 and len(edges) > 2:
@@ -267,31 +274,31 @@ def _doubling(count: int) -> list[int]:
     return [*edges, count]
 
 
-def _blocks(
-    position: FloatArray, root_weight: FloatArray, cuts: IndexArray | None = None
+def _place_nodes(
+    position: FloatArray, root_weight: FloatArray, block_edges: IndexArray | None = None
 ) -> tuple[FloatArray, FloatArray, tuple[_RecordSection, ...]]:
     """Gauss nodes of every block; cuts are the indices where a new block starts."""
-    if cuts is None:
-        first = position[NODES]
+    if block_edges is None:
+        first = position[NODES_PER_PIECE]
         doublings = int(np.ceil(np.log2(position[-1] / first)))
-        cuts = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
-    edges = sorted({0, *cuts.tolist(), len(position)})
+        block_edges = np.searchsorted(position, first * 2.0 ** np.arange(doublings))
+    edges = sorted({0, *block_edges.tolist(), len(position)})
     nodes, roots, sections = [], [], []
     for start, stop in pairwise(edges):
         span = slice(start, stop)
-        if span.stop - span.start <= NODES:
+        if span.stop - span.start <= NODES_PER_PIECE:
             nodes.append(position[span])
             roots.append(root_weight[span])
             sections.append(_RecordSection(span.start, span.stop, np.ones((1, 1))))
             continue
-        node, root, basis = gauss(position[span], root_weight[span], NODES)
+        node, root, basis = compute_gauss_nodes(position[span], root_weight[span], NODES_PER_PIECE)
         nodes.append(node)
         roots.append(root)
         sections.append(_RecordSection(span.start, span.stop, basis))
     return np.concatenate(nodes), np.concatenate(roots), tuple(sections)
 
 
-def gauss(
+def compute_gauss_nodes(
     position: FloatArray, root_weight: FloatArray, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     r"""Return nodes, root weights and basis W (m, count) of a discrete measure.
@@ -300,9 +307,9 @@ def gauss(
     pseudo-samples z. The QR of a Chebyshev basis is graded by degree, so its columns are the
     orthonormal polynomials P, and the eigenvectors of P'xP turn them into W.
     """
-    middle = 0.5 * (position[0] + position[-1])
+    centre = 0.5 * (position[0] + position[-1])
     half_length = 0.5 * (position[-1] - position[0])
-    u = (position - middle) / half_length
+    u = (position - centre) / half_length
     chebyshev = np.empty((len(u), count))
     chebyshev[:, 0] = root_weight
     chebyshev[:, 1] = root_weight * u
@@ -314,7 +321,7 @@ def gauss(
     value, vector = np.linalg.eigh(0.5 * (jacobi + jacobi.T))
     vector = vector * np.where(vector[0] < 0, -1.0, 1.0)
     total = float(np.linalg.norm(root_weight))
-    return middle + half_length * value, total * vector[0], q @ vector
+    return centre + half_length * value, total * vector[0], q @ vector
 
 
 # Space of all relaxation kernels of a window.
@@ -334,13 +341,13 @@ def gauss(
 # that any long record, whatever its clock, weights and history, is a block of some seventy rows.
 
 
-LAGS = 300
+MAX_LAG = 300
 TIMES_PER_FOLD = 9.5
-RANK = 1e-15
+RANK_TOLERANCE = 1e-15
 #: the same where a few digits do
-FEW_TIMES_PER_FOLD, FEW_RANK, FEW_DIGITS = 5.0, 1e-9, 1e-7
-AT_ONCE = 16
-ROWS_AT_ONCE = 2048
+FEW_TIMES_PER_FOLD, FEW_DIGITS_RANK_TOLERANCE, FEW_DIGITS_ACCURACY = 5.0, 1e-9, 1e-7
+TIMES_PER_BATCH = 16
+ROWS_PER_BATCH = 2048
 
 
 class Kernels(NamedTuple):
@@ -373,8 +380,8 @@ class Kernels(NamedTuple):
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
         folds = round(float(np.log(longest / shortest)) + 0.05, 1)
-        tau, lags, right, left_factors = _make_unit_kernels(folds, per_fold, rank)
-        return cls(tau * shortest, lags * shortest, right, left_factors)
+        tau, lags, right_vectors, left_factors = _make_unit_kernels(folds, per_fold, rank)
+        return cls(tau * shortest, lags * shortest, right_vectors, left_factors)
 
     def space(
         self, exact: DataBlock, change: Callable[[FloatArray], FloatArray] = np.asarray
@@ -384,10 +391,10 @@ class Kernels(NamedTuple):
         `change` is a linear one of the rows.
         """
         projected = np.zeros(())
-        for first in range(0, len(self.tau), AT_ONCE):
-            part = slice(first, first + AT_ONCE)
-            arms = change(exact.evaluate(np.log(self.tau[part]), False).arms)
-            projected = projected + arms @ self.right[part]
+        for first in range(0, len(self.tau), TIMES_PER_BATCH):
+            rows = slice(first, first + TIMES_PER_BATCH)
+            arms = change(exact.evaluate(np.log(self.tau[rows]), False).arms)
+            projected = projected + arms @ self.right[rows]
         return projected
 
     def columns(self, operator: FloatArray) -> Columns:
@@ -412,7 +419,7 @@ class Kernels(NamedTuple):
 @lru_cache(maxsize=8)
 def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
     tau = np.exp(np.linspace(-0.3, folds + 0.3, round(per_fold * folds)))
-    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, LAGS))))
+    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, MAX_LAG))))
     u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
     keep = s > rank * s[0]
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
@@ -431,14 +438,16 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     tau_range : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
     """
-    kernels = Kernels.from_window(tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK)
+    kernels = Kernels.from_window(
+        tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK_TOLERANCE
+    )
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
     all_columns = np.concatenate((kernels.space(exact), fixed, target[:, None]), axis=1)
     factor = all_columns[:0]
-    for first in range(0, len(all_columns), ROWS_AT_ONCE):
-        rows = np.concatenate((factor, all_columns[first : first + ROWS_AT_ONCE]))
+    for first in range(0, len(all_columns), ROWS_PER_BATCH):
+        rows = np.concatenate((factor, all_columns[first : first + ROWS_PER_BATCH]))
         factor = np.asarray(np.linalg.qr(rows, mode="r"))
-    factor = _to_its_floor(factor)
+    factor = _append_floor_row(factor)
     return replace(
         exact,
         rows=kernels.rows(factor),
@@ -451,8 +460,8 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     )
 
 
-def _to_its_floor(factor: FloatArray) -> FloatArray:
-    """Return the factor whose last row is what no column reaches: nothing, where rows are few."""
+def _append_floor_row(factor: FloatArray) -> FloatArray:
+    """Return the factor with a last row for the residual that no column reaches, if any."""
     rows, columns = factor.shape
     return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
 
@@ -472,18 +481,20 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
     """
     shortest, longest = block.window
     kernels = Kernels.from_window(
-        (shortest / excess, longest * excess), per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK
+        (shortest / excess, longest * excess),
+        per_fold=FEW_TIMES_PER_FOLD,
+        rank=FEW_DIGITS_RANK_TOLERANCE,
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
     column_groups = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
-    factor = _to_its_floor(
+    factor = _append_floor_row(
         np.asarray(np.linalg.qr(np.concatenate(column_groups, axis=1), mode="r"))
     )
     return replace(
         block,
         rows=kernels.rows(factor),
         floor=block.floor + float(factor[-1, -1] ** 2),
-        accuracy=FEW_DIGITS,
+        accuracy=FEW_DIGITS_ACCURACY,
         rotated_basis=False,
         sampling=None,
         full=None,

@@ -51,7 +51,7 @@ LARGEST_RIDGE = 2e-9
 #: part of the whole motion that is rest: rounding
 REST_SHARE = 1e-13
 #: so many columns of decays are dependent to rounding
-DEPENDENT_COUNT = 24
+MAX_INDEPENDENT_COLUMNS = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,23 +96,23 @@ class ConvolvedMotion(EqualByValue):
         """Return the motion with a further fixed column, shape (n,), and its correlation."""
         fixed = np.concatenate((self.fixed.T, column[None])).T
         crossed = column @ fixed
-        size = len(crossed)
-        gram = np.empty((size, size))
+        column_count = len(crossed)
+        gram = np.empty((column_count, column_count))
         gram[:-1, :-1], gram[-1], gram[:, -1] = self.fixed_gram, crossed, crossed
-        values = self.correlate(column) if values is None else self.lags.nodes_of(values)
+        values = self.correlate(column) if values is None else self.lags.compress_to_nodes(values)
         sequences = np.concatenate((self.sequences[:-3], values[None], self.sequences[-3:]))
         return replace(self, fixed=fixed, fixed_gram=gram, sequences=sequences)
 
     def correlate(self, values: FloatArray) -> FloatArray:
         """Compressed correlation of window values, shape (..., n), with the displacement."""
-        return self.lags.nodes_of(self.lag(values))
+        return self.lags.compress_to_nodes(self.lag(values))
 
     def lag(self, values: FloatArray) -> FloatArray:
         r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
         if self.start:
-            padded = np.zeros((*values.shape[:-1], self.count))
-            padded[..., self.start :] = values
-            values = padded
+            padded_values = np.zeros((*values.shape[:-1], self.count))
+            padded_values[..., self.start :] = values
+            values = padded_values
         spectrum = np.fft.rfft(values, self.size)
         spectrum *= self.lagged
         return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
@@ -124,9 +124,9 @@ class ConvolvedMotion(EqualByValue):
         """
         arm = self._arm_sums(tau, force)
         q, arms = self.fixed.shape[1], tau.shape[-1]
-        size = q + 1 + (2 * arms if derivative else arms)
-        gram = np.empty((*tau.shape[:-1], size, size))
-        arm_rows, y = slice(q, q + arms), size - 1
+        column_count = q + 1 + (2 * arms if derivative else arms)
+        gram = np.empty((*tau.shape[:-1], column_count, column_count))
+        arm_rows, y = slice(q, q + arms), column_count - 1
         gram[..., :q, :q] = self.fixed_gram
         gram[..., :q, y] = gram[..., y, :q] = force.fixed
         gram[..., y, y] = force.energy
@@ -135,7 +135,7 @@ class ConvolvedMotion(EqualByValue):
         if not derivative:
             gram[..., arm_rows, arm_rows] = _values(arm, self.energy)
         else:
-            products = _products(arm, self.energy)
+            products = _compute_arm_products(arm, self.energy)
             gram[..., arm_rows, arm_rows] = products.qq
             offset_rows = slice(q + arms, y)
             slopes = arm.dg[..., None, :] * arm.sums + arm.g[..., None, :] * arm.slopes
@@ -146,7 +146,7 @@ class ConvolvedMotion(EqualByValue):
         values = np.diagonal(gram, axis1=-2, axis2=-1)[..., arm_rows]
         is_rounded = values < arm.g * arm.g * self.rounding
         if is_rounded.any():
-            is_vanishing = np.zeros((*tau.shape[:-1], size), dtype=bool)
+            is_vanishing = np.zeros((*tau.shape[:-1], column_count), dtype=bool)
             is_vanishing[..., arm_rows] = is_rounded
             if derivative:
                 is_vanishing[..., offset_rows] = is_rounded
@@ -185,10 +185,10 @@ def _correlate_window_steps(motion: ConvolvedMotion, d: FloatArray, moving: int)
         # never the difference of two correlations: the last creep of a motion is lost in it
         return motion.lag(d[motion.start :])
     values = np.zeros(len(d))
-    size = find_fast_length(2 * moving)
-    spectrum = np.fft.rfft(d[:moving], size)
+    fft_length = find_fast_length(2 * moving)
+    spectrum = np.fft.rfft(d[:moving], fft_length)
     power = spectrum.real**2 + spectrum.imag**2
-    values[:moving] = np.fft.irfft(power, size)[:moving]
+    values[:moving] = np.fft.irfft(power, fft_length)[:moving]
     return values
 
 
@@ -251,7 +251,7 @@ class _Products(NamedTuple):
     pp: FloatArray
 
 
-def _products(arm: _ArmSums, energy: float) -> _Products:
+def _compute_arm_products(arm: _ArmSums, energy: float) -> _Products:
     r"""Inner products of arms and of their derivatives, by the quotient rule on num/den."""
     arms = arm.z.shape[-1]
     ds = arm.slopes[..., -3, :]
@@ -270,11 +270,11 @@ def _products(arm: _ArmSums, energy: float) -> _Products:
     u_jk = products[..., arms:, arms:] - crossed - _swap_axes(crossed) + u * (_swap_axes(da) * da)
     g, dg = arm.g[..., None, :], arm.dg[..., None, :]
     gg, g_dg = _swap_axes(g) * g, _swap_axes(g) * dg
-    cross = _swap_axes(g_dg) * u_k
+    cross_product = _swap_axes(g_dg) * u_k
     return _Products(
         qq=gg * u,
         qp=g_dg * u + gg * u_k,
-        pp=_swap_axes(dg) * dg * u + cross + _swap_axes(cross) + gg * u_jk / den,
+        pp=_swap_axes(dg) * dg * u + cross_product + _swap_axes(cross_product) + gg * u_jk / den,
     )
 
 
@@ -312,7 +312,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     FitError
         If a number is not finite, or rounding takes more than 1e-9 of the columns.
     """
-    if gram.shape[-1] <= DEPENDENT_COUNT:
+    if gram.shape[-1] <= MAX_INDEPENDENT_COLUMNS:
         try:
             return np.asarray(np.swapaxes(np.linalg.cholesky(gram), -1, -2))
         except np.linalg.LinAlgError:  # so it is asked again, with all that follows
@@ -325,7 +325,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     if not is_positive.all():
         unit += (~is_positive)[..., None] * np.eye(unit.shape[-1])
     ridge = 0.0
-    if unit.shape[-1] > DEPENDENT_COUNT:
+    if unit.shape[-1] > MAX_INDEPENDENT_COLUMNS:
         ridge = ROUNDING
         unit = unit + ridge * np.eye(unit.shape[-1])
     while True:
@@ -359,19 +359,19 @@ def correlate_displacement(
     """
     d, moving = _steps(x[:stop])
     # the lags may wrap around where nothing moves any more
-    size = find_fast_length(stop + moving)
+    fft_length = find_fast_length(stop + moving)
     lags = make_sample_plan(stop)
-    before = np.zeros(len(lags.nodes))
+    initial_state = np.zeros(len(lags.nodes))
     if start:
-        before = lags.nodes_of(reverse_before_start(d, start))
-    lagged = np.fft.rfft(d, size)
+        initial_state = lags.compress_to_nodes(reverse_before_start(d, start))
+    lagged = np.fft.rfft(d, fft_length)
     without_columns = ConvolvedMotion(
         fixed=fixed,
         fixed_gram=fixed.T @ fixed,
-        sequences=before[None],
+        sequences=initial_state[None],
         lags=lags,
         lagged=np.conjugate(lagged, out=lagged),
-        size=size,
+        size=fft_length,
         energy=float(d[start:] @ d[start:]),
         rounding=MIN_ENERGY * float(d @ d),
         start=start,
@@ -381,7 +381,7 @@ def correlate_displacement(
     steps = _correlate_window_steps(without_columns, d, moving)
     rows = [_correlate_column(without_columns, column, x, d, steps) for column in fixed.T]
     nodes = lags.compute_stacked_nodes([*rows, steps, d[::-1]])
-    sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))
+    sequences = np.concatenate((nodes[:-1], initial_state[None], nodes[-1:]))
     last_step = float(x[stop] - x[stop - 1] if stop < len(x) else d[-1])
     return replace(without_columns, sequences=sequences, steps=MotionSteps(d, last_step, steps))
 
@@ -413,8 +413,10 @@ def _correlate_column(
         return np.asarray(column[0] * (x[:stop][::-1] - reverse_before_start(x[:stop], start)))
     slope = uniform_step(column)
     if slope is not None:
-        rest = x[stop - 1]  # a sum of what is left of it in the hold loses nothing to rounding
-        total = np.cumsum(x[:stop] - rest) + rest * np.arange(1.0, stop + 1.0)
+        final_level = x[
+            stop - 1
+        ]  # a sum of what is left of it in the hold loses nothing to rounding
+        total = np.cumsum(x[:stop] - final_level) + final_level * np.arange(1.0, stop + 1.0)
         line = column[-1] * x[:stop][::-1] - slope * reverse_before_start(total, stop - 1)
         if start:
             line -= reverse_before_start(column[0] * x[:stop] - slope * total, start)

@@ -24,8 +24,8 @@ from dashpot.numerics.design_matrices.data_compression import (
     ACCURACY,
     SMALL_BLOCK,
     DataCompression,
-    compression,
     make_identity_plan,
+    plan_compression,
     project_values,
     reduced_block,
     uniform_step,
@@ -46,7 +46,7 @@ class _Ideal(NamedTuple):
     drift: str | None
 
 
-def hold_block(
+def build_hold_block(
     time: FloatArray,
     force: FloatArray,
     *,
@@ -90,16 +90,16 @@ def hold_block(
     """
     ideal_ramp = _Ideal(depth, ramp_time, ramp, k_inf, offset, drift)
     time, step = _validate_samples(time, force, weights)
-    plans = _plans(time, weights, ideal_ramp, step, compress=compress)
+    plans = _plan_compressions(time, weights, ideal_ramp, step, compress=compress)
     starts = (0.0, ideal_ramp.ramp_time)
-    at = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
+    nodes = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
-    spring = np.full(len(at), ideal_ramp.depth)
+    spring = np.full(len(nodes), ideal_ramp.depth)
     if ideal_ramp.ramp:
-        spring = ideal_ramp.depth / ideal_ramp.ramp_time * np.minimum(at, ideal_ramp.ramp_time)
-    fixed = {ideal_ramp.spring: spring, ideal_ramp.offset: 1.0, ideal_ramp.drift: at}
+        spring = ideal_ramp.depth / ideal_ramp.ramp_time * np.minimum(nodes, ideal_ramp.ramp_time)
+    fixed = {ideal_ramp.spring: spring, ideal_ramp.offset: 1.0, ideal_ramp.drift: nodes}
     fixed.pop(None, None)
-    matrix = np.empty((len(at), len(fixed)))
+    matrix = np.empty((len(nodes), len(fixed)))
     for i, column in enumerate(fixed.values()):
         matrix[:, i] = root * column
     names = tuple(filter(None, fixed))
@@ -109,7 +109,7 @@ def hold_block(
     if len(target) == len(time):
         return DataBlock(rows, names, window, len(time))
     make_full = partial(
-        hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
+        build_hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
         offset=offset, drift=drift, weights=weights, compress=False,
     )  # fmt: skip
     # the columns follow from the clock and all but the data
@@ -150,7 +150,7 @@ def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock
     return replace(block, widen=widen)
 
 
-def _plans(
+def _plan_compressions(
     time: FloatArray,
     weights: FloatArray | None,
     ideal_ramp: _Ideal,
@@ -159,7 +159,7 @@ def _plans(
     compress: bool,
 ) -> tuple[DataCompression, ...]:
     """Return the hold's compression, after the ramp's if the record has it."""
-    plan = compression if compress else make_identity_plan
+    plan = plan_compression if compress else make_identity_plan
     if not ideal_ramp.ramp:
         return (plan(time, weights, step=step),)
     first = int(np.searchsorted(time, ideal_ramp.ramp_time))
@@ -168,9 +168,11 @@ def _plans(
             f"ramp_time = {ideal_ramp.ramp_time:g} s leaves {first} of {len(time)} samples on the "
             "ramp; expected some on the ramp and some on the hold"
         )
-    on, weights_after = (None, None) if weights is None else (weights[:first], weights[first:])
+    weights_before, weights_after = (
+        (None, None) if weights is None else (weights[:first], weights[first:])
+    )
     return (
-        plan(time[:first], on, step=step),
+        plan(time[:first], weights_before, step=step),
         plan(time[first:] - ideal_ramp.ramp_time, weights_after, step=step),
     )
 
@@ -259,7 +261,7 @@ REST_SHARE = 1e-5
 MAX_SLOWNESS = 10.0
 
 
-def recorded_block(
+def build_recorded_block(
     time: FloatArray,
     displacement: FloatArray,
     force: FloatArray,
@@ -355,11 +357,11 @@ def recorded_block(
 
 def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
-    cut = block.samples
+    first_length = block.samples
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        parts = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
-        return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
+        rows_of_blocks = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        return Evaluation(*(np.concatenate(pair) for pair in zip(*rows_of_blocks, strict=True)))
 
     return replace(
         two,
@@ -369,7 +371,8 @@ def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
         sampling=None,
         full=lambda: _stack_blocks(block.exact, two.exact),
         widen=lambda name, column: _stack_blocks(
-            block.with_column(name, column[:cut]), two.with_column(name, column[cut:])
+            block.with_column(name, column[:first_length]),
+            two.with_column(name, column[first_length:]),
         ),
         delayed=None,
     )
@@ -392,7 +395,7 @@ def recursion_block(
     root = None if weights is None else weights[window, None]
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
-        q, p = arm_columns(time, x, tau, derivative=derivative)
+        q, p = compute_arm_columns(time, x, tau, derivative=derivative)
         q, p = q[window], p[window]
         return (q, p) if root is None else (root * q, root * p)
 
@@ -407,7 +410,7 @@ def recursion_block(
     )
 
 
-def arm_columns(
+def compute_arm_columns(
     time: FloatArray, x: FloatArray, tau: FloatArray, *, derivative: bool = True
 ) -> tuple[FloatArray, FloatArray]:
     """Elongations q of unit arms and dq / d ln tau, both (M, N), by the exact recursion.
@@ -441,10 +444,10 @@ def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> F
     stretches = -(-total // length)
 
     def reshape_by_step(values: FloatArray) -> FloatArray:
-        padded = np.zeros((stretches * length, *values.shape[1:]))
-        padded[total - len(values) : total] = values
-        parts = padded.reshape(stretches, length, *values.shape[1:])
-        return np.ascontiguousarray(parts.swapaxes(0, 1))
+        padded_values = np.zeros((stretches * length, *values.shape[1:]))
+        padded_values[total - len(values) : total] = values
+        stretched = padded_values.reshape(stretches, length, *values.shape[1:])
+        return np.ascontiguousarray(stretched.swapaxes(0, 1))
 
     solution = reshape_by_step(np.concatenate((first[None], increments)))
     u, decay_to_step = np.zeros(solution.shape[1:]), reshape_by_step(decay)

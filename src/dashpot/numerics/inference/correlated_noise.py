@@ -20,8 +20,8 @@ from dashpot.base.arrays import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock, design_rows
 from dashpot.numerics.design_matrices.data_compression import (
-    FEW_DIGITS,
-    FEW_RANK,
+    FEW_DIGITS_ACCURACY,
+    FEW_DIGITS_RANK_TOLERANCE,
     FEW_TIMES_PER_FOLD,
     Kernels,
 )
@@ -42,23 +42,23 @@ if TYPE_CHECKING:
 
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
-_SINGULAR = 1e-13
+_SINGULAR_SHARE = 1e-13
 # residuals of which so many count as one are too nearly white to be worth the question
-_NEARLY_WHITE = 3.0
+_MIN_KAPPA = 3.0
 # noise as even as this costs least squares no more than a tenth of what the data know
-_EVEN_GAIN = 2.0
+_MAX_EVEN_GAIN = 2.0
 # parameters per effective residual beyond which the fit's own part is given back lag by lag
-_WORTH_GIVING_BACK = 0.005
+_MIN_ABSORBED_SHARE = 0.005
 _ITERATIONS = 3
 # so few lags cost less one by one than by Fourier transforms
-_FEW_LAGS, _FEW_TERMS = 16, 8
+_DIRECT_LAGS, _DIRECT_TERMS = 16, 8
 # most noise ends within this part of all lags, which costs two thirds of all
-_MOST_END = 1 / 3
+_MAX_LAG_SHARE = 1 / 3
 # frequencies that stay in cache
-_AT_ONCE = 4096
+_FREQUENCIES_PER_BATCH = 4096
 # slow noise is sought in about so many means to a record, never of fewer samples than that; so many
 # times the scatter of its power under white noise is no chance: one white record in 100 has more
-_MEANS, _FEWEST, _BY_CHANCE = 1024, 4, 6.0
+_MEANS_PER_RECORD, _MIN_COUNT, _MAX_CHANCE_RATIO = 1024, 4, 6.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +107,8 @@ class ResidualSeries:
 
     @cached_property
     def sequence(self) -> tuple[FloatArray, FloatArray | None]:
-        """Initial sequence of the residuals, see :func:`initial_sequence`."""
-        return initial_sequence(self.values)
+        """Initial sequence of the residuals, see :func:`compute_initial_sequence`."""
+        return compute_initial_sequence(self.values)
 
     @cached_property
     def durbin_watson(self) -> float:
@@ -119,7 +119,7 @@ class ResidualSeries:
     @cached_property
     def means(self) -> ResidualSeries:
         """Return the series of means over a few samples."""
-        return ResidualSeries(block_means(self.values, len(self.values) // _MEANS))
+        return ResidualSeries(block_means(self.values, len(self.values) // _MEANS_PER_RECORD))
 
 
 class JacobianColumns:
@@ -143,9 +143,9 @@ class JacobianColumns:
         return np.asarray(self.matrix.T @ self.matrix)
 
     @cached_property
-    def even(self) -> FloatArray:
+    def whitening_matrix(self) -> FloatArray:
         """Matrix that makes the columns orthonormal over all fitted data, shape (r, s)."""
-        return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
+        return np.eye(self.matrix.shape[1]) if self.shared else _orthonormalise(self.gram)[0]
 
     @property
     def absorbed_count(self) -> float:
@@ -154,9 +154,10 @@ class JacobianColumns:
 
     def means(self, samples_per_mean: int) -> JacobianColumns:
         """Return the columns of means over a few samples."""
-        short = block_means(self.matrix.T, samples_per_mean).T
+        mean_columns = block_means(self.matrix.T, samples_per_mean).T
         return JacobianColumns(
-            np.sqrt(samples_per_mean) * short if self.shared else short, shared=self.shared
+            np.sqrt(samples_per_mean) * mean_columns if self.shared else mean_columns,
+            shared=self.shared,
         )
 
     def spectra(self, min_size: int) -> tuple[int, ComplexArray]:
@@ -168,13 +169,13 @@ class JacobianColumns:
         return self._size, self._spectra
 
 
-def noise_of(
+def estimate_noise(
     residual: FloatArray | ResidualSeries,
     jacobian: FloatArray | JacobianColumns | None = None,
     *,
     rounding: float = 0.0,
 ) -> Noise:
-    r"""Return what `residual`, shape (n,), says about its noise.
+    r"""Return the noise estimated from `residual`, shape (n,).
 
     A fit takes the part of the noise that its columns span out of the residuals: with Q an
     orthonormal basis of the Jacobian and S the sum of all :math:`\gamma_l`,
@@ -193,24 +194,24 @@ def noise_of(
     series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
     columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
     fine_noise = _estimate_noise(series, columns, rounding=rounding)
-    samples_per_mean = len(series.values) // _MEANS
-    if samples_per_mean < _FEWEST or fine_noise.autocovariance[0] <= rounding**2:
+    samples_per_mean = len(series.values) // _MEANS_PER_RECORD
+    if samples_per_mean < _MIN_COUNT or fine_noise.autocovariance[0] <= rounding**2:
         return fine_noise
     mean_columns = None if columns is None else columns.means(samples_per_mean)
-    coarse = _estimate_noise(series.means, mean_columns)
+    coarse_noise = _estimate_noise(series.means, mean_columns)
     # a sum over so many lags of white means scatters by that
-    chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
-    if samples_per_mean * coarse.power <= (1 + _BY_CHANCE * chance) * fine_noise.power:
+    chance = np.sqrt(len(coarse_noise.autocovariance) / _MEANS_PER_RECORD)
+    if samples_per_mean * coarse_noise.power <= (1 + _MAX_CHANCE_RATIO * chance) * fine_noise.power:
         return fine_noise
-    return _join_noise_scales(fine_noise, coarse.autocovariance, samples_per_mean)
+    return _join_noise_scales(fine_noise, coarse_noise.autocovariance, samples_per_mean)
 
 
 def _join_noise_scales(
     fine_noise: Noise, slow_autocovariance: FloatArray, samples_per_mean: int
 ) -> Noise:
-    """The noise whose autocovariance beyond what every sample shows is that of means over a few."""
-    gamma, cut = fine_noise.autocovariance, len(fine_noise.autocovariance)
-    lag = np.arange(cut, max(samples_per_mean * len(slow_autocovariance), cut))
+    """Return the noise of fine and coarse scales: of samples, and of means over a few."""
+    gamma, fine_length = fine_noise.autocovariance, len(fine_noise.autocovariance)
+    lag = np.arange(fine_length, max(samples_per_mean * len(slow_autocovariance), fine_length))
     # between one mean and its neighbour it is at least what neighbours share
     interpolated = np.interp(
         lag / samples_per_mean,
@@ -229,7 +230,7 @@ def _join_noise_scales(
 def _estimate_noise(
     series: ResidualSeries, columns: JacobianColumns | None, *, rounding: float = 0.0
 ) -> Noise:
-    """Return what the correlations of neighbours say, up to the lag at which chance takes over."""
+    """Return the noise by the autocorrelation up to the lag at which it is chance."""
     n = len(series.values)
     kept_autocovariance, gamma = series.sequence
     parameters = 0.0 if columns is None else columns.absorbed_count
@@ -237,9 +238,9 @@ def _estimate_noise(
     if kept_autocovariance[0] <= rounding**2:
         return Noise(n, kept_autocovariance[:1] * whitened, 1.0, 2.0)
     kappa = _kappa(kept_autocovariance)
-    if columns is not None and parameters * kappa > _WORTH_GIVING_BACK * n:
+    if columns is not None and parameters * kappa > _MIN_ABSORBED_SHARE * n:
         if gamma is None:
-            gamma = autocovariance(series.values, max(int(_MOST_END * n), 1))
+            gamma = autocovariance(series.values, max(int(_MAX_LAG_SHARE * n), 1))
         kept_autocovariance = _restore_autocovariance(gamma, kappa, columns)
         if len(kept_autocovariance) == len(gamma) < n:
             kept_autocovariance = _restore_autocovariance(
@@ -272,14 +273,14 @@ def _restore_autocovariance(
 
 def _compute_absorbed_autocovariance(columns: JacobianColumns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
-    even_spectra = columns.even
-    size, spectra = columns.spectra(len(columns.matrix) + lags)
-    rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
-    for first in range(0, len(power), _AT_ONCE):
-        rotated = even_spectra.T @ rows[:, 2 * first : 2 * (first + _AT_ONCE)]
+    even_spectra = columns.whitening_matrix
+    fft_length, spectra = columns.spectra(len(columns.matrix) + lags)
+    rows, power = spectra.view(np.float64), np.empty(fft_length // 2 + 1)
+    for first in range(0, len(power), _FREQUENCIES_PER_BATCH):
+        rotated = even_spectra.T @ rows[:, 2 * first : 2 * (first + _FREQUENCIES_PER_BATCH)]
         squares = (rotated * rotated).sum(axis=0)
-        power[first : first + _AT_ONCE] = squares[::2] + squares[1::2]
-    return np.asarray(np.fft.irfft(power, size)[:lags])
+        power[first : first + _FREQUENCIES_PER_BATCH] = squares[::2] + squares[1::2]
+    return np.asarray(np.fft.irfft(power, fft_length)[:lags])
 
 
 def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
@@ -289,30 +290,30 @@ def autocovariance(residual: FloatArray, lags: int | None = None) -> FloatArray:
     """
     n = residual.shape[-1]
     lags = n if lags is None else lags
-    size = find_fast_length(n + lags)
-    spectrum = np.fft.rfft(residual, size)
+    fft_length = find_fast_length(n + lags)
+    spectrum = np.fft.rfft(residual, fft_length)
     power = spectrum.real**2 + spectrum.imag**2
-    return np.asarray(np.fft.irfft(power, size)[..., :lags] / n)
+    return np.asarray(np.fft.irfft(power, fft_length)[..., :lags] / n)
 
 
-def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+def compute_initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | None]:
     """Return :func:`autocovariance` up to :func:`geyer_cut`, and what of it was transformed.
 
     Lag by lag while lags are few, and none transformed; all lags only if the part where most noise
     ends does not show the cut.
     """
     n, values = len(residual), [float(residual @ residual)]
-    for lag in range(1, min(_FEW_LAGS, n - 1), 2):
+    for lag in range(1, min(_DIRECT_LAGS, n - 1), 2):
         # gamma_{lag - 1} is the first of the pair
         values.append(float(residual[lag:] @ residual[:-lag]))
         if values[-2] + values[-1] <= 0.0:
             return np.array(values[: max(lag - 1, 1)]) / n, None
         values.append(float(residual[lag + 1 :] @ residual[: -lag - 1]))
-    gamma = autocovariance(residual, max(int(_MOST_END * n), 1))
-    if (cut := geyer_cut(gamma)) == len(gamma):
+    gamma = autocovariance(residual, max(int(_MAX_LAG_SHARE * n), 1))
+    if (cut_lag := geyer_cut(gamma)) == len(gamma):
         gamma = autocovariance(residual)
-        cut = geyer_cut(gamma)
-    return gamma[:cut], gamma
+        cut_lag = geyer_cut(gamma)
+    return gamma[:cut_lag], gamma
 
 
 def geyer_cut(gamma: FloatArray) -> int:
@@ -362,21 +363,21 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
     """
     if not information.turn.size:
         return 1.0
-    turn, _ = _turn(
+    rotation, _ = _orthonormalise(
         np.sum([columns.gram for columns in information.columns[: len(noise_along)]], axis=0)
     )
-    shares = np.linalg.eigvalsh(turn.T @ np.sum(noise_along, axis=0) @ turn)
-    return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
+    noise_gains = np.linalg.eigvalsh(rotation.T @ np.sum(noise_along, axis=0) @ rotation)
+    return float(noise_gains[-1] / noise_gains[0]) if noise_gains[0] > 0.0 else np.inf
 
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
     """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
-    return all(noise.kappa <= _NEARLY_WHITE for noise in noises)
+    return all(noise.kappa <= _MIN_KAPPA for noise in noises)
 
 
 def noise_gain_differs(ratio: float) -> bool:
     """Return True if least squares is no fair judge of what meets so different amounts of noise."""
-    return ratio > _EVEN_GAIN
+    return ratio > _MAX_EVEN_GAIN
 
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
@@ -391,27 +392,27 @@ def toeplitz_form(columns: JacobianColumns, gamma: FloatArray) -> FloatArray:
     n, _ = jacobian.shape
     if lags == 1:
         return np.asarray(gamma[0] * columns.gram)
-    if lags <= min(_FEW_TERMS, n) and _is_power(gamma):
+    if lags <= min(_DIRECT_TERMS, n) and _is_power(gamma):
         form = gamma[0] * columns.gram
         for lag in range(1, lags):
             crossed = gamma[lag] * (jacobian[lag:].T @ jacobian[:-lag])
             form += crossed + crossed.T
         return np.asarray(form)
-    size, spectra = columns.spectra(n + lags - 1)
-    circulant = np.zeros(size)
+    fft_length, spectra = columns.spectra(n + lags - 1)
+    circulant = np.zeros(fft_length)
     circulant[:lags] = gamma
     circulant[-(lags - 1) :] = gamma[:0:-1]
     # a cut autocovariance need not be positive definite; a power spectrum must not be negative
     spectrum = np.maximum(np.fft.rfft(circulant).real, 0.0)
     line_weights = np.full(len(spectrum), 2.0)
     line_weights[0] = 1.0
-    if size % 2 == 0:
+    if fft_length % 2 == 0:
         line_weights[-1] = 1.0
     # real and imaginary parts in turn, so that one real product serves both
-    rows, power = spectra.view(np.float64), np.repeat(spectrum * line_weights / size, 2)
+    rows, power = spectra.view(np.float64), np.repeat(spectrum * line_weights / fft_length, 2)
     form = np.zeros((len(rows), len(rows)))
-    for first in range(0, len(power), 2 * _AT_ONCE):
-        span = slice(first, first + 2 * _AT_ONCE)
+    for first in range(0, len(power), 2 * _FREQUENCIES_PER_BATCH):
+        span = slice(first, first + 2 * _FREQUENCIES_PER_BATCH)
         form += (rows[:, span] * power[span]) @ rows[:, span].T
     return form
 
@@ -458,13 +459,13 @@ class Directions(NamedTuple):
         *,
         other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
     ) -> FloatArray:
-        """Return the covariance of the parameters (p, p), infinite where the data say nothing."""
-        middle = noise_along.copy()
-        for shares, columns in zip(other_columns, self.columns, strict=False):
-            row = shares(columns.matrix)
-            middle += row.T @ row
+        """Return the covariance of the parameters (p, p), infinite where they are undetermined."""
+        noise_matrix = noise_along.copy()
+        for absorbed_columns, columns in zip(other_columns, self.columns, strict=False):
+            row = absorbed_columns(columns.matrix)
+            noise_matrix += row.T @ row
         inverse_map = np.linalg.solve(self.gram, self.turn.T)
-        covariance = inverse_map.T @ middle @ inverse_map
+        covariance = inverse_map.T @ noise_matrix @ inverse_map
         covariance[self.is_undetermined, :] = 0.0
         covariance[:, self.is_undetermined] = 0.0
         covariance[self.is_undetermined, self.is_undetermined] = np.inf
@@ -483,18 +484,18 @@ def make_directions(
     millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
-    turn, is_undetermined = _turn(information)
+    rotation, is_undetermined = _orthonormalise(information)
     if with_fine_scales and is_undetermined.any():
-        turn, is_undetermined = _turn_finely(np.concatenate(jacobians))
+        rotation, is_undetermined = _orthonormalise_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
-        JacobianColumns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
+        JacobianColumns((rotation.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
     )
     gram = np.sum([column.gram for column in columns], axis=0)
-    return Directions(turn, columns, gram, is_undetermined)
+    return Directions(rotation, columns, gram, is_undetermined)
 
 
-def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
+def _orthonormalise(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     """The directions that J'J knows, orthonormal by it, and which parameters have lost a part."""
     scale = np.sqrt(np.diag(information))
     is_determined = scale > 0.0
@@ -502,22 +503,22 @@ def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     values, vectors = np.linalg.eigh(
         information / np.outer(scale, scale) - np.diag(~is_determined * 1.0)
     )
-    sharp = values > _SINGULAR * max(values[-1], 0.0)
+    sharp = values > _SINGULAR_SHARE * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
-    turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
-    return turn, ~is_determined | (dull > np.sqrt(_SINGULAR))
+    rotation = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
+    return rotation, ~is_determined | (dull > np.sqrt(_SINGULAR_SHARE))
 
 
-def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Return :func:`_turn` by the singular values of J itself."""
-    size = np.linalg.norm(jacobian, axis=0)
-    value = size > 0.0
-    scale = np.where(value, size, 1.0)
+def _orthonormalise_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return :func:`_orthonormalise` by the singular values of J itself."""
+    column_norms = np.linalg.norm(jacobian, axis=0)
+    value = column_norms > 0.0
+    scale = np.where(value, column_norms, 1.0)
     _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
-    sharp = values > _SINGULAR * values[0]
+    sharp = values > _SINGULAR_SHARE * values[0]
     dull = np.abs(rows[~sharp]).max(axis=0, initial=0.0)
-    turn = rows[sharp].T / (values[sharp] * scale[:, None])
-    return turn, ~value | (dull > np.sqrt(_SINGULAR))
+    rotation = rows[sharp].T / (values[sharp] * scale[:, None])
+    return rotation, ~value | (dull > np.sqrt(_SINGULAR_SHARE))
 
 
 # Whitening of a record by its own noise.
@@ -536,12 +537,12 @@ def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
 # cut-off, and to believe that would let its transients decide. So slow noise is as good as white
 # above some frequency, and means over a few neighbours, which keep what is below it, stand for the
 # record. What a record holds beside the model, columns that are free or known to within a standard
-# deviation, adds to that covariance too, and is taken out likewise (``marginal``). Source: A. C.
+# deviation, adds to that covariance too, and is taken out likewise (``marginalise``). Source: A. C.
 # Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 
 
 # rows of a tall matrix that a cache holds
-AT_ONCE = 1024
+ROWS_PER_BATCH = 1024
 
 
 def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
@@ -560,7 +561,7 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     return basis.block.transform_rows(lambda part: whiten @ part)
 
 
-def marginal(
+def marginalise(
     free_columns: FloatArray, error_columns: FloatArray
 ) -> Callable[[FloatArray], FloatArray]:
     """Return what makes noise of covariance 1 + C C' white, free columns projected out.
@@ -621,7 +622,9 @@ def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
 
 
 def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
-    kernels = Kernels.from_window(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
+    kernels = Kernels.from_window(
+        exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_DIGITS_RANK_TOLERANCE
+    )
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
 
     def means(columns: FloatArray) -> FloatArray:
@@ -631,19 +634,24 @@ def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
     rank = kernels.right.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
-    return ReducedBasis(JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
+    return ReducedBasis(
+        JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS_ACCURACY)
+    )
 
 
 def compute_blockwise_qr(tall_matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Q and R of a tall matrix, by pieces that a cache holds."""
     pieces = [
-        np.linalg.qr(tall_matrix[i : i + AT_ONCE]) for i in range(0, len(tall_matrix), AT_ONCE)
+        np.linalg.qr(tall_matrix[i : i + ROWS_PER_BATCH])
+        for i in range(0, len(tall_matrix), ROWS_PER_BATCH)
     ]
-    turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
-    basis, row, at = np.empty((len(tall_matrix), turn.shape[1])), 0, 0
+    joint_basis, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
+    basis, row, piece_start = np.empty((len(tall_matrix), joint_basis.shape[1])), 0, 0
     for values, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
-        np.matmul(values, turn[at : at + columns], out=basis[row : row + rows])
-        row, at = row + rows, at + columns
+        np.matmul(
+            values, joint_basis[piece_start : piece_start + columns], out=basis[row : row + rows]
+        )
+        row, piece_start = row + rows, piece_start + columns
     return basis, factor
 
 
@@ -662,7 +670,7 @@ class NoiseGain:
     def __init__(
         self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
-        from dashpot.numerics.exponential_fit import full_jacobian
+        from dashpot.numerics.exponential_fit import compute_full_jacobian
         from dashpot.numerics.log_tau_descent import Stack
 
         pairs = zip(every_sample, noises, strict=True)
@@ -671,7 +679,7 @@ class NoiseGain:
         self._stack = Stack(blocks)
         self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
         self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
-        self._jacobian = full_jacobian(blocks, solution).matrix
+        self._jacobian = compute_full_jacobian(blocks, solution).matrix
         self._model = self._evaluate_model(solution.beta, solution.log_tau)
 
     def compute_step_gain(self, step: FloatArray) -> float:
@@ -687,10 +695,10 @@ class NoiseGain:
 
     def _compute_gain(self, change: FloatArray) -> float:
         change = change / max(float(np.abs(change).max()), 1e-150)  # a walk may go very far
-        parts = np.split(change, self._cuts)
+        record_changes = np.split(change, self._cuts)
         principal_gain = sum(
-            float(variance @ (axes.T @ part) ** 2)
-            for part, (variance, axes) in zip(parts, self._principal, strict=True)
+            float(variance @ (axes.T @ record_change) ** 2)
+            for record_change, (variance, axes) in zip(record_changes, self._principal, strict=True)
         )
         return principal_gain / max(float(change @ change), 1e-300)
 
@@ -718,9 +726,9 @@ def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArra
 
 def _average_autocovariance(gamma: FloatArray, samples_per_mean: int) -> FloatArray:
     """Return the autocovariance of means over `samples_per_mean` neighbours, times that number."""
-    share = 1 - np.abs(np.arange(1 - samples_per_mean, samples_per_mean)) / samples_per_mean
+    lag_weights = 1 - np.abs(np.arange(1 - samples_per_mean, samples_per_mean)) / samples_per_mean
     # from the lag -(few - 1) on, and as far as any is left
     two_sided = np.concatenate(
         (gamma[samples_per_mean - 1 : 0 : -1], gamma, np.zeros(2 * samples_per_mean))
     )
-    return np.asarray(np.convolve(two_sided, share, "valid")[::samples_per_mean])
+    return np.asarray(np.convolve(two_sided, lag_weights, "valid")[::samples_per_mean])

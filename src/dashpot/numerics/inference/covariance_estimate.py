@@ -21,7 +21,12 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
-from dashpot.numerics.inference.correlated_noise import Noise, make_directions, noise_of, sandwich
+from dashpot.numerics.inference.correlated_noise import (
+    Noise,
+    estimate_noise,
+    make_directions,
+    sandwich,
+)
 from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum
 
@@ -100,9 +105,11 @@ class Estimate:
         values = np.asarray(function(optimum_values))
         G = np.zeros((len(values), len(optimum_values)))
         for i in np.flatnonzero(np.diag(self.covariance) > 0):
-            shifted_down, up = optimum_values.copy(), optimum_values.copy()
-            shifted_down[i], up[i] = optimum_values[i] + np.array(steps[i])
-            G[:, i] = (function(up) - function(shifted_down)) / (up[i] - shifted_down[i])
+            shifted_down, shifted_up = optimum_values.copy(), optimum_values.copy()
+            shifted_down[i], shifted_up[i] = optimum_values[i] + np.array(steps[i])
+            G[:, i] = (function(shifted_up) - function(shifted_down)) / (
+                shifted_up[i] - shifted_down[i]
+            )
         return DerivedQuantity(values, propagate_covariance(self.covariance, G), G)
 
     def add_parameter_error(self, error: FloatArray) -> Estimate:
@@ -122,7 +129,7 @@ class Estimate:
         best, parameter = self.optimum, self.optimum.problem.parameters[index]
         sample_counts = [noise.samples for noise in self.noises]
         power = float(np.average([noise.power for noise in self.noises], weights=sample_counts))
-        half_width, middle = self.quantile(level), float(best.theta[index])
+        half_width, optimum_value = self.quantile(level), float(best.theta[index])
         width = float(self.standard_error[index])
         has_width = 0 < width < np.inf
         nuisances = np.delete(best.theta, index)
@@ -154,9 +161,9 @@ class Estimate:
 
         def side(sign: float, limit: float) -> list[ProfileSlice]:
             slices: list[ProfileSlice] = []
-            previous, (value_here, nuisances_here, root) = (
-                (middle - first_step, nuisances - first_step * tangent),
-                (middle, nuisances, 0.0),
+            before_last, (value_here, nuisances_here, root) = (
+                (optimum_value - first_step, nuisances - first_step * tangent),
+                (optimum_value, nuisances, 0.0),
             )
             step, value_beyond, root_beyond = first_step, np.nan, np.inf
             for _ in range(_TRIALS):
@@ -167,17 +174,19 @@ class Estimate:
                 if is_at_target or value_here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
-                share = (half_width - root) / (root_beyond - root) if root_beyond < np.inf else 0.5
+                fraction = (
+                    (half_width - root) / (root_beyond - root) if root_beyond < np.inf else 0.5
+                )
                 step_length = min(step, abs(limit - value_here))
                 step_length = (
                     step_length
                     if np.isnan(value_beyond)
-                    else min(max(share, 0.1), 0.9) * abs(value_beyond - value_here)
+                    else min(max(fraction, 0.1), 0.9) * abs(value_beyond - value_here)
                 )
                 value = value_here + sign * step_length
                 # the others begin where the last two lead
-                start = nuisances_here + (nuisances_here - previous[1]) * (
-                    (value - value_here) / (value_here - previous[0])
+                start = nuisances_here + (nuisances_here - before_last[1]) * (
+                    (value - value_here) / (value_here - before_last[0])
                 )
                 new = solve_slice(value, start)
                 if new is None or new.root > half_width * (1 + _END_TOLERANCE):
@@ -185,13 +194,15 @@ class Estimate:
                     continue
                 slices.append(new)
                 step *= min(max(half_width / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
-                previous, (value_here, nuisances_here, root) = (
+                before_last, (value_here, nuisances_here, root) = (
                     (value_here, nuisances_here),
                     (value, np.delete(new.estimate.optimum.theta, index), new.root),
                 )
             return slices
 
-        centre = slice_of(middle, best.problem.fix_parameter(index, middle).solve_linear(nuisances))
+        centre = slice_of(
+            optimum_value, best.problem.fix_parameter(index, optimum_value).solve_linear(nuisances)
+        )
         return [*side(-1.0, parameter.low)[::-1], centre, *side(1.0, parameter.high)]
 
 
@@ -233,7 +244,7 @@ def estimate(
     prior_variance: float | None = None,
     with_fine_scales: bool = False,
 ) -> Estimate:
-    """Return what the residuals of each record say of an optimum.
+    """Return the covariance estimate of an optimum, by the residuals of each record.
 
     Parameters
     ----------
@@ -257,18 +268,22 @@ def estimate(
     if is_fixed is not None:
         free[: len(is_fixed)] &= ~is_fixed
     row_counts = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
-    cuts = np.cumsum(row_counts)[:-1]
-    split = np.split(optimum.jacobian[:, free], cuts)
-    information = make_directions(split, shared=len(cuts) > 0, with_fine_scales=with_fine_scales)
+    record_edges = np.cumsum(row_counts)[:-1]
+    jacobians = np.split(optimum.jacobian[:, free], record_edges)
+    information = make_directions(
+        jacobians, shared=len(record_edges) > 0, with_fine_scales=with_fine_scales
+    )
     # rows of priors are no record
-    records = list(zip(np.split(optimum.all_residuals, cuts), information.columns, strict=True))
+    records = list(
+        zip(np.split(optimum.all_residuals, record_edges), information.columns, strict=True)
+    )
     noises = tuple(noises) or tuple(
-        noise_of(residual, columns, rounding=rounding)
+        estimate_noise(residual, columns, rounding=rounding)
         for residual, columns in (records[:-1] if count else records)
     )
     if is_bounded is not None:
         free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), is_bounded))
-        information = make_directions(np.split(optimum.jacobian[:, free], cuts))
+        information = make_directions(np.split(optimum.jacobian[:, free], record_edges))
     weights = [*noises]
     if count:
         power = np.mean([noise.power for noise in noises])

@@ -17,9 +17,9 @@ from dashpot.numerics.log_tau_descent import Stack
 
 
 #: points of a walk, and how many of them may be too far: beyond there is a cliff
-_POINTS, _LEAPS = 20, 5
+_MAX_POINTS, _MAX_LEAPS = 20, 5
 #: an arm whose absence costs less deviance is one that the data do without
-_SPARE = 2.0
+_SPARE_DEVIANCE = 2.0
 #: the walk steps by a rise of the root of the deviance over which interpolation is good
 _RISE, _RISES = 0.7, 5.0
 
@@ -68,25 +68,25 @@ class ProfileTrace:
         limit: float,
         limits: tuple[float, float],
     ) -> None:
-        self.asked, self.start, self.limit, self.ends = target, start, limit, limits
+        self.profile_target, self.start, self.limit, self.ends = target, start, limit, limits
         self.sign = sign
         self.rise = max(_RISE, float(np.sqrt(limit)) / _RISES)
         self.step, self.root, self.at = sign * target.step, 0.0, start
         self.walked: list[tuple[float, float]] = []
-        self.leapt: list[tuple[float, float]] = []
+        self.skipped_points: list[tuple[float, float]] = []
         self.trials = self.leaps = 0
         self.ended, self.without = False, np.inf
         self.goal = start
-        self._aim()
+        self._compute_goal_slopes()
 
     @property
     def points(self) -> list[tuple[float, float]]:
         """Values and deviances on the way out."""
         visited = self.walked
-        if self.leapt and self.root <= np.sqrt(self.limit):
+        if self.skipped_points and self.root <= np.sqrt(self.limit):
             # a leap that the walk has passed says nothing of the way
-            passed = visited and (self.leapt[0][0] - visited[-1][0]) * self.step <= 0
-            visited = visited if passed else visited + self.leapt
+            passed_start = visited and (self.skipped_points[0][0] - visited[-1][0]) * self.step <= 0
+            visited = visited if passed_start else visited + self.skipped_points
         if not np.isfinite(self.without):
             return visited
         end_value = self.ends[int(self.sign > 0)]
@@ -98,7 +98,7 @@ class ProfileTrace:
         """Take note of the deviance without its arm, which no value of the arm's exceeds."""
         if deviance < self.limit:
             self.without = self.limit = deviance
-            self.ended = self.ended or deviance < _SPARE
+            self.ended = self.ended or deviance < _SPARE_DEVIANCE
 
     def update_walk(self, deviance: float) -> bool:
         """Take note of the deviance at the goal; True if the walk goes on from there."""
@@ -110,16 +110,16 @@ class ProfileTrace:
             self.at, self.root = self.goal, self.root + root_rise
         else:
             # too far to interpolate to: walk towards it in smaller steps
-            self.leapt = [(self.goal, deviance)]
+            self.skipped_points = [(self.goal, deviance)]
             self.leaps += 1
-        self.ended = (is_close and deviance > self.limit) or self.leaps > _LEAPS
-        self._aim()
+        self.ended = (is_close and deviance > self.limit) or self.leaps > _MAX_LEAPS
+        self._compute_goal_slopes()
         return is_close
 
-    def _aim(self) -> None:
+    def _compute_goal_slopes(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
         self.step = self.goal - self.at
-        self.ended = self.ended or self.trials >= _POINTS or self.step == 0.0
+        self.ended = self.ended or self.trials >= _MAX_POINTS or self.step == 0.0
         self.trials += 1
 
 
@@ -136,10 +136,10 @@ _ITERATIONS = 8
 _MAX_STEP, _STEP_REDUCTION = 1.5, 0.25
 RIDGE = 1e-13
 #: the curvature of the residual that is believed, as parts of J'J
-_BENT = -0.9, 4.0
+_CURVATURE_LIMITS = -0.9, 4.0
 #: an SSE whose fall is foretold to so many tolerances is taken as fallen: Newton is right to a few
 #: hundredths of it
-_LEAST_PROMISE = 50.0
+_MIN_PREDICTED_FALL = 50.0
 
 
 class SolvedTrials(NamedTuple):
@@ -171,7 +171,7 @@ class BatchedDescent:
 
     def __init__(self, start: FloatArray, linear: int, tolerance: FloatArray) -> None:
         count, arms = start.shape
-        self.here, self.tolerance = start.copy(), tolerance
+        self.positions, self.tolerance = start.copy(), tolerance
         self.known = SolvedTrials(
             np.full(count, np.inf),
             np.zeros((count, linear)),
@@ -179,21 +179,21 @@ class BatchedDescent:
             np.zeros((count, arms, arms)),
             np.zeros((count, arms, arms)),
         )
-        self.move = np.zeros_like(start)
+        self.steps = np.zeros_like(start)
         self.promised, self.damping = np.zeros(count), np.full(count, 1e-6)
         self.tried, self.reach = np.zeros(count, int), np.full(count, _MAX_STEP)
 
     def start(self, i: int, log_tau: FloatArray) -> None:
         """Begin another problem like the last, or the same elsewhere."""
-        self.here[i], self.move[i], self.known.sse[i] = log_tau, 0.0, np.inf
+        self.positions[i], self.steps[i], self.known.sse[i] = log_tau, 0.0, np.inf
         self.damping[i], self.tried[i], self.reach[i] = 1e-6, 0, _MAX_STEP
 
     def best(self, i: int) -> tuple[float, FloatArray]:
         """The least SSE of one descent and its ln tau, a last move foretold if that is little."""
         sse, promised = float(self.known.sse[i]), float(self.promised[i])
-        if promised < _LEAST_PROMISE * self.tolerance[i]:
-            return sse - promised, self.here[i] + self.move[i]
-        return sse, self.here[i]
+        if promised < _MIN_PREDICTED_FALL * self.tolerance[i]:
+            return sse - promised, self.positions[i] + self.steps[i]
+        return sse, self.positions[i]
 
     def take(self, trial: FloatArray, trials: SolvedTrials, indices: IndexArray) -> BoolArray:
         """Learn from one trial each of the descents `indices`; True where that is enough."""
@@ -201,36 +201,38 @@ class BatchedDescent:
         gain = solved_trials.sse[indices] - trials.sse
         is_better = gain > 0
         kept_rows = indices[is_better]
-        self.here[kept_rows] = trial[is_better]
-        for own_trial, new in zip(solved_trials, trials, strict=True):
-            own_trial[kept_rows] = new[is_better]
+        self.positions[kept_rows] = trial[is_better]
+        for own_trial, new_trial in zip(solved_trials, trials, strict=True):
+            own_trial[kept_rows] = new_trial[is_better]
         damping = self.damping[indices]
         self.damping[indices] = np.where(is_better, np.maximum(0.1 * damping, 1e-9), 10 * damping)
         # where the parabola has failed it is believed nearby only
-        distance_moved = np.abs(self.move[indices]).max(axis=1, initial=0.0)
+        distance_moved = np.abs(self.steps[indices]).max(axis=1, initial=0.0)
         self.reach[indices] = np.where(
             is_better,
             np.minimum(2.0 * np.maximum(distance_moved, self.reach[indices]), _MAX_STEP),
             _STEP_REDUCTION * distance_moved,
         )
         self.tried[indices] += 1
-        self.move[indices], self.promised[indices] = self._step(indices)
+        self.steps[indices], self.promised[indices] = self._compute_step(indices)
         return np.asarray(
             (np.abs(gain) < self.tolerance[indices])
-            | (self.promised[indices] < _LEAST_PROMISE * self.tolerance[indices])
+            | (self.promised[indices] < _MIN_PREDICTED_FALL * self.tolerance[indices])
             | (self.damping[indices] > 1e6)
             | (self.tried[indices] >= _ITERATIONS)
         )
 
-    def _step(self, indices: IndexArray) -> tuple[FloatArray, FloatArray]:
+    def _compute_step(self, indices: IndexArray) -> tuple[FloatArray, FloatArray]:
         """Return the next move (A, N), and by how much the SSE would fall if it were parabolic."""
         curvature, gradient = self.known.curvature[indices], self.known.gradient[indices]
         if not curvature.shape[1]:
             return gradient, np.zeros(len(indices))
         arms = np.arange(curvature.shape[1])
-        size = curvature[:, arms, arms]
-        stretch = np.where(size > 0, size, 1.0)
-        curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
+        curvature_diagonal = curvature[:, arms, arms]
+        column_scale = np.where(curvature_diagonal > 0, curvature_diagonal, 1.0)
+        curvature[:, arms, arms] = (
+            curvature_diagonal + column_scale * RIDGE + (curvature_diagonal <= 0)
+        )
         right_sides = np.concatenate(
             (self.known.residual_curvature[indices], gradient[:, :, None]), axis=2
         )
@@ -239,26 +241,26 @@ class BatchedDescent:
         # what the move takes off the residual bends nothing where it leads
         reduction = np.vecdot(first, gradient) / np.maximum(self.known.sse[indices], 1e-300)
         remainder = np.maximum(1.0 - reduction * reduction, 0.0)[:, None, None]
-        believed = _moderate(remainder * share)[:, None, None]
-        curvature += np.where(believed, remainder, 0.0) * self.known.residual_curvature[indices]
-        curvature[:, arms, arms] += stretch * self.damping[indices][:, None]
+        is_moderate = _is_moderate(remainder * share)[:, None, None]
+        curvature += np.where(is_moderate, remainder, 0.0) * self.known.residual_curvature[indices]
+        curvature[:, arms, arms] += column_scale * self.damping[indices][:, None]
         step = np.linalg.solve(curvature, gradient[:, :, None])[..., 0]
         longest = np.abs(step).max(axis=1, keepdims=True)
         step = step * np.minimum(1.0, self.reach[indices][:, None] / np.maximum(longest, 1e-300))
         return step, np.vecdot(step, gradient)
 
 
-def _moderate(share: FloatArray) -> BoolArray:
+def _is_moderate(share: FloatArray) -> BoolArray:
     """Return which of some curvatures of residuals, in parts of J'J, are moderate."""
     # the eigenvalues of the ratio are real, and none is larger than the root of their squares
-    lowest, highest = _BENT
-    believed = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-lowest, highest) ** 2
-    if not believed.all():
-        doubtful_eigenvalues = np.linalg.eigvals(share[~believed]).real
-        believed[~believed] = (doubtful_eigenvalues.min(axis=1) > lowest) & (
+    lowest, highest = _CURVATURE_LIMITS
+    is_moderate = (share * share.swapaxes(1, 2)).sum(axis=(1, 2)) < min(-lowest, highest) ** 2
+    if not is_moderate.all():
+        doubtful_eigenvalues = np.linalg.eigvals(share[~is_moderate]).real
+        is_moderate[~is_moderate] = (doubtful_eigenvalues.min(axis=1) > lowest) & (
             doubtful_eigenvalues.max(axis=1) < highest
         )
-    return np.asarray(believed)
+    return np.asarray(is_moderate)
 
 
 # Profile likelihood.
@@ -295,15 +297,17 @@ WINDOW_FACTOR = 20.0
 #: a stiffness so many times that of the whole solid, or a b so many folds from the optimum, is open
 _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 #: ln tau between nodes of the table; cubics through columns and slopes are right to 1e-7
-_NODES_APART = 0.08
+_NODE_SPACING = 0.08
 #: a change of ln tau from one point of a walk to the next that may be foretold
-_FORETOLD_SHARE = 0.7
+_MAX_PREDICTED_CHANGE = 0.7
 _POWERS = np.arange(4.0)
 #: what each power of u gives to the powers of a cubic, of its slope and of its curve
-_DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
+_DERIVATIVE_POWERS = np.array(
+    [np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]
+).swapaxes(0, 1)
 
 
-def profiles(
+def compute_profiles(
     stack: Stack, optimum: Solution, targets: Sequence[ProfileTarget], *, limit: float
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Return of each profile the trial values, ascending, the optimum among them, and deviances.
@@ -339,12 +343,12 @@ class _SimultaneousProfiles:
     def __init__(self, stack: Stack, optimum: Solution) -> None:
         self.optimum, self.fixed = optimum, len(stack.names)
         self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
-        outside = float(np.log(WINDOW_FACTOR))
+        window_margin = float(np.log(WINDOW_FACTOR))
         self.plateaus = [i for i, name in enumerate(stack.names) if name.startswith("k_inf")]
         self.window = stack.bounds
         self.restricted = stack.get_nonnegative_mask(self.arms, signed=False)
-        self.reach = stack.bounds[0] - outside, stack.bounds[1] + outside
-        count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODES_APART)) + 1
+        self.reach = stack.bounds[0] - window_margin, stack.bounds[1] + window_margin
+        count = int(np.ceil((self.reach[1] - self.reach[0]) / _NODE_SPACING)) + 1
         nodes, difference = np.linspace(*self.reach, count, retstep=True)
         rows = stack.evaluate(nodes)
         self.target, self.still = rows.target, rows.phi[:, : self.fixed].T
@@ -366,9 +370,9 @@ class _SimultaneousProfiles:
             ),
             axis=2,
         )
-        turn = _DERIVED / difference ** np.arange(3.0)[:, None]
-        self.apart, self.turn = float(difference), turn.reshape(4, -1)
-        start = self._phi(optimum.log_tau[None])[0][0]
+        derivative_weights = _DERIVATIVE_POWERS / difference ** np.arange(3.0)[:, None]
+        self.node_distance, self.turn = float(difference), derivative_weights.reshape(4, -1)
+        start = self._evaluate_columns(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
     def value(self, target: ProfileTarget) -> float:
@@ -392,63 +396,68 @@ class _SimultaneousProfiles:
 
     def walk(self, walks: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
-        sides = _Sides([trace.asked for trace in walks], self.fixed, self.arms)
-        self._spare(walks, sides)
+        sides = _Sides([trace.profile_target for trace in walks], self.fixed, self.arms)
+        self._add_spare_deviances(walks, sides)
         residual = np.tile(self.optimum.log_tau, (len(walks), 1))
         goals = np.array([trace.goal for trace in walks])
-        descents = self._descents(residual, walks)
+        descents = self._start_descents(residual, walks)
         trials = descents.known
-        while on := [i for i, trace in enumerate(walks) if not trace.ended]:
-            for i in self._run_trials(descents, goals, sides, np.array(on)):
-                trace, at, foretold = walks[i], walks[i].at, np.zeros(self.arms)
+        while active_walks := [i for i, trace in enumerate(walks) if not trace.ended]:
+            for i in self._run_trials(descents, goals, sides, np.array(active_walks)):
+                trace, position, predicted_steps = walks[i], walks[i].at, np.zeros(self.arms)
                 sse, log_tau = descents.best(i)
                 if trace.update_walk(self._deviance(trace, trials.beta[i], log_tau, sse)):
-                    foretold = (log_tau - residual[i]) * (trace.goal - trace.at) / (trace.at - at)
+                    predicted_steps = (
+                        (log_tau - residual[i]) * (trace.goal - trace.at) / (trace.at - position)
+                    )
                     residual[i] = log_tau
-                largest_change = max(map(abs, foretold.tolist()), default=0.0)
+                largest_change = max(map(abs, predicted_steps.tolist()), default=0.0)
                 descents.start(
                     i,
                     residual[i]
-                    + min(1.0, _FORETOLD_SHARE / max(largest_change, _FORETOLD_SHARE)) * foretold,
+                    + min(1.0, _MAX_PREDICTED_CHANGE / max(largest_change, _MAX_PREDICTED_CHANGE))
+                    * predicted_steps,
                 )
                 goals[i] = trace.goal
 
-    def _spare(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
-        """Let each arm's walks know what it costs to do without the arm."""
+    def _add_spare_deviances(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
+        """Add the deviance without each arm to the walks of that arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
         of_arm = {arm: i for i, arm in enumerate(sides.owner.tolist()) if arm >= 0}
         if not of_arm:
             return
-        first = [walks[i] for i in of_arm.values()]
+        first_walks = [walks[i] for i in of_arm.values()]
         arm_sides = _Sides(
             [ProfileTarget(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
             self.fixed,
             self.arms,
         )
         values = self.optimum.log_tau
-        descents = self._descents(np.tile(values, (len(first), 1)), first)
+        descents = self._start_descents(np.tile(values, (len(first_walks), 1)), first_walks)
         # the others keep their places: one that took the arm's would be the arm
         midpoints = (values[arm_sides.arm][:, None] + values) / 2.0
         low = np.where(values > values[arm_sides.arm][:, None], midpoints, self.reach[0])
         high = np.where(values < values[arm_sides.arm][:, None], midpoints, self.reach[1])
-        on = np.arange(len(first))
-        while on.size:
-            bounds = low[on], high[on]
-            ended = self._run_trials(descents, np.zeros(len(first)), arm_sides, on, bounds)
-            on = on[~np.isin(on, ended)]  # `numpy.setdiff1d` imports masked arrays
+        indices = np.arange(len(first_walks))
+        while indices.size:
+            bounds = low[indices], high[indices]
+            ended = self._run_trials(
+                descents, np.zeros(len(first_walks)), arm_sides, indices, bounds
+            )
+            indices = indices[~np.isin(indices, ended)]  # `numpy.setdiff1d` imports masked arrays
         indices_by_arm = {arm: [i] for i, arm in enumerate(of_arm)}
         for trace, arm, column in zip(walks, sides.owner.tolist(), sides.column, strict=True):
             # a plateau that falls may have any of the arms, slower than all, in its place
             is_falling = trace.sign < 0 and column in self.plateaus
-            for i in indices_by_arm[arm] if arm >= 0 else range(len(first) * is_falling):
+            for i in indices_by_arm[arm] if arm >= 0 else range(len(first_walks) * is_falling):
                 sse, log_tau = descents.best(i)
                 trace.update_without_arm(
                     self._deviance(trace, descents.known.beta[i], log_tau, sse)
                 )
 
-    def _descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
-        tolerance = np.array([1e-3 * trace.asked.scale for trace in walks])
+    def _start_descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
+        tolerance = np.array([1e-3 * trace.profile_target.scale for trace in walks])
         return BatchedDescent(start, len(self.optimum.beta), tolerance)
 
     def _run_trials(
@@ -462,7 +471,9 @@ class _SimultaneousProfiles:
         """Try each of the descents `indices` once, in reach; those that are at their end."""
         low, high = bounds or self.reach
         # `numpy.clip` takes as long as all of this
-        trial = np.minimum(np.maximum(descents.here[indices] + descents.move[indices], low), high)
+        trial = np.minimum(
+            np.maximum(descents.positions[indices] + descents.steps[indices], low), high
+        )
         trial = sides.set_fixed_times(trial, goals, indices)
         return indices[
             descents.take(trial, self._solve_trials(trial, goals[indices], sides, indices), indices)
@@ -471,13 +482,13 @@ class _SimultaneousProfiles:
     def _deviance(
         self, trace: ProfileTrace, beta: FloatArray, log_tau: FloatArray, sse: float
     ) -> float:
-        gain = trace.asked.relative_gain
+        gain = trace.profile_target.relative_gain
         times = 1.0 if gain is None else gain(beta, log_tau)
-        return max(float(sse) - self.best, 0.0) / (trace.asked.scale * times)
+        return max(float(sse) - self.best, 0.0) / (trace.profile_target.scale * times)
 
-    def _phi(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _evaluate_columns(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Design matrix (A, p, n), and columns, slopes and curves of arms (A, G, N, 3, n)."""
-        grid_position = (log_tau.ravel() - self.reach[0]) / self.apart
+        grid_position = (log_tau.ravel() - self.reach[0]) / self.node_distance
         node = np.minimum(np.maximum(grid_position.astype(int), 0), len(self.cubics) - 1)
         weights = (grid_position - node)[:, None] ** _POWERS @ self.turn
         values = weights.reshape(-1, 1, 3, 4) @ self.cubics[node]
@@ -491,7 +502,7 @@ class _SimultaneousProfiles:
     def _solve_trials(
         self, log_tau: FloatArray, goals: FloatArray, sides: _Sides, indices: IndexArray
     ) -> SolvedTrials:
-        phi, values = self._phi(log_tau)
+        phi, values = self._evaluate_columns(log_tau)
         row, arm, column = np.arange(len(indices)), sides.arm[indices], sides.column[indices]
         amount, base = sides.amount(log_tau, goals, indices), phi[row, column]
         target = self.target - amount[:, None] * base
@@ -512,13 +523,13 @@ class _SimultaneousProfiles:
         rotated = (values[..., 1, :] * stiffness[..., None]).sum(axis=1)
         # columns, slopes and curves meet the residual
         moments = (values @ residual[:, None, None, :, None])[..., 0]
-        second = (stiffness * moments[..., 2]).sum(axis=1)
+        second_derivative = (stiffness * moments[..., 2]).sum(axis=1)
         # k = exp(ln b - ln tau): the stiffness of an arm whose b is held falls as its ln tau rises
         goal_slope = amount * sides.log_b[indices]
         at_zero, moment_slope, _ = moments.reshape(len(indices), -1, 3)[
             row, np.maximum(column - self.fixed, 0)
         ].T
-        second[row, arm] -= goal_slope * (2.0 * moment_slope - at_zero)
+        second_derivative[row, arm] -= goal_slope * (2.0 * moment_slope - at_zero)
         rotated[row, arm] -= goal_slope[:, None] * base
         # a coefficient and its own tau meet in the residual
         meets = np.zeros((*beta.shape, self.arms))
@@ -529,19 +540,19 @@ class _SimultaneousProfiles:
         moment = phi @ rotated.swapaxes(1, 2)
         solutions = normal.solve_moments(np.concatenate((moment, meets), axis=2))
         arm_part, meet_part = solutions[..., : self.arms], solutions[..., self.arms :]
-        outside = rotated - arm_part.swapaxes(1, 2) @ phi
+        orthogonal_part = rotated - arm_part.swapaxes(1, 2) @ phi
         crossed = meets.swapaxes(1, 2) @ (arm_part - 0.5 * meet_part)
         curvature_part = crossed + crossed.swapaxes(1, 2)
         index = np.arange(self.arms)
-        curvature_part[:, index, index] -= second
+        curvature_part[:, index, index] -= second_derivative
         is_free = np.ones(log_tau.shape)
         is_free[row, arm] = linear
         pairs = is_free[:, :, None] * is_free[:, None, :]
         return SolvedTrials(
             np.vecdot(residual, residual),
             beta,
-            np.vecdot(outside, residual[:, None, :]) * is_free,
-            outside @ outside.swapaxes(1, 2) * pairs,
+            np.vecdot(orthogonal_part, residual[:, None, :]) * is_free,
+            orthogonal_part @ orthogonal_part.swapaxes(1, 2) * pairs,
             curvature_part * pairs,
         )
 
@@ -566,8 +577,8 @@ class _Normal:
 
     def solve_moments(self, moment: FloatArray) -> FloatArray:
         """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
-        scaled = self.free * moment / self.length
-        return np.asarray(np.linalg.solve(self.gram, scaled) / self.length)
+        scaled_moment = self.free * moment / self.length
+        return np.asarray(np.linalg.solve(self.gram, scaled_moment) / self.length)
 
 
 class _Sides:

@@ -133,7 +133,7 @@ class Recognised:
 
     @property
     def use(self) -> str:
-        """The command that reads it, or why none does; empty where that is not known."""
+        """The command that reads it, or why there is none; empty if unknown."""
         return get_kind_command(self.kind)
 
 
@@ -157,7 +157,7 @@ def get_kind_label(kind: str) -> str:
 
 
 def get_kind_command(kind: str) -> str:
-    """Return the command that reads a kind of file, or why none does; empty if not known."""
+    """Return the command that reads a kind of file, or why there is none; empty if unknown."""
     kinds = KINDS_OF_FILE if kind in KINDS_OF_FILE else DOCUMENT_KINDS
     return kinds[kind].use if kind in kinds else ""
 

@@ -75,13 +75,13 @@ def parse_response_unit(word: str) -> Ratio | None:
 
 
 def bare_ratio(word: str) -> Ratio | None:
-    """A transmissibility, where the unit is that of a number and something else says what of."""
+    """A dimensionless ratio, whose meaning another source states."""
     factor = _BARE_RATIOS.get((undecibel(word) or word).casefold())
     return None if factor is None else Ratio(Kind.TRANSMISSIBILITY, factor)
 
 
 def undecibel(word: str) -> str | None:
-    """Return the unit of decibels, such as g/g in ``dB re 1 g/g``; None if they are no decibels.
+    """Return the unit of decibels, such as g/g in ``dB re 1 g/g``; None for another unit.
 
     >>> undecibel("dB re 1 g/g"), undecibel("dB ref 1 g/N"), undecibel("dB"), undecibel("g/g")
     ('g/g', 'g/N', 'dB', None)
@@ -96,7 +96,7 @@ def undecibel(word: str) -> str | None:
 
 
 def _parse_unit_ratio(top: str, bottom: str) -> Ratio | None:
-    """Return what the unit `top` over the unit `bottom` says."""
+    """Return the kind of response with the unit `top` over the unit `bottom`."""
     top, bottom = top.strip("() "), bottom.strip("() ")
     for upper, lower, kind in _RESPONSE_KINDS:
         a, b = units.find_unit(top, upper), units.find_unit(bottom, lower)
@@ -155,7 +155,7 @@ def split_factor(word: str) -> tuple[float, str] | None:
 
 
 def split_factor_off_name(text: str) -> tuple[str, str] | None:
-    """Return a heading without the factor behind it, and the factor, None if there is none.
+    """Return a heading without the factor behind it, and the factor or None.
 
     >>> split_factor_off_name("Load [N] x 1000"), split_factor_off_name("Run 2")
     (('Load [N]', 'x 1000'), None)
@@ -172,7 +172,7 @@ def _parse_factor(number: str) -> float:
 
 
 def parse_unit_multiple(word: str, dimension: Dimension) -> Unit | None:
-    """Return the unit that a user gives as a multiple of one, such as ``10mN``; None of any other.
+    """Return the unit of a stated multiple, such as ``10mN``; None of any other text.
 
     >>> parse_unit_multiple("10mN", "force").factor
     0.01
@@ -229,7 +229,7 @@ def remove_quotes(text: str) -> str:
 
 
 def split_unit(name: str) -> tuple[str, str | None]:
-    """Return a header cell as its name and its unit, None if it has none.
+    """Return name and unit of a header cell; the unit is None if there is none.
 
     >>> split_unit("Force (N)"), split_unit("Load__kN_"), split_unit("Kraft_N"), split_unit("time")
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
@@ -247,7 +247,7 @@ def split_unit(name: str) -> tuple[str, str | None]:
 
 
 def add_factor_to_unit(name: str, unit: str | None) -> str | None:
-    """Return the unit with the factor of a name such as ``Load x 10^3``: no unit that is known."""
+    """Return a unit multiplied by the factor in a name such as ``Load x 10^3``."""
     factor = split_factor_off_name(name[:_LONGEST_HEADING].strip()) if unit else None
     return f"{factor[1]} {unit}" if factor else unit
 

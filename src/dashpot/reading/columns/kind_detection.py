@@ -36,7 +36,7 @@ from dashpot.registry import call_handler, find_handler
 
 _PAIRED_MOTIONS: tuple[Dimension, ...] = ("acceleration", "length", "velocity")
 _NAMED_SCORE = 1.5
-_FEWEST_COLUMNS, _MOST_COLUMNS = 5, 64
+_MIN_COLUMNS, _MAX_COLUMNS = 5, 64
 """Columns of a controller's table."""
 
 
@@ -56,7 +56,7 @@ def find_amplitude_phase_pairs(
     None is returned for any other table, and where a column is a response already.
     """
     phases, amplitudes, frequency_count = [], [], 0
-    if not _FEWEST_COLUMNS <= len(table.columns) <= _MOST_COLUMNS:
+    if not _MIN_COLUMNS <= len(table.columns) <= _MAX_COLUMNS:
         return None
     for i, column in enumerate(table.columns):
         if column.content != "number":

@@ -34,7 +34,7 @@ EXAMPLE = {
     "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
 }  # fmt: skip
 """Most common unit of a role."""
-_LESS = (
+_SCORE_PENALTIES = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
     (vocabulary.STATIC, 1.5, False),
@@ -55,12 +55,12 @@ _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _ROLES: tuple[Role, ...] = get_args(Role)
 _SUITED = "_suited"
 _NOTHING_SAID = ReadOptions()
-_SAME = 0.25
-_LISTED = 12
+_EQUAL_SCORE = 0.25
+_MAX_LISTED = 12
 """Columns that a message names."""
-_COPIES = 8
+_MAX_COPIES = 8
 """Columns of which it is asked which is meant, whatever they hold: nobody writes one so often."""
-_ROUNDED = 1e-3
+_COPY_TOLERANCE = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""
 
 
@@ -94,18 +94,20 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
         return RoleAssignment(role, index, f"named by {flag(option)}")
     suited = _rank_columns(table, role, options)
     if not suited:
-        return _nothing(table, role)
+        return _ask_missing_role(table, role)
     top, index = suited[0]
-    equals = [i for value, i in suited if value > top - _SAME]
+    equals = [i for value, i in suited if value > top - _EQUAL_SCORE]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
         names = _names(table)
-        names_or_option = [format_column(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
+        names_or_option = [
+            format_column(table.columns, i, names) for i in sorted(equals)[:_MAX_LISTED]
+        ]
         unlisted_count = len(equals) - len(names_or_option)
         equals_text = join_words(
             [*names_or_option, f"{unlisted_count} more"] if unlisted_count else names_or_option
         )
-        if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
+        if len(equals) > _MAX_COPIES or not _same_numbers(table, equals, role, options):
             message = (
                 f"{equals_text} could each be the {_word(role)}; say which, for example "
                 f'{flag(option)}="{handle(table.columns, index, names)}"'
@@ -147,7 +149,7 @@ def _same_numbers(
     if not len(complete_rows) or not len(complete_rows) > 0.5 * len(values):
         return False
     difference = np.abs(complete_rows - complete_rows[:, :1]).max(axis=0)
-    return bool((difference <= _ROUNDED * np.ptp(complete_rows[:, 0])).all())
+    return bool((difference <= _COPY_TOLERANCE * np.ptp(complete_rows[:, 0])).all())
 
 
 def _rank_columns(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
@@ -185,14 +187,14 @@ def _likely_accelerations(
 
 
 def _floor(best: float) -> float:
-    """The least score beside the best: one unit-only column beside named ones is something else."""
+    """Return the least score of a candidate beside the best one."""
     if best < 2.0:
         return 1.0
     return max(1.5, best - 1.5) if best >= 3.5 else 1.5
 
 
 def _is_force(column: Column) -> bool:
-    return vocabulary.matches(column.name).get("force", 0.0) >= vocabulary.LEAST_SCORE
+    return vocabulary.matches(column.name).get("force", 0.0) >= vocabulary.MIN_SCORE
 
 
 def _is_named_acceleration(column: Column) -> bool:
@@ -236,13 +238,13 @@ def _compute_file_scores(name: str, unit: str | None, content: Content) -> Mappi
 
 def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     words = {column.unit, _get_stated_unit(column, "time", options, by_role=False)} - {None, ""}
-    possible_roles = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
+    possible_roles = {*vocabulary.matches(column.name), *chain(*map(_find_roles_of_unit, words))}
     entries = {role: _score(column, role, options) for role in possible_roles}
     return {role: value for role, value in entries.items() if value}
 
 
 @lru_cache(maxsize=1024)
-def _measured_by(word: str) -> tuple[Role, ...]:
+def _find_roles_of_unit(word: str) -> tuple[Role, ...]:
     """Return the roles that a unit word fits."""
     return tuple(role for role in _ROLES if _fits(word, role))
 
@@ -257,7 +259,7 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
         return 0.5
     if role == "strain" and vocabulary.has_word(column.name, vocabulary.SIDEWAYS):
         return 0.5
-    for words, penalty, of_time in _LESS:
+    for words, penalty, of_time in _SCORE_PENALTIES:
         if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
             value -= penalty
     return value
@@ -267,7 +269,7 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """Return the score of a name for a role, one more where the unit fits; 0 if it does not."""
     message = vocabulary.matches(column.name)
     value = message.get(role, 0.0)
-    is_named = value >= vocabulary.LEAST_SCORE
+    is_named = value >= vocabulary.MIN_SCORE
     word = _get_stated_unit(column, role, options, by_role=is_named) or column.unit
     fits = word is not None and _fits(word, role)
     if fits is None:
@@ -282,7 +284,7 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
 
 
 def _fits(word: str, role: Role) -> bool | None:
-    """Return whether a unit word is one of a role: None where it measures something else."""
+    """Return whether a unit fits a role; None if it is of another dimension."""
     dimension = DIMENSION.get(role)
     if role == "magnitude":
         return parse_response_unit(word) is not None
@@ -334,12 +336,12 @@ def acceleration_question(table: FileTable) -> Question:
     )
 
 
-def _says(column: Column) -> bool:
+def _names_something(column: Column) -> bool:
     """Return whether a name surely says something."""
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 
-def _nothing(table: FileTable, role: Role) -> Question:
+def _ask_missing_role(table: FileTable, role: Role) -> Question:
     """Ask for the column of a role that none was found for: a wrong label is worth naming."""
     option = flag(option_of(role))
     answer = f"{option}=NAME"
@@ -375,7 +377,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
     return Question(message, answer, role=_word(role), example=example)
 
 
-def ask(table: FileTable, questions: Sequence[Question]) -> str:
+def join_questions(table: FileTable, questions: Sequence[Question]) -> str:
     """Return all questions in one sentence each; what no column was found for, in one for all."""
     missing_roles = [question for question in questions if question.role]
     if len(missing_roles) < 2:
@@ -390,7 +392,7 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
-    """Return whether the name says the role best, but the unit suits nothing that the name says."""
+    """Return whether the name fits the role best, but the unit fits none of its meanings."""
     word = column.unit
     if not word:
         return False
@@ -403,16 +405,20 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
 
 def _all_say_something(table: FileTable) -> bool:
     """Whether each column of numbers is named for something, and so none is free for another."""
-    items = [_says(column) for column in table.columns if column.content in {"number", "clock"}]
+    items = [
+        _names_something(column)
+        for column in table.columns
+        if column.content in {"number", "clock"}
+    ]
     return bool(items) and all(items)
 
 
 def _example(table: FileTable, role: Role) -> str:
-    """Return a column that could be meant: one whose name says nothing else."""
+    """Return a column that may have the role: its name has no other meaning."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
     example_index = _PLACE.get(role, 0)
     at = numbers[min(example_index, len(numbers) - 1)]
-    free = (i for i in (at, *numbers) if not _says(table.columns[i]))
+    free = (i for i in (at, *numbers) if not _names_something(table.columns[i]))
     return handle(table.columns, next(free, at), _names(table))
 
 
@@ -482,7 +488,7 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
     """
     dimension = DIMENSION[role]
     stated_unit, word = options.unit_of(role, column.name), get_unit_word(column, role, options)
-    label, header = _label(column, number, role), _with_unit(column, role)
+    label, header = _label(column, number, role), _add_unit(column, role)
     advice = f'add --units "{role}={_unit_like(column, role)}"'
     if column.content == "clock" and role == "time":
         return _clock_unit(label, stated_unit)
@@ -527,7 +533,7 @@ def _determine_frequency_unit(word: str, column: Column, label: str) -> str:
 
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
-    """Ask what a factor beside a unit does: nobody knows if it is applied to the numbers."""
+    """Ask whether a factor beside a unit has been applied to the numbers."""
     result = split_factor(word)
     unit = result and (units.find_unit(result[1], dimension) or _find_part_unit(result[1], role))
     if not result or not unit or sensitivity(word, dimension, None):
@@ -544,7 +550,7 @@ def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> N
 
 
 def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> None:
-    """Ask what a factor stated beside the numbers does: nobody knows if it is applied to them."""
+    """Ask whether a factor in the header has been applied to the numbers."""
     if not column.factor:
         return
     raise ReadError(
@@ -556,7 +562,7 @@ def _refuse_stated_factor(column: Column, word: str, role: Role, label: str) -> 
 
 
 def get_unit_word(column: Column, role: Role, options: ReadOptions) -> str | None:
-    """Return what the user, or else the file, says is the unit of a column in its role, if any."""
+    """Return the unit of the column of a role by the options, else by the file; or None."""
     pure = "1" if role == "stretch" else None  # a ratio of lengths
     sentences = (options.unit_of(role, column.name), column.unit, pure)
     return next((word for word in sentences if word is not None), None)
@@ -566,7 +572,7 @@ def _label(column: Column, number: int, role: Role) -> str:
     return f"'{column.name or f'column {number}'}' ({role})"
 
 
-def _with_unit(column: Column, role: Role) -> str:
+def _add_unit(column: Column, role: Role) -> str:
     """Return what may be written over a column that has no unit."""
     return f"{column.name or role} [{_unit_like(column, role)}]"
 
@@ -579,7 +585,7 @@ def _unit_like(column: Column, role: Role) -> str:
 
 
 def _clock_unit(label: str, stated_unit: str | None) -> Unit:
-    """Seconds, in which clock times are read whatever stands over them."""
+    """Return seconds, the unit of clock times whatever their heading."""
     if stated_unit is None or stated_unit == "s" or vocabulary.clock_order(stated_unit):
         return units.parse_unit("s", "time")
     raise ReadError(
@@ -600,7 +606,7 @@ def no_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
     return (
         f"{labels[0]} has no unit, nor has {join_words(labels[1:], 'or')}; add --units "
         f'"{",".join(dict.fromkeys(unit_options))}", or write them into the header, as '
-        f"'{_with_unit(columns[0], missing_units[0].role)}'"
+        f"'{_add_unit(columns[0], missing_units[0].role)}'"
     )
 
 
@@ -677,7 +683,7 @@ def list_columns(columns: Sequence[Column]) -> str:
     names = _count_column_names(columns)
     shown_texts = [
         f"{i + 1} {format_column(columns, i, names) if columns[i].name else '(no name)'}"
-        for i in filled[:_LISTED]
+        for i in filled[:_MAX_LISTED]
     ]
     unlisted_count = len(filled) - len(shown_texts)
     return ", ".join(shown_texts) + (f" and {unlisted_count} more" if unlisted_count else "")

@@ -36,7 +36,7 @@ OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
 """Role on a part for each role of a material."""
 
 # Names that say exactly this; German and other compounds are met as parts of a word.
-_FIRST: dict[Role, str] = {
+_EXACT_NAMES: dict[Role, str] = {
     "time": """time zeit gesamtzeit laufzeit prüfzeit messzeit versuchszeit versuchsdauer czas
         godzina temps tiempo tempo tijd tid aika zaman süre čas doba idő timp durata время 时间 時間
         시간 timestamp zeitstempel elapsed uhrzeit masa
@@ -94,7 +94,7 @@ _FIRST: dict[Role, str] = {
     "torque": "torque drehmoment moment moment_obrotowy couple coppia tork момент 扭矩",
 }  # fmt: skip
 # Names that often mean this, and give way to the ones above.
-_SECOND: dict[Role, str] = {
+_USUAL_NAMES: dict[Role, str] = {
     "time": "t sec secs seconds sekunden zeitpunkt clock x_value",
     "displacement": """position pos extension stroke travel deflection crosshead traverse piston
         lvdt encoder gap separation height depth hub course allongement enfoncement corsa uzama
@@ -166,7 +166,7 @@ OF_BASE = (
     "reference", "control", "drive",
 )  # fmt: skip
 """Words for what is shaken, of two that move."""
-LEAST_SCORE = 1.5
+MIN_SCORE = 1.5
 """Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
@@ -208,8 +208,8 @@ def _lexicon(words: dict[Role, str]) -> MappingProxyType[str, tuple[Role, ...]]:
     return MappingProxyType(lexicon)
 
 
-FIRST = _lexicon(_FIRST)
-SECOND = _lexicon(_SECOND)
+FIRST = _lexicon(_EXACT_NAMES)
+SECOND = _lexicon(_USUAL_NAMES)
 _SIZE = compile_on_use(
     r"(?<!\w)[ekg]\*|\|[ekg]\||(?<![a-z])[kc][ _]?dyn(?![a-z])"
     r"|(?<![a-z])(?:dyn|complex|komplex|absolute)[^ '\"]{0,7} (?:[a-z]{1,12} )?"
@@ -229,8 +229,8 @@ _STEMS = MappingProxyType(
     }
 )
 """Words that others end with."""
-_ENDS = frozenset(word[-2:] for word in _STEMS)
-_LONGEST = max(map(len, _STEMS))
+_STEM_ENDINGS = frozenset(word[-2:] for word in _STEMS)
+_MAX_LENGTH = max(map(len, _STEMS))
 _NUMBER = compile_on_use(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 
@@ -240,7 +240,7 @@ def tokens(name: str) -> list[str]:
 
 
 def has_word(name: str, words: tuple[str, ...]) -> bool:
-    """Return whether one of the words stands in the name, alone or (CJK) as a part."""
+    """Return whether one of the words is in the name, as a word or (CJK) as a part."""
     name = replace_channel_number(name)
     single, inner_words = _split_search_words(words)
     return not single.isdisjoint(_split_name_words(name)) or any(
@@ -257,25 +257,25 @@ def _split_name_words(name: str) -> frozenset[str]:
 
 @lru_cache(maxsize=64)
 def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[str, ...]]:
-    """Return what a name may hold as a word of its own, and what as a part of one."""
+    """Return the search words that must be whole words, and those that may be parts."""
     return frozenset(words), tuple(word for word in words if ord(word[0]) > 0x3000)
 
 
 def _may_mean(spelling: str) -> bool:
     """Return whether a word is worth a look at its roles: of thousands of names most are not."""
     is_certain = spelling in FIRST or spelling in SECOND
-    return is_certain or spelling[-2:] in _ENDS or not spelling.isascii()
+    return is_certain or spelling[-2:] in _STEM_ENDINGS or not spelling.isascii()
 
 
 def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     """The roles that one word may mean, and how surely."""
     first = FIRST.get(spelling, ())
     yield from ((role, 3.0) for role in first)
-    yield from ((role, LEAST_SCORE) for role in SECOND.get(spelling, ()))
+    yield from ((role, MIN_SCORE) for role in SECOND.get(spelling, ()))
     if first:
         return
     # German puts the head of a compound last: Standardkraft is a force
-    for start in range(max(1, len(spelling) - _LONGEST), len(spelling)):
+    for start in range(max(1, len(spelling) - _MAX_LENGTH), len(spelling)):
         yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
     if not spelling.isascii():
         for stem, roles in _EAST.items():
@@ -283,11 +283,11 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
                 yield from ((role, 2.5) for role in roles)
 
 
-def says_size(name: str) -> bool:
+def names_magnitude(name: str) -> bool:
     """Return whether a name says the size of a complex modulus or stiffness, and not a part of it.
 
-    >>> says_size("|K*|"), says_size("Dynamic stiffness"), says_size("Dynamic storage modulus")
-    (True, True, False)
+    >>> names_magnitude("|K*|"), names_magnitude("Dynamic storage modulus")
+    (True, False)
     """
     text = unicodedata.normalize("NFKC", name).casefold().replace("_", " ").replace(".", " ")
     text = _BLANKS.sub(" ", text)
@@ -307,7 +307,7 @@ def replace_channel_number(name: str) -> str:
 
 @lru_cache(maxsize=1 << 16)
 def find_informative_words(name: str) -> str:
-    """Return a name without its own number, "" if none of its words says anything.
+    """Return a name without its number; "" if none of its words has a meaning.
 
     >>> find_informative_words("Force 0017"), find_informative_words("ceoeeaa")
     ('Force 00', '')
@@ -337,7 +337,7 @@ def _matches(name: str) -> MappingProxyType[Role, float]:
             scores[role] = 3.0
     if "force" in scores:
         scores["hammer"] = scores["force"]
-    if says_size(name):
+    if names_magnitude(name):
         scores["complex_modulus"] = 3.0
     if names[:1] == ["tan"]:  # of delta, or of d, which alone may be a displacement
         scores.pop("loss_angle", None)

@@ -18,7 +18,7 @@ _PLUGGED = "plugin_format"
 _MAGIC = tuple((signature, form.name) for form in FORMATS.values() for signature in form.marks)
 
 
-def format_of(raw: RawFile) -> str:
+def get_format_name(raw: RawFile) -> str:
     """Return the name of the format, which is that of a module of this folder."""
     head = raw.head(4096)
     head_without_bom = head.removeprefix(b"\xef\xbb\xbf")
@@ -53,7 +53,7 @@ def read_table(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _table(raw: RawFile, options: ReadOptions) -> FileTable:
-    name, plugin_label = format_of(raw), ""
+    name, plugin_label = get_format_name(raw), ""
     if options.format is not None:
         from dashpot.registry.plugins import require_plugin
 

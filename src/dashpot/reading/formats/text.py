@@ -18,7 +18,7 @@ from dashpot.reading.table import FileTable, LoadedColumns, Question
 from dashpot.reading.text import cells
 from dashpot.reading.text.dialect import (
     COLUMNS,
-    LONGEST,
+    MAX_LENGTH,
     Dialect,
     decimals,
     decode_blocks,
@@ -30,8 +30,8 @@ from dashpot.reading.text.dialect import (
 from dashpot.reading.text.header import Header, read_header
 from dashpot.reading.text.rows import Heading, load_rows, title
 
-_HEADS = (1 << 16, 1 << 20, 1 << 24)
-_LARGE = 1 << 28
+_HEADER_SIZES = (1 << 16, 1 << 20, 1 << 24)
+_LARGE_FILE = 1 << 28
 _IMAGINARY = compile_on_use(
     rb"[ijIJ](?:(?:(?<=\d.)|(?<=\d\s.)|(?<=\d\*.)|(?<=\d\s\*.))\b"
     rb"|(?:(?<=[+-].)|(?<=[+-]\s.))\*?\d)"
@@ -40,7 +40,7 @@ _IMAGINARY = compile_on_use(
 
 The letter stands first in the pattern, since a table holds few of them, and many digits.
 """
-_MOST_COMPLEX = 1 << 26
+_MAX_COMPLEX = 1 << 26
 """Bytes of a file whose complex cells are parted: it is held as a whole."""
 _MARKUP = compile_on_use(
     rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
@@ -49,7 +49,7 @@ _MARKUP = compile_on_use(
 """Start of a web page, a document of XML or rich text."""
 _MIN_TABLE_ROWS = 6
 """Fewest rows of a table; one on its side has fewer, each of as many times so many numbers."""
-_STEADY = 6
+_DIGIT_SAMPLE_ROWS = 6
 """Rows from the first on that show how all are printed."""
 _OF_A_FACTOR = 2
 """Significant digits of a factor or a limit that stands above a column, at most."""
@@ -65,26 +65,28 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ReadError
         If the file is binary, holds no table of numbers, or its commas can be read two ways.
     """
-    markup_match = _MARKUP.match(raw.head(_HEADS[0]))
+    markup_match = _MARKUP.match(raw.head(_HEADER_SIZES[0]))
     if markup_match:
         raise ReadError(
             f"is a document ('{markup_match[1].decode()}'), not a table, as some programs save it "
             "under the name of a workbook: open it in a spreadsheet program and save it as xlsx or "
             "csv"
         )
-    encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
-    raw, encoding = _without_complex(raw, encoding)
-    for size in _HEADS:
+    encoding = options.encoding or find_encoding(raw.head(_HEADER_SIZES[0]))
+    raw, encoding = _split_complex_cells(raw, encoding)
+    for size in _HEADER_SIZES:
         lines, is_complete = _lines(raw, encoding, size, detected=options.encoding is None)
-        if not is_complete and len(lines) < _STEADY and size < _HEADS[-1]:
+        if not is_complete and len(lines) < _DIGIT_SAMPLE_ROWS and size < _HEADER_SIZES[-1]:
             continue  # too few to break here, whatever they are
         lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
         dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
-        if is_complete or (dialect is not None and len(lines) - dialect.first >= _STEADY):
+        if is_complete or (
+            dialect is not None and len(lines) - dialect.first >= _DIGIT_SAMPLE_ROWS
+        ):
             break
     if dialect is None:
         raise ReadError(_no_table(lines, options))
-    if is_complete and _lies(lines[dialect.first :], dialect):
+    if is_complete and _is_transposed(lines[dialect.first :], dialect):
         raise ReadError(
             f"its channels stand in rows: line {dialect.first + 1} begins with "
             f"'{lines[dialect.first].partition(dialect.delimiter)[0].strip()[:40]}' and holds "
@@ -93,9 +95,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     return _table(raw, encoding, lines, dialect, options)
 
 
-def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
+def _split_complex_cells(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
     """The file with two cells for each complex one, and its encoding; as it is without any."""
-    if raw.size > _MOST_COMPLEX or not _IMAGINARY.search(raw.head(_HEADS[0])):
+    if raw.size > _MAX_COMPLEX or not _IMAGINARY.search(raw.head(_HEADER_SIZES[0])):
         return raw, encoding
     from dashpot.reading.text.cells import (
         holds_complex,
@@ -103,7 +105,7 @@ def _without_complex(raw: RawFile, encoding: str) -> tuple[RawFile, str]:
     )
 
     try:
-        if not holds_complex(raw.head(_HEADS[0]).decode(encoding, "replace")):
+        if not holds_complex(raw.head(_HEADER_SIZES[0]).decode(encoding, "replace")):
             return raw, encoding
         text = parted_cells(raw.head(raw.size).decode(encoding).replace("\r\n", "\n"))
     except UnicodeDecodeError:
@@ -156,7 +158,7 @@ def _table(
     ]
     if dialect.mark == ".,":
         notes.append("decimal points and decimal commas are mixed; both are read as decimal marks")
-    if raw.size > _LARGE:
+    if raw.size > _LARGE_FILE:
         notes.append(
             f"a file of {raw.size / 1e6:.0f} MB, read in blocks; if it is finer sampled than the "
             "test needs, export it at a lower rate"
@@ -191,7 +193,7 @@ def _table(
     )
 
 
-def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
+def _is_transposed(lines: Sequence[str], dialect: Dialect) -> bool:
     """Return whether a few long rows, each behind its name, are what should be columns."""
     filled = sum(1 for line in lines if line.strip())
     words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
@@ -216,7 +218,7 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     def iterate_row_decimals(row: Sequence[str]) -> Iterator[int | None]:
         return (decimals(row[i], dialect.mark) for i in dialect.numbers)
 
-    rows = islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY)
+    rows = islice((row for line in lines[:20] if (row := dialect.row(line))), _DIGIT_SAMPLE_ROWS)
     first, second = next(rows, None), next(rows, None)
     if not (first and second) or any(
         map(eq, iterate_row_decimals(first), iterate_row_decimals(second))
@@ -226,7 +228,7 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
         return []  # what is printed with so many digits is measured
     other_decimals = [list(iterate_row_decimals(row)) for row in rows]
     like = list(iterate_row_decimals(second))
-    if len(other_decimals) < _STEADY - 2 or any(row != like for row in other_decimals):
+    if len(other_decimals) < _DIGIT_SAMPLE_ROWS - 2 or any(row != like for row in other_decimals):
         return []
     message = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
     return [Caution(f"{message}: '{lines[0].strip()[:60]}'; if it is none, take it out")]
@@ -303,7 +305,7 @@ _INTERVAL = compile_on_use(
 
 
 def _interval_hints(header: Sequence[str]) -> list[str]:
-    """Return what the header says about the time between two samples."""
+    """Return a hint on the sampling interval that the header states."""
     for line in header:
         match = _INTERVAL.search(line[:500])
         unit = match and units.find_unit(match[2] or "s", "time")
@@ -315,7 +317,7 @@ def _interval_hints(header: Sequence[str]) -> list[str]:
 
 
 def _hints(header: Sequence[str]) -> list[str]:
-    """Return what the header says about the sampling rate, for a table without time."""
+    """Return a hint on the sampling rate that the header states, for a table without time."""
     names = []
     for line in header:
         match = _RATE.search(line[:500])
@@ -328,7 +330,7 @@ def _hints(header: Sequence[str]) -> list[str]:
     return names[:1] or _interval_hints(header)
 
 
-def _with_units(line: str) -> bool:
+def _have_units(line: str) -> bool:
     """Return whether each of several cells holds a number and its unit."""
     matches = [_MEASURED.match(part.strip()) for part in re.split(r"[;\t|]|,\s", line)]
     return len(matches) > 1 and all(match and units.find_unit(match[1]) for match in matches)
@@ -346,11 +348,11 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
         number, line = overlong_lines[-1]
         return (
             f"line {number} has {len(line)} characters and {most_cells(line)} cells, and at most "
-            f"{LONGEST} characters and {COLUMNS} cells of a line are read; export fewer channels, "
-            "or a row for each sample if each channel has its row"
+            f"{MAX_LENGTH} characters and {COLUMNS} cells of a line are read; export fewer "
+            "channels, or a row for each sample if each channel has its row"
         )
     first = filled[0].strip()[:60]
-    if _with_units(filled[-1]) and _with_units(filled[len(filled) // 2]):
+    if _have_units(filled[-1]) and _have_units(filled[len(filled) // 2]):
         return (
             f"each number shares its cell with its unit, such as '{filled[-1].strip()[:40]}': "
             "write the units into the header and take them out of the cells"

@@ -26,11 +26,11 @@ from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
     RoleAssignment,
     accelerations,
-    ask,
     assign,
     format_column,
     get_unit_word,
     handle,
+    join_questions,
     list_columns,
     no_units,
     unit_for,
@@ -48,11 +48,11 @@ Judged: TypeAlias = Callable[
 """Function that checks the sizes of a test with other units."""
 _OVERLOAD = 9.9e37
 """Number that SCPI instruments send for an infinite or an invalid reading."""
-_NINES = 999.0
+_MIN_NINES = 999.0
 """The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
 """Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
-_FAR = 5.0
+_MARK_RATIO = 5.0
 """Factor of such a number over all others of its column."""
 
 
@@ -92,7 +92,7 @@ class OpenedFile:
         return unit_for(self.table.columns[index], index + 1, role, self.options)
 
     def unit_word(self, index: int, role: Role) -> str | None:
-        """Return what the user, or else the file, says is the unit of a column, if either does."""
+        """Return the unit of a column by the options or the file; or None."""
         return get_unit_word(self.table.columns[index], role, self.options)
 
 
@@ -160,7 +160,7 @@ def pop_cached_file(path: str | Path, options: ReadOptions) -> OpenedFile | None
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:
-    """Return what one file with one set of options is known by, as long as it is not written to."""
+    """Return the cache key of a file with its options, valid until the file changes."""
     try:
         stat = Path(path).stat()
     except (OSError, ValueError):  # stdin, or no such file
@@ -220,13 +220,13 @@ def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    return with_units(file, chosen(file, roles))
+    return add_units(file, select_columns(file, roles))
 
 
-def chosen(
+def select_columns(
     file: OpenedFile, roles: Sequence[Role], *, other_questions: Sequence[Question] = ()
 ) -> list[RoleAssignment]:
-    """Return the columns that play the roles; `other_questions` is asked with what they leave open.
+    """Return the columns of the roles; raise their open questions with `other_questions`.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def chosen(
 
 
 def format_role_conflict(columns: Sequence[Column], index: int, name: Role, other: Role) -> str:
-    """Say that a column would play two roles, and what to do."""
+    """Return the message for a column that would have two roles."""
     return (
         f"{format_column(columns, index)} would be both {name} and {other}; name the columns with "
         f"{flag(name)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
@@ -263,11 +263,11 @@ def answered(
     """Return the columns found, or raise every question in one sentence with the hint."""
     questions = [answer for answer in assignments if isinstance(answer, Question)]
     if questions:
-        raise ReadError(ask(file.table, questions) + hint)
+        raise ReadError(join_questions(file.table, questions) + hint)
     return [answer for answer in assignments if isinstance(answer, RoleAssignment)]
 
 
-def with_units(file: OpenedFile, assignments: Sequence[RoleAssignment]) -> list[Channel]:
+def add_units(file: OpenedFile, assignments: Sequence[RoleAssignment]) -> list[Channel]:
     """Return assigned columns with their units.
 
     Raises
@@ -411,8 +411,8 @@ def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -
     return f'{" ".join(words)} --units "{",".join(unit_options)}"'
 
 
-def rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
-    """Say which other columns could have played a role, where one was clearly better."""
+def describe_rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
+    """Return notes on other columns that could have had a role."""
     taken_columns = {channel.index for channel in channels_chosen}
     columns = file.table.columns
     notes = []
@@ -494,14 +494,14 @@ def load(
         -np.fmin.reduce(loaded_data.values, initial=0.0),
     )
     tops = np.fmax(*extremes)
-    large_indices = np.flatnonzero(tops >= _NINES)
+    large_indices = np.flatnonzero(tops >= _MIN_NINES)
     marked_columns = [
         j
         for j, top in zip(large_indices.tolist(), tops[large_indices].tolist(), strict=True)
         if _is_mark(top)
     ]
     notes = [
-        note for j in marked_columns for note in _without_marks(loaded_data.values[:, j], tops[j])
+        note for j in marked_columns for note in _remove_marks(loaded_data.values[:, j], tops[j])
     ]
     return replace(loaded_data, notes=(*loaded_data.notes, *notes)) if notes else loaded_data
 
@@ -511,16 +511,16 @@ def _is_mark(top: float) -> bool:
     return top >= _OVERLOAD or not f"{top:.10g}".strip("9.")
 
 
-def _without_marks(column: FloatArray, top: float) -> list[str]:
+def _remove_marks(column: FloatArray, top: float) -> list[str]:
     """Take the marks of no reading, of the largest size, out of a column, with a note."""
-    size = np.abs(column)
+    magnitude = np.abs(column)
     if top >= _OVERLOAD:
-        is_overload = size >= _OVERLOAD
+        is_overload = magnitude >= _OVERLOAD
         message = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
     else:
-        is_overload = size == top
-        rest = float(np.fmax.reduce(size[~is_overload], initial=0.0))
-        if not is_overload.any() or rest * _FAR > top:
+        is_overload = magnitude == top
+        rest = float(np.fmax.reduce(magnitude[~is_overload], initial=0.0))
+        if not is_overload.any() or rest * _MARK_RATIO > top:
             return []
         message = (
             f"values of {column[is_overload][0]:.10g}, far beyond all others, are a mark of "
@@ -550,7 +550,7 @@ def load_test(
     return loaded_columns
 
 
-def filled_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
+def fill_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
     """Return the rows, a temperature that stands once for each block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.
@@ -582,11 +582,11 @@ def filled_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedC
 def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
     """Return the rows that lack no number, and notes: of loading, and how many are left out."""
     is_complete = np.isfinite(loaded_columns.values).all(axis=1)
-    missing = np.flatnonzero(~is_complete)
-    if not missing.size:
+    missing_indices = np.flatnonzero(~is_complete)
+    if not missing_indices.size:
         return loaded_columns.values, loaded_columns.notes
-    first = loaded_columns.format_row_position(int(missing[0]))
-    note = f"{missing.size} rows lack a number and were left out, first {first}"
+    first = loaded_columns.format_row_position(int(missing_indices[0]))
+    note = f"{missing_indices.size} rows lack a number and were left out, first {first}"
     return loaded_columns.values[is_complete], (*loaded_columns.notes, note)
 
 
@@ -637,7 +637,7 @@ _SLOWER: tuple[Role, ...] = ("velocity", "displacement")
 
 
 def find_mass_motions(file: OpenedFile, taken_columns: Sequence[int]) -> list[RoleAssignment]:
-    """Return the motions beside the base's: those named, else accelerations, else the others."""
+    """Return the motions of the mass: the named ones, else accelerations, else the others."""
     options = file.options
     roles_named = [role for role in _SLOWER if getattr(options, role)]
     assignments: list[RoleAssignment] = []

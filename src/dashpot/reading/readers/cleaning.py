@@ -12,7 +12,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
 from dashpot.reading.columns.role_assignment import RoleAssignment, assign, score
-from dashpot.reading.columns.vocabulary import LEAST_SCORE, STEP_TIME, Role, has_word
+from dashpot.reading.columns.vocabulary import MIN_SCORE, STEP_TIME, Role, has_word
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.table import FileTable, LoadedColumns, Question
@@ -21,18 +21,18 @@ from dashpot.signals.clock import JUMP_RATIO, NEIGHBOUR_STEPS, find_clock_jumps
 # Faults of one clock and its samples.
 
 
-_LAST = 5.0
+_MAX_LAST_STEP_RATIO = 5.0
 """Largest ratio of the last step to all others without a note."""
-_FULL = 0.98
+_RAMP_END_SHARE = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
 _LOUD_SHARE = 0.1
 """Part of its peak beyond which a signal is not at rest."""
 _MAX_LISTED = 3
 """Number of leaps of a clock that are reported one by one."""
 _MINUTE = 60.0
-_ROUND = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
+_ROUND_DIGITS = (1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)
 """First digits of the steps of recorders, in the unit that they count by."""
-_NEARLY = 1e-3
+_ROUND_TOLERANCE = 1e-3
 _MAX_REPEATED_SHARE = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -79,7 +79,7 @@ def drop_missing(
     ]
 
 
-def without_padding(loaded_columns: LoadedColumns) -> LoadedColumns:
+def remove_padding(loaded_columns: LoadedColumns) -> LoadedColumns:
     """Return the rows, time first, without those at the end that only fill a buffer.
 
     That is the last row again and again, or rows of one number (0, -1, NaN) or all alike at which
@@ -138,9 +138,9 @@ def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
     """Return the first and the last sample of the first travel; equal where nothing moves."""
     magnitude = np.abs(displacement - displacement[0])
     max_magnitude = float(magnitude.max())
-    first_full = int(np.argmax(magnitude > _FULL * max_magnitude))
+    first_full = int(np.argmax(magnitude > _RAMP_END_SHARE * max_magnitude))
     return first_full - int(
-        np.argmax(magnitude[first_full::-1] <= (1 - _FULL) * max_magnitude)
+        np.argmax(magnitude[first_full::-1] <= (1 - _RAMP_END_SHARE) * max_magnitude)
     ), first_full
 
 
@@ -192,7 +192,7 @@ def _mean_rate(time: FloatArray) -> str:
 
 
 def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
-    """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is.
+    """Return notes on jumps of the clock and on an unusual sampling rate.
 
     A unit that is `is_stated` by the user, or by every cell, is not doubted.
     """
@@ -200,8 +200,8 @@ def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
-    rate, leaps = 1 / step, [*_find_late_start(steps), *_leaps(time)]
-    if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
+    rate, leaps = 1 / step, [*_find_late_start(steps), *_list_clock_jumps(time)]
+    if len(steps) > 1 and steps[-1] / _MAX_LAST_STEP_RATIO > steps[:-1].max():
         message = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
             f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
@@ -216,7 +216,7 @@ def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:
 
 
 def round_steps(time: FloatArray, unit: Unit) -> list[str]:
-    """Say if a clock in minutes or hours has steps that are round there, and no recorder's.
+    """Return a note if steps are round in minutes or hours, as those of no recorder.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
         return []
     ratio = step / unit.factor
     digits = ratio / 10.0 ** np.floor(np.log10(ratio) + 1e-9)
-    if min(abs(digits - value) for value in _ROUND) > _NEARLY:
+    if min(abs(digits - value) for value in _ROUND_DIGITS) > _ROUND_TOLERANCE:
         return []
     message = (
         f"the clock's steps are {ratio:.3g} {unit.word}, round in {unit.word} and not in seconds "
@@ -240,7 +240,7 @@ def round_steps(time: FloatArray, unit: Unit) -> list[str]:
 
 
 def _find_late_start(steps: FloatArray) -> list[str]:
-    """Say if the first row stands far before all others, which a jump may have parted from it."""
+    """Return a note if the first sample is far before all others."""
     rest = steps[1:].max(initial=0.0)
     if len(steps) < 2 * NEIGHBOUR_STEPS or not steps[0] > JUMP_RATIO * rest:
         return []
@@ -251,8 +251,8 @@ def _find_late_start(steps: FloatArray) -> list[str]:
     return [Caution(message)]
 
 
-def _leaps(time: FloatArray) -> list[str]:
-    """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
+def _list_clock_jumps(time: FloatArray) -> list[str]:
+    """Return notes on jumps and interruptions of the clock."""
     # of the first and the last row others show
     leaps = [jump for jump in find_clock_jumps(time) if 0 < jump.at < len(time) - 2]
     notes = [
@@ -266,7 +266,10 @@ def _leaps(time: FloatArray) -> list[str]:
 
 def has_swapped_signals(displacement: FloatArray, force: FloatArray) -> bool:
     """Whether the 'force' is held and the 'displacement' relaxes; in a creep test it goes on."""
-    return _relaxes(displacement) > 0.08 and max(_relaxes(force), _creeps(force)) < 0.01
+    return (
+        _compute_relaxed_share(displacement) > 0.08
+        and max(_compute_relaxed_share(force), _creeps(force)) < 0.01
+    )
 
 
 def compute_active_fraction(signal: FloatArray) -> float:
@@ -278,7 +281,7 @@ def compute_active_fraction(signal: FloatArray) -> float:
     return float(np.mean(deviation > _LOUD_SHARE * deviation.max()))
 
 
-def _relaxes(values: FloatArray) -> float:
+def _compute_relaxed_share(values: FloatArray) -> float:
     """Share of its range that a signal falls back from its peak by the end of a long tail."""
     change = np.abs(values - values[0])
     peak = int(np.argmax(change))
@@ -300,7 +303,7 @@ def _creeps(values: FloatArray) -> float:
 
 
 def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAssignment, ...]:
-    """Return the clock of the displacement and that of the force, if each has its own; else none.
+    """Return the clocks of displacement and force, if each has its own; else None.
 
     A signal's own clock is the column of time right before it, where no one column is the time.
     """
@@ -317,7 +320,7 @@ def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAs
     return tuple(clocks) if clocks[0].index != clocks[1].index else ()
 
 
-def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Question:
+def assign_time_since_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Question:
     """Return the clock of a curve over the time since a step: that of the step, beside a whole one.
 
     A rheometer writes both, and the whole one began before the step.
@@ -328,7 +331,7 @@ def since_the_step(table: FileTable, options: ReadOptions) -> RoleAssignment | Q
     indices = [
         i
         for i in assignment.rivals
-        if score(table.columns[i], "time", options) >= LEAST_SCORE
+        if score(table.columns[i], "time", options) >= MIN_SCORE
         and has_word(table.columns[i].name, STEP_TIME)
     ]
     return (

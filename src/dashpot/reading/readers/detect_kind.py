@@ -43,7 +43,7 @@ _REASONS_WITHOUT_CLOCK: Mapping[str, str] = MappingProxyType({
     "creep": "its force is held; it has no clock",
 })  # fmt: skip
 """Reasons why a kind needs a clock, by the loading that a record without one shows."""
-_LEAST_SAMPLES = 8
+_MIN_SAMPLES = 8
 """Fewest samples that show a motion."""
 _MATERIAL_ROLES: tuple[Role, ...] = ("strain", "stress")
 _PART_ROLES: tuple[Role, ...] = ("displacement", "force")
@@ -119,7 +119,7 @@ def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = N
 
 
 def _has_other_dimension(word: str | None, dimension: units.Dimension) -> bool:
-    """Return whether a unit is known, and is none of a dimension."""
+    """Return whether a unit is known and not of this dimension."""
     dimensions = units.dimensions(word or "")
     is_mass_unit = dimension == "force" and bool(find_weight(word))
     return bool(dimensions) and dimension not in dimensions and not is_mass_unit
@@ -161,7 +161,7 @@ def _load_signals_by_row(
     try:
         channels_chosen = channels.choose(file, pair)
         values, _ = channels.select_complete_rows(
-            channels.load_test(file, channels_chosen, _LEAST_SAMPLES)
+            channels.load_test(file, channels_chosen, _MIN_SAMPLES)
         )
     except ReadError:
         return None
@@ -171,13 +171,12 @@ def _load_signals_by_row(
 
 
 def _load_motion(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
-    """Return time and signals; nothing of an ambiguous or invalid record: its reader says why."""
+    """Return time and signals; None if the record is ambiguous or invalid."""
     try:
         channels_chosen, clocks = moving_columns(file, *pair)
         values, _ = load_signals(file, channels_chosen, clocks)
         return tuple(
-            validate_measured(role, values[role], minimum=_LEAST_SAMPLES)
-            for role in ("time", *pair)
+            validate_measured(role, values[role], minimum=_MIN_SAMPLES) for role in ("time", *pair)
         )
     except (ReadError, DataError):
         return ()
@@ -206,9 +205,9 @@ def _identify_toml(path: str | Path) -> Recognised | None:
     """Return the kind of a file named .toml; None of any other."""
     if Path(path).suffix.casefold() != ".toml":
         return None
-    from dashpot.reading.toml import tables_of
+    from dashpot.reading.toml import read_tables
 
-    _, tables = tables_of(path)
+    _, tables = read_tables(path)
     if "door" in tables:
         return Recognised("door", "it has the table [door]")
     if "machine" in tables:

@@ -48,7 +48,7 @@ _FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
 """Range of a phase in radians, wrapped and unwrapped over ten modes."""
 
 
-def as_a_ratio(file: OpenedFile) -> OpenedFile:
+def make_ratio_file(file: OpenedFile) -> OpenedFile:
     """Return a file of two signals, each by amplitude and phase, as one of the response they make.
 
     That is a motion over a force, or the motion of a mass over that of its base. Any other file is
@@ -152,9 +152,9 @@ def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float)
 
 PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
 """The parts of a complex value."""
-_HIGHEST = 3e4
+_MAX_FREQUENCY = 3e4
 """Hz; no hammer on rubber goes higher."""
-_COHERENT = 1.01
+_MAX_COHERENCE = 1.01
 _STATED = compile_on_use(r"\A\W*+kind\s*+:\s*+(\w+)")
 
 
@@ -173,7 +173,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         channels.expect(
             file, ["frf", "transmissibility"], "an FRF is", stated_columns=["real", "magnitude"]
         )
-        converted_file = as_a_ratio(file)
+        converted_file = make_ratio_file(file)
         return build_frf(converted_file, determine_frf_columns(converted_file))
 
 
@@ -199,7 +199,7 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     sd, notes = _deviation(file.table)
     notes += _lags(file.table, index)
     metadata = _comments(file.table.header)
-    shift, remarks = _shift(file, metadata, hertz * column["frequency"])
+    shift, remarks = _get_window_decay(file, metadata, hertz * column["frequency"])
     notes += remarks
     notes += [line for line in file.table.header if "sha256" in line]
     scale = _compute_derivative_factor(factor, order, hertz * column["frequency"], shift)
@@ -217,7 +217,7 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
     )  # fmt: skip
 
 
-def _shift(
+def _get_window_decay(
     file: OpenedFile, metadata: Mapping[str, float], frequency: FloatArray
 ) -> tuple[float, list[str]]:
     """Return the decay of the exponential window that the values carry, 1/s, and notes.
@@ -239,7 +239,7 @@ def _shift(
 
 
 def _lags(table: FileTable, index: Mapping[Role, int]) -> list[str]:
-    """Say how a phase is read whose name says a lag, which others count the other way."""
+    """Return a note on a phase that is named as a lag, of opposite sign."""
     name = table.columns[index["phase"]].name if "phase" in index else ""
     if not has_word(name, ("lag", "nacheilung", "retard")):
         return []
@@ -265,7 +265,7 @@ class FRFColumns(NamedTuple):
 
 
 def determine_frf_columns(file: OpenedFile) -> FRFColumns:
-    """Return what must be known before the numbers of an FRF are read.
+    """Return the columns, units and kind of an FRF, which its values need.
 
     Raises
     ------
@@ -277,7 +277,7 @@ def determine_frf_columns(file: OpenedFile) -> FRFColumns:
     requested, factors = [], {"phase": 1.0}
     ratio = None
     try:
-        ratio = _kind(file, main, index[main])
+        ratio = _determine_kind(file, main, index[main])
     except ReadError as error:
         requested.append(str(error))
     requested += _unlike_parts(file, index)
@@ -305,11 +305,11 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
     for pair in PAIRS:
         if {"frequency", *pair} <= index.keys() and "coherence" not in options:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
-    raise ReadError("; ".join(options.values()) or _lacking(file, index))
+    raise ReadError("; ".join(options.values()) or _describe_missing_columns(file, index))
 
 
-def _lacking(file: OpenedFile, index: Mapping[Role, int]) -> str:
-    """Return what to say of columns that make no FRF."""
+def _describe_missing_columns(file: OpenedFile, index: Mapping[Role, int]) -> str:
+    """Return the message for columns that make no FRF."""
     columns_text = list_columns(file.table.columns)
     parts = {"magnitude", "phase"} & index.keys()
     if "frequency" in index and len(parts) == 1:
@@ -343,7 +343,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     return entries
 
 
-def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
+def _determine_kind(file: OpenedFile, role: Role, index: int) -> Ratio:
     """Return what the FRF relates, from the unit, held against a ``kind:`` comment."""
     column, word = file.table.columns[index], file.unit_word(index, role) or ""
     new_ratio = parse_response_unit(word)
@@ -369,7 +369,7 @@ def _kind(file: OpenedFile, role: Role, index: int) -> Ratio:
 
 
 def _get_stated_kind(table: FileTable, *, over_base: bool) -> Kind | None:
-    """The kind that a comment says; of a motion over a base a name may say that it is relative."""
+    """Return the kind in a comment; a column name may add that a motion is relative."""
     words = [match[1] for line in table.header if (match := _STATED.match(line))]
     kind = next((Kind(word) for word in words if word in set(Kind)), None)
     relative = kind is None and over_base and is_relative_transmissibility(table)
@@ -392,7 +392,7 @@ def _compute_derivative_factor(
 
 
 def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
-    """Say if real and imaginary part stand in different units."""
+    """Return a note if real and imaginary part have different units."""
     if "real" not in index:
         return []
     real, imaginary = (file.table.columns[index[role]] for role in ("real", "imaginary"))
@@ -407,7 +407,9 @@ def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
 
 def _refuse_high(file: OpenedFile, index: int, top: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
-    if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
+    if top > _MAX_FREQUENCY and not file.options.unit_of(
+        "frequency", file.table.columns[index].name
+    ):
         raise ReadError(
             f"the FRF goes to {format_quantity(top, 'kHz')}, where no seal is struck: is the unit "
             "of "
@@ -421,7 +423,7 @@ def _normalise_coherence(file: OpenedFile, index: int, coherence: FloatArray) ->
     if file.unit_word(index, "coherence") == "%":
         return coherence / 100
     highest = float(np.nanmax(coherence, initial=0.0))
-    if highest > _COHERENT:
+    if highest > _MAX_COHERENCE:
         raise ReadError(
             f"the coherence reaches {highest:.4g}; expected 0 to 1: if it is in per cent, add "
             '--units "coherence=%"'

@@ -29,7 +29,7 @@ from dashpot.reading.table import LoadedColumns
 
 
 _NUMBER = compile_on_use(r"[-+]?\d++(?:[.,]\d++)?+(?![.,]?\d)")
-_LONGEST = 120
+_MAX_LENGTH = 120
 _BESIDES = {
     "test", "testing", "specimen", "sample", "chamber", "oven", "ambient", "room", "air", "mean",
     "prüf", "proben", "prüfraum", "kammer", "raum",
@@ -90,8 +90,10 @@ def _merge_stated_temperature(
     entries = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
         source_text = "the file"
-        middle = round(median(recorded), 2)
-        entries = {middle: f"{format_quantity(middle, 'degC')} in its column of temperature"}
+        median_value = round(median(recorded), 2)
+        entries = {
+            median_value: f"{format_quantity(median_value, 'degC')} in its column of temperature"
+        }
         specimen = replace(specimen, warmed=_rise(recorded))
     if not entries:
         return specimen, []
@@ -133,7 +135,7 @@ def _load_temperature_column(
     if assignment is None or assignment.index in {channel.index for channel in used_channels}:
         return None, notes
     try:
-        (channel,) = channels.with_units(file, [assignment])
+        (channel,) = channels.add_units(file, [assignment])
     except ReadError:
         if file.options.temperature is not None:
             raise
@@ -143,7 +145,7 @@ def _load_temperature_column(
     )
     kelvin = channels.si(loaded_columns.values[:, 0], channel.unit)
     kelvin = kelvin[np.isfinite(kelvin)]
-    return kelvin if len(kelvin) else None, [*notes, *channels.rivals(file, [channel])]
+    return kelvin if len(kelvin) else None, [*notes, *channels.describe_rivals(file, [channel])]
 
 
 def _rise(kelvin: FloatArray) -> float:
@@ -192,7 +194,7 @@ def _quantities(
 ) -> Iterator[tuple[float, str]]:
     """Iterate over quantities, SI, whose name fulfils `is_name` in a header line, with the line."""
     for line in header:
-        text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
+        text = " ".join(line[:_MAX_LENGTH].replace('"', " ").strip(" \t#%$!/*;'").split())
         number = _NUMBER.search(text)
         if number is None:
             continue
@@ -255,7 +257,7 @@ class StatedWindow(NamedTuple):
 
 
 def stated_window(header: Sequence[str], record: float | None = None) -> StatedWindow | None:
-    """Return the exponential window that the lines of a header state; None if they state none.
+    """Return the exponential window that the header states; None if it states none.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ from dashpot.reading.table import LoadedColumns
 HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
 """Smallest ratio of the duration of a response to that of its hammer."""
-_PULSES = 0.02
+_MAX_PULSE_SHARE = 0.02
 """Part of a record that a hammer's pulses hardly fill."""
 _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
     "hammer": (size_checks.impact_force_measurable, size_checks.hammer_not_heavy),
@@ -114,7 +114,7 @@ def _join_tests(tests: Sequence[ImpactTest]) -> ImpactTest:
         time=np.concatenate([test.time for test in tests]),
         force=np.concatenate([test.force for test in tests]),
         acceleration=np.concatenate([test.acceleration for test in tests], axis=1),
-        starts=joined_starts([(len(test.time), test.starts) for test in tests]),
+        starts=join_record_starts([(len(test.time), test.starts) for test in tests]),
         channels=tests[0].channels,
         source=tuple(source for test in tests for source in test.source),
         window_rate=_joined_rate(tests),
@@ -146,7 +146,7 @@ def _longest_record(time: FloatArray, starts: Sequence[int]) -> float:
     return max(float(time[end - 1] - time[start]) for start, end in zip(starts, stops, strict=True))
 
 
-def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
+def join_record_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
     """Return the first samples of the records of joined tests, of the length and starts of each."""
     record_starts = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
     pairs = zip(record_starts, tests, strict=True)
@@ -161,12 +161,12 @@ def _read_test(path: str | Path, options: ReadOptions, wanted_kind: str) -> Impa
         loaded_columns, columns = loaded_whole(file, channels_chosen)
         notes = [
             *file.table.notes,
-            *channels.rivals(file, channels_chosen[:-1]),
+            *channels.describe_rivals(file, channels_chosen[:-1]),
             *loaded_columns.notes,
         ]
         if rate is None:
             time, *signals = columns
-            starts, remarks = starts_of(time, loaded_columns)
+            starts, remarks = find_record_starts(time, loaded_columns)
         else:
             time, signals = np.arange(len(loaded_columns.values)) / rate, columns
             starts = loaded_columns.starts
@@ -203,7 +203,7 @@ def _channels(file: OpenedFile) -> list[Channel]:
     """Return time unless a rate is given, the hammer, and every acceleration."""
     acceleration_columns = accelerations(file.table, (), file.options)
     questions = [] if acceleration_columns else [acceleration_question(file.table)]
-    channels_chosen = channels.chosen(
+    channels_chosen = channels.select_columns(
         file, channels.add_time_role(file, "hammer"), other_questions=questions
     )
     indices = accelerations(file.table, [c.index for c in channels_chosen], file.options)
@@ -211,7 +211,7 @@ def _channels(file: OpenedFile) -> list[Channel]:
         raise ReadError(acceleration_question(file.table).message)
     message = "named by --column acceleration" if file.options.acceleration else ""
     responses = [RoleAssignment("acceleration", i, message) for i in indices]
-    return channels.with_units(file, [*channels_chosen, *responses])
+    return channels.add_units(file, [*channels_chosen, *responses])
 
 
 def _refuse_sizes(
@@ -265,7 +265,7 @@ def _refuse_swapped(
     pulses = [
         other for other in other_fractions if other[1] * _RINGS_ON < of_hammer[1] and other[1] > 0
     ]
-    if of_hammer[1] < _PULSES or len(pulses) != 1:
+    if of_hammer[1] < _MAX_PULSE_SHARE or len(pulses) != 1:
         return
     hammer = pulses[0][0].index
     swapped_columns = {hammer: of_hammer[0].index}
@@ -293,7 +293,7 @@ def loaded_whole(
     channels.refuse_other_rate(file)
     loaded_columns = channels.load_test(file, channels_chosen)
     if file.options.rate is None:
-        loaded_columns = cleaning.without_padding(loaded_columns)
+        loaded_columns = cleaning.remove_padding(loaded_columns)
     holes = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
     if holes.size:
         raise ReadError(
@@ -306,7 +306,9 @@ def loaded_whole(
     ]
 
 
-def starts_of(time: FloatArray, loaded_columns: LoadedColumns) -> tuple[tuple[int, ...], list[str]]:
+def find_record_starts(
+    time: FloatArray, loaded_columns: LoadedColumns
+) -> tuple[tuple[int, ...], list[str]]:
     """First samples of the records: the segments, and wherever an even clock jumps."""
     steps = np.diff(time)
     step = float(np.median(steps)) if steps.size else 0.0

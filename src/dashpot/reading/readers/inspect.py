@@ -32,9 +32,9 @@ from dashpot.reading.raw_file import add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.readers import channels, cleaning
 from dashpot.reading.readers.channels import OpenedFile, find_mass_motions
-from dashpot.reading.readers.cleaning import find_separate_clocks, since_the_step
+from dashpot.reading.readers.cleaning import assign_time_since_step, find_separate_clocks
 from dashpot.reading.readers.detect_kind import open_or_identify, recognise_opened
-from dashpot.reading.readers.sweep_columns import sweep_columns, swept
+from dashpot.reading.readers.sweep_columns import load_sweep, sweep_columns
 from dashpot.reading.table import LoadedColumns, Question
 from dashpot.registry import find_handler
 
@@ -42,19 +42,19 @@ COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
 _COURSE = "_course"
-_FIRST = 5
+_SHOWN_NUMBERS = 5
 """Numbers that are shown of a column."""
 _First: TypeAlias = Mapping[int, tuple[float | None, ...]]
 _NO_ROLE = (None, "")
 _DOCUMENT = "json"
-_WELCOME = {
+_OPTIONAL_ROLES = {
     "velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stretch",
     "strain",
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
 """Roles that are given over the time since a step."""
-_UNCLOCKED = ("cld", "stress-strain")
+_KINDS_WITHOUT_CLOCK = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 
 
@@ -166,7 +166,7 @@ class Inspection(Plottable):
 
     @property
     def use(self) -> str:
-        """Command that takes such a file, or why none does; empty where that is not known."""
+        """Command that reads such a file, or why there is none; empty if unknown."""
         return get_kind_command(self.kind)
 
 
@@ -199,14 +199,14 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     """Return the inspection of an open file."""
     raw, table, options = file.raw, file.table, file.options
     kind, reason = recognise_opened(file)
-    roles, questions = _proposal(file, kind)
+    roles, questions = _propose_roles(file, kind)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     if table.large:
         numbers = [i for i in numbers if i in roles] or numbers[:1]
     loaded_columns = channels.load(table, numbers, options.segment, refuse_questions=False)
     by_index = {i: loaded_columns.values[:, j] for j, i in enumerate(numbers)}
     time = _time(file, by_index, roles, len(loaded_columns.values))
-    rate, is_even, duration = _sampling(time, loaded_columns.starts)
+    rate, is_even, duration = _inspect_sampling(time, loaded_columns.starts)
     warnings = [*table.notes, *loaded_columns.notes]
     by_hand = kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].by_hand
     if time is not None and not loaded_columns.doubts and not by_hand:
@@ -223,12 +223,15 @@ def inspect_opened(file: OpenedFile) -> Inspection:
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
         header=table.header, rows=len(loaded_columns.values),
-        columns=_columns(file, _first(numbers, loaded_columns.values), roles),
-        rate=rate, even=is_even, duration=duration, segments=_segments(loaded_columns, time),
+        columns=_inspect_columns(file, _first(numbers, loaded_columns.values), roles),
+        rate=rate, even=is_even, duration=duration,
+        segments=_inspect_segments(loaded_columns, time),
         warnings=tuple(warnings), questions=(*table.doubts, *open_questions, *questions),
         simulated=table.simulated,
     )  # fmt: skip
-    vars(inspection)[_COURSE] = _course(len(table.columns), numbers, loaded_columns.values)
+    vars(inspection)[_COURSE] = _select_course_rows(
+        len(table.columns), numbers, loaded_columns.values
+    )
     return inspection
 
 
@@ -260,7 +263,7 @@ def _judge_sizes(
         refuse_sizes(file, channels_chosen, strain, stress)
 
 
-def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
+def _select_course_rows(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
     """Return rows spread evenly over the record, of every column."""
     rows = len(values) if numbers else 0
     at = distinct(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
@@ -269,7 +272,7 @@ def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatAr
     return course
 
 
-def _columns(
+def _inspect_columns(
     file: OpenedFile, first: _First, roles: dict[int, tuple[Role, str]]
 ) -> tuple[InspectedColumn, ...]:
     columns = []
@@ -283,25 +286,27 @@ def _columns(
 
 
 def _first(numbers: Sequence[int], values: FloatArray) -> _First:
-    """Return the first few numbers of each column of numbers: None where there is none."""
-    rows = values[:_FIRST]
+    """Return the first few values of each numeric column; None of other columns."""
+    rows = values[:_SHOWN_NUMBERS]
     cells = rows.astype(object)
     cells[np.isnan(rows)] = None
     return dict(zip(numbers, map(tuple, cells.T.tolist()), strict=True))
 
 
-def _proposal(file: OpenedFile, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+def _propose_roles(
+    file: OpenedFile, kind: str
+) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
     roles, questions = _assign_kind_roles(file, kind)
     if kind in {"frf", "transmissibility"}:
-        from dashpot.reading.readers.frf import as_a_ratio, determine_frf_columns
+        from dashpot.reading.readers.frf import determine_frf_columns, make_ratio_file
 
-        select = find_handler("first point", "frf") or as_a_ratio
+        select = find_handler("first point", "frf") or make_ratio_file
         questions = list_unit_questions(
-            lambda: determine_frf_columns(as_a_ratio(select(file))), "ROLE"
+            lambda: determine_frf_columns(make_ratio_file(select(file))), "ROLE"
         )
     if kind in SWEEP_KINDS and not questions:
-        questions = list_unit_questions(lambda: swept(file), "ROLE")
+        questions = list_unit_questions(lambda: load_sweep(file), "ROLE")
     propose_more = find_handler("propose roles", kind)
     if propose_more:
         questions += propose_more(file, roles)
@@ -322,11 +327,13 @@ def _assign_kind_roles(
     )
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    roles_wanted = _roles_of(file, kind, clocked=bool(clocks))
+    roles_wanted = _list_expected_roles(file, kind, clocked=bool(clocks))
     curve = not _CURVES.isdisjoint(roles_wanted)
     for role in roles_wanted:
         is_elapsed = curve and role == "time"
-        assignment = since_the_step(table, options) if is_elapsed else assign(table, role, options)
+        assignment = (
+            assign_time_since_step(table, options) if is_elapsed else assign(table, role, options)
+        )
         if isinstance(assignment, RoleAssignment):
             assigned_role, _ = roles.get(assignment.index, (role, ""))
             if assigned_role != role and {assigned_role, role} <= set(
@@ -338,12 +345,14 @@ def _assign_kind_roles(
                 questions.append(Question(message, f"{flag(role)}=NAME"))
                 continue
             roles[assignment.index] = (role, assignment.reason)
-        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(assignment))
+        welcome = role in _OPTIONAL_ROLES or (
+            role == "time" and kind in _KINDS_WITHOUT_CLOCK and _has_no_copies(assignment)
+        )
         questions += [] if welcome else _make_role_questions(file, role, assignment)
     return roles, questions
 
 
-def _none(assignment: RoleAssignment | Question) -> bool:
+def _has_no_copies(assignment: RoleAssignment | Question) -> bool:
     """Return whether no two columns could play a role."""
     return isinstance(assignment, RoleAssignment) or not assignment.choices
 
@@ -369,7 +378,7 @@ def _get_usual_roles(kind: str) -> tuple[Role, ...]:
     return KINDS_OF_FILE[kind].roles if kind in KINDS_OF_FILE else ()
 
 
-def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
+def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
     roles_wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
@@ -384,7 +393,7 @@ def _roles_of(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
 def _make_role_questions(
     file: OpenedFile, role: Role, assignment: RoleAssignment | Question
 ) -> list[Question]:
-    """Return what a role leaves open: its column, or the unit of that."""
+    """Return the open questions of a role: its column, or the unit of that."""
     if isinstance(assignment, RoleAssignment):
         return list_unit_questions(lambda: file.unit(assignment.index, role), role)
     needless = role == "loss" and file.column("loss_factor")
@@ -392,7 +401,7 @@ def _make_role_questions(
 
 
 def list_unit_questions(settle: Callable[[], object], role: str) -> list[Question]:
-    """Return the question of the unit of a role if what settles it raises; none otherwise."""
+    """Return the question of the unit of a role, if it is open."""
     try:
         settle()
     except ReadError as error:
@@ -419,7 +428,7 @@ def _time(
     return channels.si(by_index[index].copy(), unit)
 
 
-def _sampling(
+def _inspect_sampling(
     time: FloatArray | None, starts: tuple[int, ...]
 ) -> tuple[float | None, bool, float | None]:
     """Median rate, whether each segment is evenly sampled, and duration."""
@@ -436,7 +445,9 @@ def _sampling(
     return 1 / step, is_even, float(np.nanmax(time) - np.nanmin(time))
 
 
-def _segments(loaded_columns: LoadedColumns, time: FloatArray | None) -> tuple[Segment, ...]:
+def _inspect_segments(
+    loaded_columns: LoadedColumns, time: FloatArray | None
+) -> tuple[Segment, ...]:
     stops = (*loaded_columns.starts[1:], len(loaded_columns.values))
     segments = []
     for name, start, stop in zip(

@@ -103,9 +103,13 @@ def load_signals(
             loaded_columns, clocks[0].unit.factor / channels_chosen[0].unit.factor
         )
     elif not file.options.rate:
-        loaded_columns = cleaning.without_padding(loaded_columns)
+        loaded_columns = cleaning.remove_padding(loaded_columns)
     values = channels.convert_signals_to_si(loaded_columns.values, channels_chosen)
-    notes = [*file.table.notes, *channels.rivals(file, channels_chosen), *loaded_columns.notes]
+    notes = [
+        *file.table.notes,
+        *channels.describe_rivals(file, channels_chosen),
+        *loaded_columns.notes,
+    ]
     rate = file.options.rate
     if rate is not None:
         values["time"] = np.arange(len(loaded_columns.values)) / rate
@@ -155,7 +159,7 @@ def signals(
             left_out.append(f"the clock is left out: {error}")
     channels_chosen = channels.choose(file, roles)
     rows, gaps = channels.select_complete_rows(channels.load_test(file, channels_chosen, min_count))
-    notes = [*file.table.notes, *channels.rivals(file, channels_chosen), *gaps, *left_out]
+    notes = [*file.table.notes, *channels.describe_rivals(file, channels_chosen), *gaps, *left_out]
     return channels_chosen, channels.convert_signals_to_si(rows, channels_chosen), notes
 
 
@@ -283,7 +287,7 @@ def moving_columns(
     clocks = find_separate_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
         return channels.choose(file, channels.add_time_role(file, moving, pushing)), []
-    displacement_clock, force_clock = channels.with_units(file, clocks)
+    displacement_clock, force_clock = channels.add_units(file, clocks)
     signals = channels.choose(file, [moving, pushing])
     return [force_clock, *signals], [displacement_clock]
 

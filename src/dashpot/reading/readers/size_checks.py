@@ -13,10 +13,10 @@ from dashpot.base.value_ranges import SIZES, format_quantity_short
 # Sizes of seals and their tests.
 
 
-LEAST_TRAVEL = SIZES["travel"].soft[0]
-LEAST_FORCE = SIZES["force"].soft[0]
-LEAST_STIFFNESS = SIZES["stiffness"].soft[0]
-MOST_STRESS_FACTOR = 1e4
+MIN_TRAVEL = SIZES["travel"].soft[0]
+MIN_FORCE = SIZES["force"].soft[0]
+MIN_STIFFNESS = SIZES["stiffness"].soft[0]
+MAX_STRESS_FACTOR = 1e4
 
 _SMALLER = {
     "m": "mm", "cm": "mm", "ft": "mm", "in": "mm", "mm": "um", "MN": "kN", "kN": "N", "N": "mN",
@@ -76,14 +76,14 @@ travel_of_a_seal = make_size_criterion(
 @criterion(
     "travel, m",
     ">=",
-    LEAST_TRAVEL,
+    MIN_TRAVEL,
     "our choice; less is an indenter's",
     grade="stop",
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement is as large as rubber needs for such a force."""
     message = f"The displacement goes over {format_quantity_short(travel, 'm')}"
-    probe = force < 10 * LEAST_FORCE and unit not in _COARSE
+    probe = force < 10 * MIN_FORCE and unit not in _COARSE
     text = f"{message} under {format_quantity_short(force, 'N')}"
     return Finding(
         message,
@@ -104,7 +104,7 @@ force_of_a_seal = make_size_criterion(
 @criterion(
     "rise of the force, N",
     ">=",
-    LEAST_FORCE,
+    MIN_FORCE,
     "our choice: rubber has more force at 0.5 mm; an indenter moves less",
     grade="stop",
 )
@@ -123,7 +123,7 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
 @criterion(
     "rise of the force over travel, N/m",
     ">=",
-    LEAST_STIFFNESS,
+    MIN_STIFFNESS,
     "our choice: a tenth of the softest foam strip; an indenter has less",
     grade="note",
 )
@@ -238,7 +238,7 @@ hammer_not_oversampled = make_size_criterion(
 @criterion(
     "greatest stress, Pa",
     "x/",
-    MOST_STRESS_FACTOR,
+    MAX_STRESS_FACTOR,
     "our choice: about 1 MPa, soft foam to hard rubber at break",
     grade="stop",
 )

@@ -28,9 +28,9 @@ from dashpot.reading.table import LoadedColumns, Question
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
 SWEEP_OPTIONS = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
-_ROUNDED = 1.05
+_LOSS_FACTOR_TOLERANCE = 1.05
 """Tolerance of a loss factor over loss and storage, for printed digits and harmonics."""
-_FAR = 1.5
+_MAX_DEVIATION = 1.5
 """Deviation at which the user is asked which is right, also for moduli of two blocks."""
 _A_SWEEP = 3
 """Frequencies of a block, at least."""
@@ -47,17 +47,17 @@ def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     ReadError
         If a column is not found, or one could be storage or the size.
     """
-    assignments = _parts(file)
+    assignments = _find_part_columns(file)
     columns = channels.answered(file, list(assignments.values()), _hint(file, assignments))
-    _told_apart(file, columns)
+    _refuse_equal_columns(file, columns)
     ratio = next((column.index for column in columns if column.role == "loss_factor"), None)
     columns = [column for column in columns if column.role != "loss_factor"]
     temperature = file.find_unambiguous_column("temperature")
     return [*columns, temperature] if temperature else columns, ratio
 
 
-def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
-    """Return the columns of a sweep, as :func:`parts_of`.
+def load_sweep(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
+    """Return the columns of a sweep, as :func:`load_parts`.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def swept(file: OpenedFile) -> tuple[LoadedColumns, dict[Role, FloatArray], str,
         With what the file leaves open.
     """
     roles_wanted, ratio = sweep_columns(file)
-    parts = parts_of(file, channels.with_units(file, roles_wanted), ratio)
+    parts = load_parts(file, channels.add_units(file, roles_wanted), ratio)
     if "temperature" not in parts[1] and temperatures_of_segments(file, parts[0]) is None:
         refuse_unlike_blocks(*parts[:2])
     return parts
@@ -94,7 +94,7 @@ def refuse_unlike_blocks(loaded_columns: LoadedColumns, values: Mapping[Role, Fl
         if not in_range.any() or len(set(f.tolist())) < _A_SWEEP:
             continue
         times = math.exp(median(np.abs(storage - np.interp(f, first, reference))[in_range]))
-        if times >= _FAR:
+        if times >= _MAX_DEVIATION:
             raise ReadError(
                 f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
                 "times, but no column and no title says a temperature: read one block with "
@@ -110,7 +110,7 @@ def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolA
     return [of_row[is_complete] == number for number in range(1, len(loaded_columns.starts) + 1)]
 
 
-def _parts(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
+def _find_part_columns(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     """Return the columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
     assignments = {role: assign(table, role, options) for role in _ROLES}
@@ -139,7 +139,7 @@ def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question
     return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
 
 
-def _told_apart(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
+def _refuse_equal_columns(file: OpenedFile, columns: Sequence[RoleAssignment]) -> None:
     """Refuse one column for storage and loss."""
     modulus_columns = [column.index for column in columns if column.role in {"storage", "loss"}]
     if len(modulus_columns) == len(set(modulus_columns)):
@@ -160,7 +160,7 @@ def _find_both_columns(assignments: Mapping[Role, RoleAssignment | Question]) ->
 
 
 def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
-    """Return the column of the loss factor, or else of the loss angle, whose name may be given.
+    """Return the column of the loss factor, or else of the loss angle.
 
     Where several could be the one, or the other, what to ask.
     """
@@ -176,7 +176,7 @@ def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
 
 def _require_loss_angle(file: OpenedFile, name: str) -> None:
     """Refuse the size of the complex modulus without its angle."""
-    if vocabulary.says_size(name) or file.options.magnitude:
+    if vocabulary.names_magnitude(name) or file.options.magnitude:
         raise ReadError(
             f"'{name}' is the size |K*|, and no column is its loss angle or loss factor; "
             "expected one of these beside it (--column phase=NAME or loss-factor=NAME), or "
@@ -195,7 +195,7 @@ def _is_size(
         If the name says neither that nor storage.
     """
     columns, storage = file.table.columns, assignments["storage"]
-    if file.options.magnitude or vocabulary.says_size(columns[size.index].name):
+    if file.options.magnitude or vocabulary.names_magnitude(columns[size.index].name):
         is_named = isinstance(storage, RoleAssignment) and storage.index != size.index
         return bool(file.options.magnitude) or not is_named
     if isinstance(storage, Question) or (
@@ -211,7 +211,7 @@ def _is_size(
     return False
 
 
-def parts_of(
+def load_parts(
     file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
     """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
@@ -231,11 +231,11 @@ def parts_of(
     loaded_columns = channels.load(file.table, columns, file.options.segment)
     reported = loaded_columns.values[:, -1]
     loaded_columns = replace(loaded_columns, values=loaded_columns.values[:, : len(indexes)])
-    loaded_columns = channels.filled_down(loaded_columns, [c.role for c in channels_chosen])
+    loaded_columns = channels.fill_down(loaded_columns, [c.role for c in channels_chosen])
     rows, gaps = channels.select_complete_rows(loaded_columns)
     values = channels.convert_signals_to_si(rows, channels_chosen)
     warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []
-    notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
+    notes = [*file.table.notes, *gaps, *channels.describe_rivals(file, warmth)]
     if "loss" in column_by_role:
         if base.unit.dimension != column_by_role["loss"].unit.dimension:
             raise ReadError(
@@ -275,20 +275,20 @@ def _check_loss_factor(
     reported: FloatArray,
     values: Mapping[Role, FloatArray],
 ) -> list[str]:
-    """Say if a column of loss factors is not loss over storage; ask which is right if by far."""
+    """Return a note if the loss factor is not loss over storage; ask if it is far off."""
     columns = file.table.columns
     reported = reported / (100 if columns[factor].unit == "%" else 1)
     valid = np.isfinite(reported) & (reported > 0) & (values["storage"] > 0) & (values["loss"] > 0)
     if not valid.any():
         return []
     times = median((reported * values["storage"] / np.where(valid, values["loss"], 1.0))[valid])
-    if max(times, 1 / times) <= _ROUNDED:
+    if max(times, 1 / times) <= _LOSS_FACTOR_TOLERANCE:
         return []
     message = (
         f"{format_column(columns, factor)} is {times:.3g} times loss over storage, "
         f"{format_column(columns, loss)} over the other"
     )
-    if max(times, 1 / times) <= _FAR or file.options.loss:
+    if max(times, 1 / times) <= _MAX_DEVIATION or file.options.loss:
         return [f"{message}; the loss was taken"]
     raise ReadError(
         f"{message}: a unit or a column is wrong; say which is right: --column "

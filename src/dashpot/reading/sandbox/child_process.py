@@ -16,7 +16,7 @@ from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits, message_protocol
 
-_LONGEST = 2000
+_MAX_LENGTH = 2000
 
 
 def main() -> None:
@@ -40,7 +40,7 @@ def _serve(stream: BinaryIO, output: BinaryIO) -> None:
             function = partial(function, columns=request["columns"])
         message_protocol.send_reply(output, run_parser(request["format"], function, raw, options))
     except DashpotError as error:
-        message_protocol.send(output, {"error": str(error)[:_LONGEST]})
+        message_protocol.send(output, {"error": str(error)[:_MAX_LENGTH]})
 
 
 def run_parser(

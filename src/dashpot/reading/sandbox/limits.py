@@ -8,9 +8,9 @@ from dashpot.base.errors import ReadError
 
 MEMORY = 1 << 30
 """Bytes of address space of the process that reads."""
-LARGEST = 1 << 28
+MAX_SIZE = 1 << 28
 """Bytes of all that is handed over: 33 million numbers."""
-VALUES = LARGEST // 8
+VALUES = MAX_SIZE // 8
 
 
 def check_value_count(count: int, subject: str) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias, get_args
 
 from dashpot.base.provenance import Caution
-from dashpot.reading.sandbox.limits import LARGEST, check_value_count
+from dashpot.reading.sandbox.limits import MAX_SIZE, check_value_count
 from dashpot.reading.table import Column, Content, FileTable, Question, make_loader
 
 Reply: TypeAlias = FileTable | dict[str, bytes]
@@ -47,17 +47,17 @@ def receive(stream: BinaryIO) -> dict[str, Any]:
     Garbled
         If there is none.
     """
-    size = _LENGTH.unpack(exactly(stream, _LENGTH.size))[0]
+    size = _LENGTH.unpack(read_exactly(stream, _LENGTH.size))[0]
     if size > _HEAD:
         raise ProtocolError
     try:
-        head = json.loads(exactly(stream, size))
+        head = json.loads(read_exactly(stream, size))
     except (ValueError, RecursionError):
         raise ProtocolError from None
     return dict(_validate_type(head, dict))
 
 
-def exactly(stream: BinaryIO, size: int) -> bytes:
+def read_exactly(stream: BinaryIO, size: int) -> bytes:
     """Read so many bytes, or raise `ProtocolError`."""
     content = stream.read(size)
     if len(content) < size:
@@ -106,7 +106,7 @@ def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Reply:
         if "texts" in head:
             sizes = {_validate_type(name, str): _count(size) for name, size in head["texts"]}
             _validate_size(sum(sizes.values()))
-            return {name: exactly(stream, size) for name, size in sizes.items()}
+            return {name: read_exactly(stream, size) for name, size in sizes.items()}
         return _table(stream, head)
     except (KeyError, TypeError, ValueError):
         raise ProtocolError from None
@@ -131,7 +131,7 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
     _validate_size(8 * rows * len(columns))
     values = np.empty((rows, len(columns)))
     for first, stop in _blocks(rows, len(columns)):
-        block_values = np.frombuffer(exactly(stream, 8 * rows * (stop - first)))
+        block_values = np.frombuffer(read_exactly(stream, 8 * rows * (stop - first)))
         values[:, first:stop] = block_values.reshape(stop - first, rows).T
     return FileTable(
         format=_validate_type(head["format"], str),
@@ -183,5 +183,5 @@ def _content(value: Any) -> Content:
 
 
 def _validate_size(size: int) -> None:
-    if size > LARGEST:
+    if size > MAX_SIZE:
         raise ProtocolError

@@ -31,7 +31,7 @@ _frozen_children: list[str] = []
 
 
 def frozen_support() -> None:
-    """Let a packed program read foreign files; call it first, before anything is parsed.
+    """Enable reading in a child process of a frozen program; call it before any parsing.
 
     A packed program has no interpreter to start, so it starts itself, and this call turns that
     second one into a child.

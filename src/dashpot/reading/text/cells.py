@@ -21,7 +21,7 @@ from dashpot.reading.table import Question
 Mark: TypeAlias = Literal[".", ",", ".,"]
 """Decimal mark; ``".,"`` is a file that uses both, one per cell."""
 
-_WRITTEN: dict[Mark, str] = {
+_NUMBER_PATTERNS: dict[Mark, str] = {
     ".": r"[+-]?(?:\d++\.?\d*+|\.\d++)",
     ",": r"[+-]?(?:\d++(?:,\d++)?|,\d++)",
     ".,": r"[+-]?(?:\d++[.,]?\d*+|[.,]\d++)",
@@ -29,11 +29,11 @@ _WRITTEN: dict[Mark, str] = {
 _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
 _PLAIN = {
     decimal_mark: compile_on_use(rf"\A{name}{_EXPONENT}\Z")
-    for decimal_mark, name in _WRITTEN.items()
+    for decimal_mark, name in _NUMBER_PATTERNS.items()
 }
 _ALL_PLAIN = {
     decimal_mark: compile_on_use(rf"\A(?:{name}{_EXPONENT}\n)++\Z")
-    for decimal_mark, name in _WRITTEN.items()
+    for decimal_mark, name in _NUMBER_PATTERNS.items()
 }
 # a group that gives nothing back (`)++`) is lost in Python 3.11.2 from the second match on
 GROUPS: dict[Mark, str] = {
@@ -55,7 +55,7 @@ MISSING = compile_on_use(
     r"|[+-]?(?:over|under)\w*|[+-]?ov[rfl]\w*|[+-]?ol|sat\w*|[+-]?1[.,]#\w+|nv|err\w*|invalid|bad)\Z",
     re.IGNORECASE,
 )
-_BEGINS = frozenset("0123456789+-.,")
+_FIRST_CHARACTERS = frozenset("0123456789+-.,")
 _BLANKS = compile_on_use(r"\"([^\"]*)\"|(\S+)")
 
 
@@ -71,7 +71,7 @@ def number(cell: str, decimal_mark: Mark) -> float | None:
 
 def is_number(cell: str, decimal_mark: Mark) -> bool:
     """Return whether :func:`number` finds one in a cell."""
-    if cell[:1] not in _BEGINS and cell[:1].isascii():  # most cells that are none, soon
+    if cell[:1] not in _FIRST_CHARACTERS and cell[:1].isascii():  # most cells that are none, soon
         return False
     return _PLAIN[decimal_mark].match(cell) is not None or _is_grouped(cell, decimal_mark)
 
@@ -194,7 +194,7 @@ class Timestamp(NamedTuple):
 
 
 def parse_clock_time(cell: str) -> Timestamp | None:
-    """Return what ``09:18:09.717``, ``1/5/2024 9:18:09 PM`` or ``18:09.7`` says, or None."""
+    """Parse a clock time such as ``09:18:09.717``, ``1/5/2024 9:18:09 PM`` or ``18:09.7``."""
     match = _CLOCK.match(cell) if cell[:1].isdigit() else None
     if match is None:
         return None
@@ -213,7 +213,7 @@ def parse_clock_time(cell: str) -> Timestamp | None:
 
 
 def parse_clock_or_date(cell: str) -> Timestamp | None:
-    """Return what a cell of a column of clock times says: a date alone is its midnight."""
+    """Parse a cell of a column of clock times; a date alone is its midnight."""
     return parse_clock_time(cell) or (Timestamp(cell, 0.0, "hms") if _DATE.match(cell) else None)
 
 
@@ -260,7 +260,7 @@ class ClockColumn:
         return np.array([timestamp.seconds for timestamp in timestamps])
 
     def seconds(self, cell: str) -> float | None:
-        """Return the seconds of the day that the next cell says, or None."""
+        """Return the next cell as seconds of the day, or None."""
         self.rows += 1
         timestamp = parse_clock_or_date(cell)
         if timestamp is None:
@@ -342,9 +342,13 @@ def _day(word: str, order: str) -> int | None:
     if "." in word and order != "dmy" and not is_year[0]:
         return None  # with points the day comes first
     year, month, day = (parts[order.index(letter)] for letter in "ymd")
-    short = month[:3].casefold()
+    abbreviation = month[:3].casefold()
     try:
-        number = _MONTHS.index(_GERMAN.get(short, short)) + 1 if month.isalpha() else int(month)
+        number = (
+            _MONTHS.index(_GERMAN.get(abbreviation, abbreviation)) + 1
+            if month.isalpha()
+            else int(month)
+        )
         century = 2000 * (len(year) == 2)
         return (date(century + int(year), number, int(day)) - date(1970, 1, 1)).days
     except ValueError:
@@ -357,11 +361,11 @@ def _day(word: str, order: str) -> int | None:
 _DELIMITERS = ("\t", ";", "|", ",")
 _MIN_ROWS = 3
 """Rows by which such a column is known."""
-_SHARE = 0.8
+_MIN_COMPLEX_SHARE = 0.8
 """Part of the lines from the first such row on that hold a complex number, at least."""
 _MAX_HEADER_LINES = 3
 """Lines right above the table that may hold names and units."""
-_HOLE = "\0"
+_PLACEHOLDER = "\0"
 
 
 def _build_complex_pattern(decimal_mark: str) -> re.Pattern[str]:
@@ -400,9 +404,9 @@ def parted_cells(text: str) -> str | None:
         if len(rows) < _MIN_ROWS:
             continue
         filled = [i for i in range(rows[0], len(lines)) if lines[i].strip()]
-        if len(rows) < _SHARE * len(filled):
+        if len(rows) < _MIN_COMPLEX_SHARE * len(filled):
             continue
-        bare_line = pattern.sub(_HOLE, lines[rows[0]]).strip()
+        bare_line = pattern.sub(_PLACEHOLDER, lines[rows[0]]).strip()
         sign = next((delimiter for delimiter in _DELIMITERS if delimiter in bare_line), " ")
         cell_kinds = _split_complex_cell(bare_line, sign)
         for i in rows:
@@ -436,7 +440,7 @@ def _part_names(lines: list[str], first: int, cell_kinds: list[str], sign: str) 
             continue
         widened: list[str] = []
         for cell, cell_kind in zip(cells, cell_kinds, strict=True):
-            if _HOLE not in cell_kind:
+            if _PLACEHOLDER not in cell_kind:
                 widened.append(cell)
             elif has_complex:
                 widened += [cell, cell]

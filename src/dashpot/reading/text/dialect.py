@@ -23,7 +23,7 @@ from dashpot.reading.text.cells import Mark, parse_clock_or_date, parse_clock_ti
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
 _SAMPLE = 60
-LONGEST = 1 << 21
+MAX_LENGTH = 1 << 21
 """Characters in a row or a heading; a longer line is neither."""
 COLUMNS = 100_000
 """Cells of a line by which a table is looked for."""
@@ -32,7 +32,7 @@ _SAMPLED = 1 << 18
 _ALIGNED = 1 << 13
 """Characters of a row of fixed width; nobody aligns a longer one."""
 _DIGITS = set("0123456789+-.,:eE")
-_STEADY = 5
+_DIGIT_SAMPLE_ROWS = 5
 """Rows that show how many digits all are printed with."""
 _PARTS = compile_on_use(r"[\t;,| ]+")
 
@@ -75,7 +75,7 @@ class Dialect:
 
         Where blanks part the cells, a full row like `template` shows which are blank.
         """
-        if len(line) > LONGEST:
+        if len(line) > MAX_LENGTH:
             return None
         parts = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(parts) < self.cells:
@@ -122,7 +122,7 @@ class Dialect:
 
     def resembles_row(self, line: str) -> bool:
         """Return whether a line that is no row begins or is filled with numbers, however parted."""
-        parts = Counter(part.strip('"') for part in _PARTS.split(line[:LONGEST].strip()))
+        parts = Counter(part.strip('"') for part in _PARTS.split(line[:MAX_LENGTH].strip()))
         numbers = sum(count for part, count in parts.items() if looks_like_number(part))
         words = sum(count for part, count in parts.items() if not cell.is_missing(part)) - numbers
         if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
@@ -131,12 +131,12 @@ class Dialect:
         return self.delimiter != " " and len(cells) > 1 and looks_like_number(cells[0])
 
     def is_cut_off(self, lines: Sequence[str]) -> bool:
-        """Return whether the last line is a row whose last number alone has too few decimals.
+        """Return whether the last number of the last line has fewer decimals than the others.
 
         Too few are fewer than all rows before it have, at least four.
         """
         rows = [line for line in lines if line.strip()]
-        if len(rows) < _STEADY:
+        if len(rows) < _DIGIT_SAMPLE_ROWS:
             return False
         before, last = (self._decimals(line) for line in rows[-2:])
         if not (before and last) or last[:-1] != before[:-1]:
@@ -174,7 +174,7 @@ def find_dialect(
     windows = list(_windows(lines))
     decimal_marks = [decimal_mark for decimal_mark in _MARKS if decimal in {None, decimal_mark}]
     signs = _delimiters(windows, delimiter)
-    plain_dialects = [_plainly(window, signs, decimal_marks) for window in windows]
+    plain_dialects = [_find_plain_dialect(window, signs, decimal_marks) for window in windows]
     cell_counts = [
         len(window) * dialect.cells if dialect else 0
         for dialect, window in zip(plain_dialects, windows, strict=True)
@@ -187,10 +187,10 @@ def find_dialect(
     max_numbers = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
     for sign, decimal_mark, (i, window) in product(signs, decimal_marks, enumerate(rest)):
         if max_numbers[sign][i] > highest:
-            score, dialect = _best_run(window, sign, decimal_mark, min_score=highest)
+            score, dialect = _find_best_run(window, sign, decimal_mark, min_score=highest)
             if dialect is not None:
                 highest, best = score, dialect
-    dialect = None if best is None else _from_the_top(lines, best)
+    dialect = None if best is None else _extend_to_first_row(lines, best)
     if dialect is not None and (dialect.mark, decimal) == (".", None) and dialect.delimiter != ",":
         dialect = _determine_decimal_mark(lines, dialect)
     return None if dialect is None else _fill_blank_columns(lines, dialect)
@@ -198,7 +198,7 @@ def find_dialect(
 
 def is_overlong(line: str) -> bool:
     """Return whether a line has more characters or cells than are looked at."""
-    return len(line) > LONGEST or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
+    return len(line) > MAX_LENGTH or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
 
 
 def most_cells(line: str) -> int:
@@ -236,7 +236,7 @@ def _determine_decimal_mark(lines: Sequence[str], dialect: Dialect) -> Dialect:
     other = replace(dialect, mark=",")
     if not any(other.row(line) for line in lines[: dialect.first]):
         return dialect
-    other = _from_the_top(lines, other) or dialect
+    other = _extend_to_first_row(lines, other) or dialect
     return other if other.first < dialect.first else dialect
 
 
@@ -265,10 +265,10 @@ def _has_groups(window: Sequence[str]) -> bool:
     )
 
 
-def _plainly(
+def _find_plain_dialect(
     window: Sequence[str], signs: Sequence[str], decimal_marks: Sequence[Mark]
 ) -> Dialect | None:
-    """Return the dialect by which every cell of a window is a plain number, None if there is none.
+    """Return the dialect if every cell of a window is a plain number, else None.
 
     No other makes more of it: in plain numbers stands no delimiter but their comma.
     """
@@ -291,7 +291,7 @@ def _plainly(
 
 
 def _most_numbers(sign: str, window: Sequence[str]) -> int:
-    """The numbers of a window if every cell were one; none where the delimiter does not stand."""
+    """Return the largest possible count of numbers of a window for a delimiter."""
     if sign == " " or sign.startswith("fixed:"):
         widest = max((len(line.split()) + line.count('"') for line in window), default=0)
         return len(window) * max(widest, 1 + sign.count(",") + (sign != " "))
@@ -317,13 +317,13 @@ def _is_looked_at(line: str) -> bool:
 def _sample_lines(window: list[str]) -> list[str]:
     """Return the lines of a window: of thousands of columns the last few are enough."""
     size, count = 0, 0
-    while count < len(window) and (count < _STEADY or size < _SAMPLED):
+    while count < len(window) and (count < _DIGIT_SAMPLE_ROWS or size < _SAMPLED):
         count += 1
         size += len(window[-count])
     return window[len(window) - count :]
 
 
-def _best_run(
+def _find_best_run(
     lines: Sequence[str], sign: str, decimal_mark: Mark, *, min_score: float
 ) -> tuple[float, Dialect | None]:
     """Score and dialect of the best run of lines of one width, if it scores above `min_score`."""
@@ -356,7 +356,7 @@ def _score_run(
 
 
 def decimals(text: str, decimal_mark: Mark) -> int | None:
-    """Characters behind the decimal mark of a number, None if the cell is none."""
+    """Return the number of digits after the decimal mark; None if the cell is no number."""
     if not cell.is_number(text, decimal_mark):
         return None
     mark_index = max(map(text.rfind, decimal_mark))
@@ -424,7 +424,7 @@ def _content(cells: Sequence[str], decimal_mark: Mark) -> Content:
     return "number" if numbers + missing >= 0.6 * len(cells) else "text"
 
 
-def _from_the_top(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
+def _extend_to_first_row(lines: Sequence[str], dialect: Dialect) -> Dialect | None:
     """Return the same dialect with the first line of its first steady run of rows."""
     needed_rows, first, steady = 3, -1, 0
     fallback = -1

@@ -21,7 +21,7 @@ from dashpot.reading.columns.header_units import (
 )
 from dashpot.reading.table import Column, Content
 from dashpot.reading.text import cells as cell
-from dashpot.reading.text.dialect import LONGEST, Dialect
+from dashpot.reading.text.dialect import MAX_LENGTH, Dialect
 
 _COMMENT = compile_on_use(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
 _CLOSED = compile_on_use(r"(?<=[\])])")
@@ -30,7 +30,7 @@ _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "num
 """Names of a first column that counts the rows, and has no unit."""
 _SIGNAL = compile_on_use(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
 _MARKS = ("\t", ";", ",", "|")
-_TINY = 1e-9
+_ZERO_FACTOR = 1e-9
 
 
 def uncomment(line: str, delimiter: str) -> str:
@@ -82,7 +82,7 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
 def _assign_uneven_units(
     unit_row: Sequence[str], names: Sequence[str], dialect: Dialect
 ) -> tuple[list[str], str]:
-    """Return the units of a row that is not as wide as the table, and what to say of it.
+    """Return units from a row of another width than the table, and a note.
 
     They stand under the names from the left, unless one contradicts its name: then a cell is
     missing or added further left, nobody knows where, and none is taken.
@@ -106,7 +106,7 @@ def _assign_uneven_units(
 
 
 def _denies(name: str, word: str) -> bool:
-    """Return whether a unit is one of something else than what a name surely says."""
+    """Return whether a unit contradicts the meaning of a name."""
     if units.find_unit(word) is None:
         return False
     sentences = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
@@ -149,10 +149,10 @@ def _join_quoted_lines(lines: Sequence[str]) -> list[str]:
         if (
             joined_lines
             and _is_open(joined_lines[-1])
-            and len(joined_lines[-1]) + len(line) < LONGEST
+            and len(joined_lines[-1]) + len(line) < MAX_LENGTH
         ):
             joined_lines[-1] += " " + line
-        elif len(line) <= LONGEST:
+        elif len(line) <= MAX_LENGTH:
             joined_lines.append(line)
     return joined_lines
 
@@ -188,7 +188,7 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
 
 
 def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
-    """The cells of a header line by what else may part them."""
+    """Return the cells of a header line for each other delimiter."""
     for other in _MARKS:
         if other in text and other != delimiter:
             yield cell.split(text, other)
@@ -312,7 +312,7 @@ def _fill_blank_names(
 
 
 def _merge_unit_rows(upper_row: Sequence[str], lower_row: Sequence[str]) -> list[str]:
-    """Two rows of units as one: where they differ, what both say."""
+    """Merge two rows of units; where they differ, join both."""
     merged = []
     for i in range(max(len(upper_row), len(lower_row))):
         upper, lower = (
@@ -352,13 +352,13 @@ def _most_are_units(words: Counter[str]) -> bool:
     """Return whether most words are units, or built like one: no more are judged than decide it."""
     remainder = 0.4 * words.total()
     for word, count in words.items():
-        remainder -= count * (not _says_unit(word))
-        if remainder < -_TINY:
+        remainder -= count * (not _has_unit(word))
+        if remainder < -_ZERO_FACTOR:
             return False
     return True
 
 
-def _says_unit(word: str) -> bool:
+def _has_unit(word: str) -> bool:
     is_unit = (
         units.find_unit(word) is not None or vocabulary.normalise_name(word) in vocabulary.COUNTED
     )
@@ -401,11 +401,11 @@ def _misfits(row: Sequence[str], dialect: Dialect) -> bool:
 def find_header_change(
     lines: Sequence[str], dialect: Dialect, columns: Sequence[Column], indexes: Sequence[int]
 ) -> str | None:
-    """Return what a header inside the table says otherwise than the first, None if it is none."""
+    """Return how a header inside the table differs from the first; None if it does not."""
     new_header = read_header(lines, dialect)
     if new_header.misfit:
         return new_header.misfit
-    if not _says_columns(new_header.columns):
+    if not _has_column_names(new_header.columns):
         return None  # a sentence, not a row of names
     pairs = ((columns[i], new_header.columns[i]) for i in indexes)
     return next(
@@ -418,8 +418,8 @@ def find_header_change(
     )
 
 
-def _says_columns(columns: Sequence[Column]) -> bool:
-    """Return whether at least half of what stands there is a name or a unit that is known."""
+def _has_column_names(columns: Sequence[Column]) -> bool:
+    """Return whether at least half of the cells are known names or units."""
     total = sum(bool(vocabulary.matches(c.name) or units.find_unit(c.unit or "")) for c in columns)
     return total > 0 and 2 * total >= sum(bool(c.name or c.unit) for c in columns)
 

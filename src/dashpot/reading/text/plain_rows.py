@@ -27,13 +27,13 @@ from dashpot.reading.text.dialect import Dialect
 # nearest double, as Python's own.
 
 
-_WORD, _SEEN = 8, 16
+_WORD_BYTES, _SEEN_BYTES = 8, 16
 """Characters of a word, and of the end of each cell that are looked at."""
 _DIGITS = 15
-_ZEROS, _TO_HIGH, _HIGH = (int(pair * _WORD, 16) for pair in ("30", "76", "80"))
+_ZEROS, _TO_HIGH, _HIGH = (int(pair * _WORD_BYTES, 16) for pair in ("30", "76", "80"))
 
 
-_TOGETHER = (
+_DIGIT_PAIRS = (
     (10 * 2**8 + 1, 8, 0x00FF00FF00FF00FF),
     (100 * 2**16 + 1, 16, 0x0000FFFF0000FFFF),
     (10_000 * 2**32 + 1, 32, 0xFFFFFFFF),
@@ -43,15 +43,15 @@ _TOGETHER = (
 
 def _make_byte_masks(stop: int) -> IndexArray:
     """The bits of a word that are a cell's, by its length; it begins `stop` before the end."""
-    byte_counts = (min(max(stop - length, 0), _WORD) for length in range(_SEEN + 1))
+    byte_counts = (min(max(stop - length, 0), _WORD_BYTES) for length in range(_SEEN_BYTES + 1))
     return np.array([2**64 - 2 ** (8 * other) for other in byte_counts], np.uint64)
 
 
-_KEPT = _make_byte_masks(_WORD), _make_byte_masks(_SEEN)
+_BYTE_MASKS = _make_byte_masks(_WORD_BYTES), _make_byte_masks(_SEEN_BYTES)
 
 
 @dataclass(frozen=True, eq=False)
-class PartedLines:
+class SplitLines:
     """Lines of one width: the text, with end and length of each cell, column by column.
 
     So much stands before the lines in the text that what is looked at is there.
@@ -92,59 +92,63 @@ class PartedLines:
         self, end: IndexArray, length: IndexArray, point: int, digits_after: int
     ) -> IndexArray | None:
         """Return the digits of cells as whole numbers, None unless all are written so."""
-        longest, pointed = int(length.max()), digits_after > 0
-        if length.min() <= pointed or longest - pointed > _DIGITS:
+        longest, has_point = int(length.max()), digits_after > 0
+        if length.min() <= has_point or longest - has_point > _DIGITS:
             return None
-        ending = np.ndarray(len(self.text) - _SEEN + 1, f"V{_SEEN}", self.text, strides=(1,))
-        words = ending[end - _SEEN].view("<u8").reshape(-1, 2).T
+        ending = np.ndarray(
+            len(self.text) - _SEEN_BYTES + 1, f"V{_SEEN_BYTES}", self.text, strides=(1,)
+        )
+        words = ending[end - _SEEN_BYTES].view("<u8").reshape(-1, 2).T
         number = np.zeros(1, np.uint64)
-        for stop, word, values in zip((_WORD, _SEEN), words[::-1], _KEPT, strict=True):
-            if longest > stop - _WORD:
+        for stop, word, values in zip(
+            (_WORD_BYTES, _SEEN_BYTES), words[::-1], _BYTE_MASKS, strict=True
+        ):
+            if longest > stop - _WORD_BYTES:
                 digits = (word ^ _ZEROS) & values.take(length)
                 if not _merge_digits(digits, stop - digits_after, point):
                     return None
-                number = digits * 10 ** (stop - _WORD) + number
-        if pointed:  # which counts as a zero so far
+                number = digits * 10 ** (stop - _WORD_BYTES) + number
+        if has_point:  # which counts as a zero so far
             number -= number // 10**digits_after * (9 * 10 ** (digits_after - 1))
         return number.view(np.int64)
 
 
 def _merge_digits(word: IndexArray, point_index: int, point: int) -> bool:
     """Make one number of eight digits, if they are, but for the point if its place is within."""
-    if 0 <= point_index < _WORD:
+    if 0 <= point_index < _WORD_BYTES:
         point_byte = (point ^ ord("0")) << 8 * point_index
         if (word & 0xFF << 8 * point_index != point_byte).any():
             return False
         word ^= point_byte
     if int(np.bitwise_or.reduce((word + _TO_HIGH) | word)) & _HIGH:
         return False
-    for by, bits, index in _TOGETHER:
+    for by, bits, index in _DIGIT_PAIRS:
         word *= by
         word >>= bits
         word &= index
     return True
 
 
-def split_line_cells(lines: bytes, sign: int) -> PartedLines | None:
-    """Return whole lines whose cells a sign parts, None unless all have as many.
+def split_line_cells(lines: bytes, sign: int) -> SplitLines | None:
+    """Return lines split at a delimiter; None unless all have the same number of cells.
 
     Of blanks any number parts two cells, or stands before the first.
     """
-    text = b" " * _SEEN + lines
+    text = b" " * _SEEN_BYTES + lines
     codes = np.frombuffer(text, np.uint8)
-    ended, signs = codes == ord("\n"), codes == sign
-    signs |= ended
+    is_line_end, signs = codes == ord("\n"), codes == sign
+    signs |= is_line_end
     if sign == ord(" "):
         turns = np.flatnonzero(signs[1:] != signs[:-1]) + 1
         cell_starts, stops = turns[::2], turns[1::2]
     else:
         stops = np.flatnonzero(signs)
-        cell_starts = np.append(_SEEN, stops[:-1] + 1)
-    rows = int(np.count_nonzero(ended))
-    width, odd = divmod(len(stops), rows) if rows else (0, 1)
-    if odd or not width or not ended[stops[width - 1 :: width]].all():
+        cell_starts = np.append(_SEEN_BYTES, stops[:-1] + 1)
+    rows = int(np.count_nonzero(is_line_end))
+    width, remainder = divmod(len(stops), rows) if rows else (0, 1)
+    if remainder or not width or not is_line_end[stops[width - 1 :: width]].all():
         return None
-    return PartedLines(text, stops.reshape(-1, width).T, (stops - cell_starts).reshape(-1, width).T)
+    return SplitLines(text, stops.reshape(-1, width).T, (stops - cell_starts).reshape(-1, width).T)
 
 
 # Blocks of plain rows, which NumPy reads: of one width, with nothing but numbers and times wanted.
@@ -187,7 +191,7 @@ class PlainRows:
             s = re.escape(sign)
             # a blank cell becomes nan, whether alone, quoted or padded
             self.blank = compile_on_use(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
-            self.beside_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
+            self.next_to_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
             # a comma that parts no cells must not come to part them
             commas = "." if self.swaps_comma else "!"
             self.as_json = bytes.maketrans(f",{sign}\n".encode(), f"{commas},,".encode())
@@ -273,7 +277,7 @@ class PlainRows:
 
     def _has_blanks(self, text: str) -> bool:
         """Whether a cell is blank; first by its neighbours, for the pattern tries every place."""
-        has_blank = any(name in text for name in self.beside_blank)
+        has_blank = any(name in text for name in self.next_to_blank)
         return (has_blank or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
             self.blank.search(text)
         )

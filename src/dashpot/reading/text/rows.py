@@ -16,7 +16,7 @@ from dashpot.reading.raw_file import TimeBudget
 from dashpot.reading.table import Column, LoadedColumns, Question
 from dashpot.reading.text import cells as cell
 from dashpot.reading.text.cells import ClockColumn
-from dashpot.reading.text.dialect import LONGEST, Dialect, looks_like_number
+from dashpot.reading.text.dialect import MAX_LENGTH, Dialect, looks_like_number
 from dashpot.reading.text.header import find_header_change
 from dashpot.reading.text.plain_rows import PlainRows, line_count
 
@@ -24,7 +24,7 @@ from dashpot.reading.text.plain_rows import PlainRows, line_count
 
 
 _SMALL = compile_on_use(r"\A[+-]?[1-9]\d{0,2}\Z")
-_FIRST, _ROWS, _CELLS = 1 << 11, 1 << 14, 1 << 20
+_FIRST_ROWS, _MAX_ROWS, _MAX_CELLS = 1 << 11, 1 << 14, 1 << 20
 """Rows that are looked at first, and at most at once, fewer of a wide table."""
 _MAX_CACHED = 1 << 12
 """Texts of a column that are known again."""
@@ -39,9 +39,9 @@ def find_undecided_columns(values: FloatArray) -> set[int]:
     """
     width = values.shape[1]
     undecided, is_whole_number = np.arange(width), np.zeros(width, bool)
-    max_rows, stop = min(_ROWS, max(1, _CELLS // max(1, width))), 0
+    max_rows, stop = min(_MAX_ROWS, max(1, _MAX_CELLS // max(1, width))), 0
     while stop < len(values) and undecided.size:
-        start, stop = stop, stop + min(max_rows, max(_FIRST, stop))
+        start, stop = stop, stop + min(max_rows, max(_FIRST_ROWS, stop))
         part = np.abs(values[start:stop, undecided])
         is_counted = np.isfinite(part) & (part > 0)
         is_unusual = is_counted & ((part < 1) | (part >= 1e3))
@@ -65,7 +65,7 @@ class _Marks:
     seen: set[str] = field(default_factory=set)
 
     def is_redundant(self, text: str) -> bool:
-        """Return whether a cell adds nothing to what is known.
+        """Return whether a cell adds no information.
 
         What was said before shows nothing new: of a counter a few rows are enough. Nor, where the
         decimal mark is sure, does a cell without another mark.
@@ -162,13 +162,13 @@ def _which_mark(example: str) -> Question:
     return Question(message, "--text-format decimal=MARK")
 
 
-_PATIENT = 64
-_MENTIONED = 50
+_MAX_FOREIGN_LINES = 64
+_MAX_MENTIONED = 50
 _HEADING = 2000
 _WIDE, _NARROW = 16, 1 << 15
 """Lines of a heading that are kept whole, and characters of the others."""
 _TAIL = 4096
-_DATED = 4
+_DATE_DIGITS = 4
 """Digits that a date has and a label has not."""
 
 
@@ -198,7 +198,7 @@ class _Gathered:
 
     def note(self, word: str, line: int) -> None:
         """Count a word in the place of a number; a few are enough to show."""
-        if word not in self.words and len(self.words) >= _MENTIONED:
+        if word not in self.words and len(self.words) >= _MAX_MENTIONED:
             return
         line_numbers = self.words.setdefault(word, [0])
         line_numbers[0] += 1
@@ -317,7 +317,7 @@ def _load_columns(
         notes.append("the last row is cut off within its last number and was left out")
     if not is_decimal_certain:
         points = find_undecided_columns(values)
-        table_lines = _patient(
+        table_lines = _tolerate_foreign_lines(
             _drop_first_lines(blocks(), dialect.first), time_budget, dialect.first + 1
         )
         commas = reader.grouped | reader.plain.commas
@@ -343,7 +343,7 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
         return notes
     for i, (content, start, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
         digits = max(sum(map(str.isdigit, text)) for text in (start, end))
-        if content == "text" and "" not in {start, end} and start != end and digits < _DATED:
+        if content == "text" and "" not in {start, end} and start != end and digits < _DATE_DIGITS:
             name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
             notes.append(f"column '{name}' begins with '{start[:20]}' and ends with '{end[:20]}'")
     return notes[:2]
@@ -370,7 +370,9 @@ def _drop_first_lines(blocks: Iterator[str], first: int) -> Iterator[str]:
             yield text
 
 
-def _patient(blocks: Iterator[str], time_budget: TimeBudget, line: int) -> Iterator[str]:
+def _tolerate_foreign_lines(
+    blocks: Iterator[str], time_budget: TimeBudget, line: int
+) -> Iterator[str]:
     for text in blocks:
         time_budget.check_time_limit(line)
         yield text
@@ -439,7 +441,7 @@ class _Reader:
             return len(values)
         self.patience.check_time_limit(line)
         count = line_count(text)
-        if self.plain.possible and count > _PATIENT:
+        if self.plain.possible and count > _MAX_FOREIGN_LINES:
             half_block = _after_lines(text, count // 2)
             self.read(text[:half_block], line)
             self.read(text[half_block:], line + count // 2)
@@ -448,9 +450,9 @@ class _Reader:
         lines = text.split("\n")[:-1]
         self._find_like(lines)
         for number, raw in enumerate(lines, start=line):
-            if number % _PATIENT == 0:
+            if number % _MAX_FOREIGN_LINES == 0:
                 self.patience.check_time_limit(number)
-            row = self._row(raw, follows_row=bool(run)) if raw not in self.no_rows else None
+            row = self._parse_row(raw, follows_row=bool(run)) if raw not in self.no_rows else None
             if row is not None:
                 run.append(self._numbers(row, number))
                 continue
@@ -470,7 +472,7 @@ class _Reader:
             parts = cell.split(text, self.dialect.delimiter)
             cut_off = len(lines_between) == 1 and len(parts) < len(self.dialect.contents)
             if not parts[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
-                self._refuse(number, text)
+                self._refuse_row(number, text)
         notes = []
         for index, clock in self.clocks.items():
             nights, questions = clock.apply_day_changes(values[:, index])
@@ -479,13 +481,13 @@ class _Reader:
         return notes
 
     def _add(self, values: FloatArray, line: int) -> None:
-        """Add rows, once what stands before them is judged."""
+        """Add rows, after the lines before them are classified."""
         gathered = self.got
         if gathered.rows and gathered.between:
             single = len(gathered.between) == 1
             for item in (gathered.between[0], gathered.between[-1]):
                 if self._is_malformed_row(item) or (single and looks_like_number(item[1].strip())):
-                    self._refuse(*item)
+                    self._refuse_row(*item)
             change = self._find_header_change()
             self.changed = self.changed if change is None else change  # it holds until the next
             before = len(gathered.starts)
@@ -498,11 +500,11 @@ class _Reader:
         gathered.add(values, line)
 
     def _find_header_change(self) -> str | None:
-        """Return what a second header says otherwise than the first; None if there is no header."""
+        """Return how a second header differs from the first; None if there is none."""
         if not self.heading.columns:
             return ""
         texts = tuple(text for _, text in self.got.between)
-        if texts not in self.headers and len(self.headers) < _MENTIONED:
+        if texts not in self.headers and len(self.headers) < _MAX_MENTIONED:
             self.headers[texts] = self._compare_header(texts)
         difference = self.headers[texts] if texts in self.headers else self._compare_header(texts)
         number = self.got.between[-1][0]
@@ -517,13 +519,13 @@ class _Reader:
             full_lines = (line for line in lines if len(line.split()) == self.dialect.cells)
             self.like = next(full_lines, self.like)
 
-    def _row(self, line: str, *, follows_row: bool) -> list[str] | None:
+    def _parse_row(self, line: str, *, follows_row: bool) -> list[str] | None:
         """Return the cells of a line; None if it is no row. The line before may have been one."""
         row = self.dialect.row(line, self.like)
-        if row is None and len(self.no_rows) < _MENTIONED and self.dialect.delimiter != " ":
+        if row is None and len(self.no_rows) < _MAX_MENTIONED and self.dialect.delimiter != " ":
             self.no_rows.add(line)  # a header may stand above every few rows
         has_gap = self.got.rows and self.got.between and not follows_row
-        if row is None or (has_gap and not self._full(row)):  # "Maximum;8.0;1.9" below the table
+        if row is None or (has_gap and not self._is_full(row)):  # "Maximum;8.0;1.9" below the table
             return None
         return row
 
@@ -541,16 +543,16 @@ class _Reader:
         return values
 
     def _add_other_line(self, line: str, number: int) -> None:
-        """Keep a line that is no row: a heading of the next segment, or what ends the file."""
+        """Keep a line that is no row: the heading of the next segment, or the end of the file."""
         lines_between = self.got.between
         if re.search(r"\w", line):
             if len(lines_between) >= _HEADING:
                 lines_between.pop()
             lines_between.append(
-                (number, line[: LONGEST if len(lines_between) < _WIDE else _NARROW])
+                (number, line[: MAX_LENGTH if len(lines_between) < _WIDE else _NARROW])
             )
 
-    def _full(self, row: Sequence[str]) -> bool:
+    def _is_full(self, row: Sequence[str]) -> bool:
         """Return whether no word stands where a number is expected."""
         return all(
             cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
@@ -558,17 +560,17 @@ class _Reader:
         )
 
     def _is_malformed_row(self, pair: tuple[int, str]) -> bool:
-        """Return whether a line beside rows holds numbers as they do, and is none."""
+        """Return whether a line looks like a row but cannot be parsed as one."""
         text = pair[1]
         if text not in self.odd:
             comment = re.match(r"\A\s*+[#%$!]", text) is not None
             is_malformed = not comment and self.dialect.resembles_row(text)
-            if len(self.odd) >= _MENTIONED:
+            if len(self.odd) >= _MAX_MENTIONED:
                 return is_malformed
             self.odd[text] = is_malformed
         return self.odd[text]
 
-    def _refuse(self, number: int, line: str) -> None:
+    def _refuse_row(self, number: int, line: str) -> None:
         parts = cell.split(line, self.dialect.delimiter)
         width = self.dialect.cells or len(self.dialect.contents)
         line_text = f"'{line.strip()[:60]}'"
@@ -586,7 +588,7 @@ class _Reader:
         )
 
     def _find_malformed_cell(self, names: Sequence[str]) -> str:
-        """Return what is odd of a line that has the cells of a row and is none."""
+        """Return the malformed cell of a line with as many cells as a row."""
         contents = self.dialect.contents
         for i in self.dialect.numbers:
             text = names[i] if i < len(names) else ""

@@ -33,7 +33,7 @@ DEPTH_LIMIT = 0.25
 # so many limits off, a prediction is of no use
 MAX_LIMIT_RATIO = 4.0
 # measured, n = 21: from here on the parabola reads the peak to 1 %, with a third of it to 17 %
-FEWEST_LINES = 1.5
+MIN_LINES = 1.5
 
 JOINT_FIT_REMEDY = "Fit both tests together, or ramp faster."
 _MASS_REMEDY = "Check the mass, the number of seals, their length and the preload."
@@ -59,10 +59,10 @@ def checks(
     ]
     stiffness_passed, damped = not stiffness.failed, not (peak.failed or damping.failed)
     if fit is not None:
-        checks.append(inside_valid_band(c, fit, borne_out=stiffness_passed and damped))
-        checks.append(damping_tested(c, fit, borne_out=damped))
+        checks.append(inside_valid_band(c, fit, is_confirmed=stiffness_passed and damped))
+        checks.append(damping_tested(c, fit, is_confirmed=damped))
     if point is not None and np.isfinite(point.compression):
-        checks.append(operating_point(point, borne_out=stiffness_passed))
+        checks.append(operating_point(point, is_confirmed=stiffness_passed))
     return tuple(checks)
 
 
@@ -166,7 +166,7 @@ def no_unit_error(c: Comparison) -> Finding:
     """No unit error shows: sqrt(1000) in frequency, 9.81 or 1000 in height."""
     frequency = c.measured_hz / c.predicted_hz
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
-    for ratio, factor, words in (
+    for ratio, factor, explanation in (
         (frequency, np.sqrt(1000), "mass or stiffness by a factor 1000 (g for kg, N/mm for N/m)"),
         (
             height,
@@ -177,8 +177,8 @@ def no_unit_error(c: Comparison) -> Finding:
     ):
         if abs(abs(np.log(ratio)) - np.log(factor)) < np.log(1.1):
             return Finding(
-                f"A unit looks wrong: {words}. Measured over predicted is {ratio:.3g}, close to "
-                f"{factor:.4g} or its inverse",
+                f"A unit looks wrong: {explanation}. Measured over predicted is {ratio:.3g}, close "
+                f"to {factor:.4g} or its inverse",
                 ratio,
                 remedy=Remedy("Check the units of mass, force and acceleration.", "units"),
                 limit=factor,
@@ -192,7 +192,7 @@ def no_unit_error(c: Comparison) -> Finding:
 @criterion(
     "lines in the half-power band",
     ">=",
-    FEWEST_LINES,
+    MIN_LINES,
     "measured: the height is read to 1 %, with a third of the lines to 17 %",
 )
 def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
@@ -201,7 +201,7 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
     source = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
     return Finding(
         f"The half-power band of the {source} peak has {lines:.1f} lines; at least "
-        f"{FEWEST_LINES:g} are needed",
+        f"{MIN_LINES:g} are needed",
         lines,
         "The frequency resolution is too coarse to give the height of this peak",
         Remedy("Record longer after each hit.", "hit-length"),
@@ -209,7 +209,7 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
 
 
 @criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
-def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
+def inside_valid_band(c: Comparison, fit: Fit, *, is_confirmed: bool = False) -> Finding:
     """The measured peak lies in the valid band of the fit, or confirms the prediction."""
     low, high = fit.band
     if not high > 0:
@@ -221,12 +221,12 @@ def inside_valid_band(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Fi
     if factor > 1:
         side_word = "above" if c.measured_hz > high else "below"
         message = f"{peak} a factor of {factor:.3g} {side_word} {band}"
-        message += ". Yet the measurement agrees" if borne_out else ""
-    return Finding(message, factor, remedy=JOINT_FIT_REMEDY, always_passes=borne_out)
+        message += ". Yet the measurement agrees" if is_confirmed else ""
+    return Finding(message, factor, remedy=JOINT_FIT_REMEDY, always_passes=is_confirmed)
 
 
 @criterion("1 / (2 pi peak), s", source="the valid band of the relaxation test")
-def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Finding:
+def damping_tested(c: Comparison, fit: Fit, *, is_confirmed: bool = False) -> Finding:
     """The relaxation test covers the arms behind the loss, or the hammer confirms them."""
     low, high = fit.band
     if not high > 0:
@@ -245,23 +245,24 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
         f"The relaxation test covers {_format_time(fastest)} to "
         f"{_format_time(1 / (2 * np.pi * low))}"
     )
-    lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
-    if lead is not None:
+    leading_arm = max(c.arms, key=lambda arm: arm.loss_share, default=None)
+    if leading_arm is not None:
         message += (
-            f". The arm at tau = {lead.tau:.4g} s gives {100 * lead.loss_share:.1f} % of the "
-            "predicted loss" + (", although it is much slower" if lead.tau > 5 * tau else "")
+            f". The arm at tau = {leading_arm.tau:.4g} s gives {100 * leading_arm.loss_share:.1f} "
+            "% of the predicted loss"
+            + (", although it is much slower" if leading_arm.tau > 5 * tau else "")
         )
     return Finding(
-        message + (". Yet the hammer test agrees" if borne_out else ""),
+        message + (". Yet the hammer test agrees" if is_confirmed else ""),
         tau,
         remedy=JOINT_FIT_REMEDY,
         limit=1 / (2 * np.pi * high),
-        always_fails=not borne_out,
+        always_fails=not is_confirmed,
     )
 
 
 @criterion("compression under the mass, m", source="our choice: within 25 % of the tested depth")
-def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Finding:
+def operating_point(point: OperatingPoint, *, is_confirmed: bool = False) -> Finding:
     """The prediction is for the compression of the seals under the mass."""
     compression, depth = point.compression, point.depth
     message = (
@@ -285,40 +286,40 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
             always_fails=point.is_extrapolated,
         )
     is_near = abs(compression - depth) <= DEPTH_LIMIT * depth
-    tested = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
+    tested_compression = f"the {format_quantity(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
-        f"{message}, close to {tested}"
+        f"{message}, close to {tested_compression}"
         if is_near
-        else f"{message}, not to {tested}. Yet the frequency agrees",
+        else f"{message}, not to {tested_compression}. Yet the frequency agrees",
         compression,
         failure=f"{message}; the relaxation test was at {format_quantity(depth, 'mm', '.3g')}. A "
         "stiffness that depends on depth makes the two tests differ",
         remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
-        always_fails=not (is_near or borne_out),
+        always_fails=not (is_near or is_confirmed),
         # a ramp that a straight law follows went through every lesser compression
         grade="limit" if point.is_extrapolated else "note",
     )
 
 
 def format_conclusion(c: Comparison) -> str:
-    """Return the conclusion of a verdict: what agrees, what does not, why, and what to do."""
+    """Return the conclusion of a comparison: agreement, differences, causes and remedy."""
     checks = {check.name: check for check in c.checks}
-    slip, tested = checks["no_unit_error"], checks.get("damping_tested")
-    if slip.failed:
-        return format_short_message(slip)
+    unit_check, damping_check = checks["no_unit_error"], checks.get("damping_tested")
+    if unit_check.failed:
+        return format_short_message(unit_check)
     has_stiffness = not checks["stiffness_agrees"].failed
     damped = not (checks["peak_agrees"].failed or checks["damping_agrees"].failed)
-    if has_stiffness and damped and (tested is None or not tested.failed):
+    if has_stiffness and damped and (damping_check is None or not damping_check.failed):
         return f"The prediction matches the measurement: {c.resonance_match}."
     first = _format_frequency_error(c, agrees=has_stiffness)
     if damped:
         return f"{first} {_MASS_REMEDY}"
-    second = _format_damping_error(c)
-    sentences = [second, first] if has_stiffness else [first, second]
-    if tested is not None and tested.failed:
-        unmeasured = _format_time(tested.value or 0.0)
-        sentences.append(f"The relaxation test does not cover relaxation within {unmeasured}.")
+    damping_error = _format_damping_error(c)
+    sentences = [damping_error, first] if has_stiffness else [first, damping_error]
+    if damping_check is not None and damping_check.failed:
+        unmeasured_time = _format_time(damping_check.value or 0.0)
+        sentences.append(f"The relaxation test does not cover relaxation within {unmeasured_time}.")
         return clip_sentences(MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY])
     return clip_sentences(
         MAX_MESSAGE_WORDS, sentences, [JOINT_FIT_REMEDY if has_stiffness else _MASS_REMEDY]

@@ -25,7 +25,7 @@ from dashpot.vibration.mass_on_seals import (
     model_modes,
     operating_point,
 )
-from dashpot.vibration.modal.peaks import Peak, find_peak, mount_band
+from dashpot.vibration.modal.peaks import Peak, find_mount_band, find_peak
 
 # factor about the measured peak; lines beyond are mass line, tip roll-off and drift
 COMPARED_BAND_FACTOR = 4.0
@@ -228,7 +228,7 @@ def _assemble_mass_on_seals(
     seals: float,
     compression: float | None,
 ) -> tuple[Solid | None, float | None, OperatingPoint | None]:
-    """Return model of all seals, mass and operating point, each None where it is not known."""
+    """Return model of all seals, mass and operating point; None where unknown."""
     if model is not None:
         solid = seals * model
         mass = _infer_predicted_mass(predicted, solid) if mass is None else mass
@@ -330,7 +330,7 @@ def _find_modes(frf: FRF, is_used: BoolArray) -> tuple[Mode, ...]:
     """
     try:
         lines = frf.only(is_used)
-        band = mount_band(lines.frequency, lines.value, lines.random_sd)
+        band = find_mount_band(lines.frequency, lines.value, lines.random_sd)
         is_gapless = len(frf.band(*band).frequency) == len(lines.band(*band).frequency)
         return (frf if is_gapless else lines).modes(band=band)
     except DashpotError:

@@ -13,15 +13,15 @@ from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.spectral_estimators import Spectra
 
-FEWEST = 3
+MIN_HITS = 3
 """Hits that show no trend: a line through them leaves too little to judge it by."""
 RESONANCE_BANDWIDTHS = 4.0  # bandwidths to either side of a resonance show it
 RESONANCE_LINES = 5.0  # lines on either side of a resonance from which a single hit shows it
 CONFIDENCE = 0.99  # of records without a trend show less than is called one
-EQUAL = 0.2  # of a doubling: hits so alike show no trend
+MIN_AMPLITUDE_RANGE = 0.2  # of a doubling: hits so alike show no trend
 TREND_CONFIDENCE, POWER = 0.95, 0.6  # two-sided: a change is found at 5 %, by four of five tests
-_OF_MEDIAN = 1.25  # its standard error over that of a mean
-DECAYED = 0.55
+_MEDIAN_SE_RATIO = 1.25  # its standard error over that of a mean
+MEAN_AMPLITUDE_RATIO = 0.55
 """One frequency of a whole decay is that of this part of its first amplitude (friction, Iwan's)."""
 
 
@@ -67,8 +67,8 @@ class Trend:
     mass, mass_se : float
         Modal mass, kg: the median over the hits, and the standard error of its logarithm.
     amplitudes : (float, float)
-        Amplitudes of the motion that their resonances are of: `DECAYED` times that after the hit,
-        m.
+        Amplitudes of the motion that their resonances are of: `MEAN_AMPLITUDE_RATIO` times that
+        after the hit, m.
     range : float
         Highest over lowest.
     """
@@ -111,7 +111,7 @@ class Trend:
         return self.damping_line.found
 
 
-def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
+def add_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     r"""Return the hits, each accepted one with the resonance of its own FRF and its amplitude.
 
     A hit of spectrum F sets a mode moving by :math:`|F(f_n)| / (m \omega_d)`. The modal mass m
@@ -124,7 +124,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     )
     near_resonance = np.abs(frf.frequency - main.frequency) <= half_band
     band = (float(frf.frequency[near_resonance][0]), float(frf.frequency[near_resonance][-1]))
-    at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
+    nearest_line = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     modes: list[Mode | None] = []
     for value in (spectra.response / spectra.force)[:, near_resonance]:
         local_frf = FRF(
@@ -141,10 +141,10 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
     masses = [_get_modal_mass(mode) for mode in modes if mode is not None]
     if not masses:
         return frf.hits
-    rows = iter(zip(modes, np.abs(spectra.force[:, at]).tolist(), strict=True))
+    rows = iter(zip(modes, np.abs(spectra.force[:, nearest_line]).tolist(), strict=True))
     hits = []
     for hit in frf.hits:
-        mode, size = next(rows) if hit.accepted else (None, 0.0)
+        mode, amplitude = next(rows) if hit.accepted else (None, 0.0)
         if mode is None:
             hits.append(hit)
             continue
@@ -154,7 +154,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
                 frequency=float(mode.frequency),
                 damping_ratio=float(mode.damping_ratio),
                 modal_mass=_get_modal_mass(mode),
-                amplitude=size / (float(np.median(masses)) * float(mode.pole.imag)),
+                amplitude=amplitude / (float(np.median(masses)) * float(mode.pole.imag)),
             )
         )
     return tuple(hits)
@@ -164,7 +164,7 @@ def _get_modal_mass(mode: Mode) -> float:
     return float(1 / (2 * mode.pole.imag * abs(mode.residue)))
 
 
-def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
+def fit_amplitude_trend(hits: Sequence[Hit]) -> Trend | None:
     r"""Regress the resonance of every single hit on its amplitude; None of too few hits.
 
     .. math:: 2 \ln f_i = a + s \log_2 X_i, \qquad \ln\zeta_i = b + d \log_2 X_i
@@ -180,30 +180,30 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
         ],
         dtype=float,
     )
-    if len(rows) <= FEWEST:
+    if len(rows) <= MIN_HITS:
         return None
-    X = DECAYED * rows[:, 0]
-    size = np.log2(X)
-    if np.ptp(size) < EQUAL:
+    X = MEAN_AMPLITUDE_RATIO * rows[:, 0]
+    log_amplitude = np.log2(X)
+    if np.ptp(log_amplitude) < MIN_AMPLITUDE_RANGE:
         return None
     return Trend(
-        _fit_line(size, 2 * np.log(rows[:, 1])),
-        _fit_line(size, np.log(rows[:, 2])),
+        _fit_line(log_amplitude, 2 * np.log(rows[:, 1])),
+        _fit_line(log_amplitude, np.log(rows[:, 2])),
         float(np.median(rows[:, 3])),
-        float(_OF_MEDIAN * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
+        float(_MEDIAN_SE_RATIO * np.log(rows[:, 3]).std() / np.sqrt(len(rows))),
         (float(X.min()), float(X.max())),
         float(X.max() / X.min()),
     )
 
 
 def _fit_line(x: FloatArray, y: FloatArray) -> RegressionLine:
-    middle, value = float(x.mean()), float(y.mean())
-    x, y = x - middle, y - value
+    mean_x, mean_y = float(x.mean()), float(y.mean())
+    x, y = x - mean_x, y - mean_y
     norm = float(np.sqrt(x @ x))
     slope = float(x @ y) / norm**2
-    rest, dof = y - slope * x, len(x) - 2
-    se = float(np.sqrt(rest @ rest / dof)) / norm
+    residual, dof = y - slope * x, len(x) - 2
+    se = float(np.sqrt(residual @ residual / dof)) / norm
     number = (t_quantile(TREND_CONFIDENCE, dof) + t_quantile(POWER, dof)) * se
     return RegressionLine(
-        slope, t_quantile(CONFIDENCE, dof) * se, number, middle, value, se, norm, dof
+        slope, t_quantile(CONFIDENCE, dof) * se, number, mean_x, mean_y, se, norm, dof
     )

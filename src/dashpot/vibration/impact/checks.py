@@ -15,25 +15,25 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.numerics.inference.covariance_estimate import estimate as estimate_optimum
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.least_squares import solve_ordinary
-from dashpot.vibration.impact.amplitude_trend import Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude_trend import Trend, fit_amplitude_trend
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.hit_faults import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.impact.spectral_estimators import Estimator, Spectra, estimate, leave_one_out
 
-NO_TURN = 0.95
+MAX_PEAK_POSITION = 0.95
 """Part of the lines beyond which the highest is where they end, and no peak."""
 MIN_HITS = 3  # good hits
-COHERENT = 0.9
+MIN_COHERENCE = 0.9
 # lines on either side of a resonance from which a single hit shows it
-LINES = 1.5  # in the half-power band
-TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
-OUTLIER = 5.0  # times the usual disagreement between a hit and the others
+MIN_RESONANCE_LINES = 1.5  # in the half-power band
+MIN_TIME_CONSTANTS = 6  # of decay that a record should hold: FRF errors below 0.5 %
+OUTLIER_RATIO = 5.0  # times the usual disagreement between a hit and the others
 MAX_DISAGREEMENT = 0.1
-TOLERANCE = 0.05
-GROSS = 1.5  # so far off it is a unit, a sign or another body
+MASS_TOLERANCE = 0.05
+GROSS_MASS_RATIO = 1.5  # so far off it is a unit, a sign or another body
 MASS_LINE_FACTOR = 2.5  # times the natural frequency the mass line begins
-SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
+MIN_SOFTENING, MIN_BANDWIDTH_CHANGE = 0.01, 0.2  # of the stiffness; of the half-power band
 
 
 def agreement(
@@ -47,12 +47,12 @@ def agreement(
     With fewer than four hits nobody can say who is wrong, so none is left out.
     """
     qualities, accepted = list(qualities), accepted.copy()
-    differences = disagreement(spectra.only(accepted))
+    differences = compute_disagreement(spectra.only(accepted))
     if differences is None:
         return qualities, accepted
     typical = float(np.median(differences))
     for i, value in zip(np.flatnonzero(accepted), differences, strict=True):
-        if value < max(OUTLIER * typical, MAX_DISAGREEMENT):
+        if value < max(OUTLIER_RATIO * typical, MAX_DISAGREEMENT):
             continue
         message = (
             f"incoherent: its response differs by {100 * value:.0f} % from that of the other "
@@ -66,7 +66,7 @@ def agreement(
     return qualities, accepted
 
 
-def disagreement(spectra: Spectra) -> FloatArray | None:
+def compute_disagreement(spectra: Spectra) -> FloatArray | None:
     """Return the relative difference of each response from the FRF of the other hits.
 
     The median over the other hits, so that one bad hit does not discredit the good ones.
@@ -75,15 +75,16 @@ def disagreement(spectra: Spectra) -> FloatArray | None:
         return None
     force, response = spectra.force, spectra.response
     ratio = response / force
-    size = np.linalg.norm(response, axis=1)
+    response_norm = np.linalg.norm(response, axis=1)
     separate = [
-        np.linalg.norm(response[i] - np.delete(ratio, i, axis=0) * force[i], axis=1) / size[i]
+        np.linalg.norm(response[i] - np.delete(ratio, i, axis=0) * force[i], axis=1)
+        / response_norm[i]
         for i in range(spectra.averages)
     ]
     return np.asarray(np.median(separate, axis=1))
 
 
-def checks_of(
+def run_frf_checks(
     frf: FRF,
     spectra: Spectra,
     estimator: Estimator,
@@ -106,7 +107,7 @@ def checks_of(
     if spectra.averages >= MIN_HITS and main is not None:
         checks += [
             hits_agree(frf, spectra, estimator, main),
-            amplitude_linear(trend_of_hits(frf.hits), main),
+            amplitude_linear(fit_amplitude_trend(frf.hits), main),
         ]
     if combination is not None:
         checks += [rocking_cancelled(frf, combination), hits_centred(frf, combination)]
@@ -120,7 +121,7 @@ def mass_shown(frf: FRF, main: Mode | None, mass: float) -> Check:
     apparent = (
         None
         if main is None
-        else apparent_mass(
+        else estimate_apparent_mass(
             frf.frequency, frf.value, natural_frequency=main.frequency, shift=frf.shift, sd=frf.sd
         )
     )
@@ -145,7 +146,7 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
     return int(np.argmin(np.abs(frf.frequency - main.frequency)))
 
 
-@criterion("least coherence about the peak", ">=", COHERENT, "common practice")
+@criterion("least coherence about the peak", ">=", MIN_COHERENCE, "common practice")
 def coherence(frf: FRF, line: int) -> Finding:
     """The coherence is high at the resonance and at the lines beside it."""
     if frf.coherence is None:
@@ -159,7 +160,7 @@ def coherence(frf: FRF, line: int) -> Finding:
     location = "at" if lowest_line == line else "beside"
     return Finding(
         f"The coherence {location} the resonance ({frf.frequency[lowest_line]:.4g} Hz) is "
-        f"{value:.4f}; at least {COHERENT:g} is expected",
+        f"{value:.4f}; at least {MIN_COHERENCE:g} is expected",
         value,
         "The hits differ there",
         Remedy("Strike the same place squarely, and record longer.", "hit-length"),
@@ -219,44 +220,48 @@ def mass_over_base(frf: FRF) -> Finding:
     )
 
 
-def _explain_absolute(size: complex) -> tuple[str, Remedy]:
-    """Why a transmissibility may be of this size below its resonance, and what to do."""
-    if 0.5 < abs(size) < 2:
-        if size.real > 0:
+def _explain_absolute(magnitude: complex) -> tuple[str, Remedy]:
+    """Return the likely cause of such a transmissibility below resonance, and a remedy."""
+    if 0.5 < abs(magnitude) < 2:
+        if magnitude.real > 0:
             return "it looks like the base over the mass", Remedy("Take mass over base.")
         return (
-            f"it is {size.real:.3g}, as if one sensor had the opposite polarity",
+            f"it is {magnitude.real:.3g}, as if one sensor had the opposite polarity",
             Remedy("Turn its sign."),
         )
     return (
-        f"it is {abs(size):.3g}, not about 1",
+        f"it is {abs(magnitude):.3g}, not about 1",
         Remedy("Check units, or read it as relative to the base.", "relative"),
     )
 
 
-def _explain_relative(part: float, size: complex) -> tuple[str, Remedy]:
-    """Why a relative motion may be so many times that of a mass on a spring, and what to do.
+def _explain_relative(part: float, magnitude: complex) -> tuple[str, Remedy]:
+    """Return the likely cause of such a relative motion, and a remedy.
 
     Below its resonance; over the motion of the base it is `size` there.
     """
-    if abs(size.imag) > abs(size.real):
+    if abs(magnitude.imag) > abs(magnitude.real):
         return (
             "it is a quarter turn off, as a velocity is from a displacement",
             Remedy("Check its unit."),
         )
     if part < 0:
         return "the relative motion has the opposite sign", Remedy("Take mass less base.")
-    if 0.5 < size.real < 2:
+    if 0.5 < magnitude.real < 2:
         return "the motion looks absolute, not relative", Remedy("Read it as absolute.")
     return f"it is {part:.3g} times that of a mass on a spring", Remedy("Check its unit.")
 
 
-def _find_peak_line(size: FloatArray) -> int | None:
+def _find_peak_line(magnitude: FloatArray) -> int | None:
     """Return the line at which a ratio of motions peaks, or is least if inverted."""
-    top, lowest_index, end = int(size.argmax()), int(size.argmin()), len(size) - 1
-    if 0 < top < NO_TURN * end:
-        return top
-    return lowest_index if top > 0 and lowest_index > 0 else None
+    highest_index, lowest_index, last_index = (
+        int(magnitude.argmax()),
+        int(magnitude.argmin()),
+        len(magnitude) - 1,
+    )
+    if 0 < highest_index < MAX_PEAK_POSITION * last_index:
+        return highest_index
+    return lowest_index if highest_index > 0 and lowest_index > 0 else None
 
 
 @criterion(source="by definition")
@@ -286,15 +291,15 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     )
 
 
-@criterion("record, s", ">=", source=f"{TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
+@criterion("record, s", ">=", source=f"{MIN_TIME_CONSTANTS} time constants: FRF errors below 0.5 %")
 def record_long_enough(frf: FRF, main: Mode) -> Finding:
     """The record contains the whole decay."""
     record_length = frf.record or 0.0
-    needed_length = TIME_CONSTANTS / main.decay
+    needed_length = MIN_TIME_CONSTANTS / main.decay
     cut_percent = 100 * np.exp(-(main.decay + frf.shift) * record_length)
     return Finding(
-        f"The record lasts {record_length:.3g} s after the hit; {TIME_CONSTANTS} time constants of "
-        f"the decay are {needed_length:.3g} s",
+        f"The record lasts {record_length:.3g} s after the hit; {MIN_TIME_CONSTANTS} time "
+        f"constants of the decay are {needed_length:.3g} s",
         record_length,
         f"At its end {cut_percent:.2g} % of the response is left, which flattens the peak of the "
         "FRF. The modes allow for that",
@@ -351,16 +356,19 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
 
 
 @criterion(
-    "lines", ">=", LINES, "measured: damping and height to 1 %; a third of them reads 17 % high"
+    "lines",
+    ">=",
+    MIN_RESONANCE_LINES,
+    "measured: damping and height to 1 %; a third of them reads 17 % high",
 )
 def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     """The frequency resolution is fine enough for the peak."""
     spacing = float(np.median(np.diff(frf.frequency)))
     width = main.bandwidth + frf.shift / np.pi
-    needed_length = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
+    needed_length = max(MIN_RESONANCE_LINES / main.bandwidth, MIN_TIME_CONSTANTS / main.decay)
     return Finding(
         f"The half-power band of {width:.3g} Hz has {width / spacing:.1f} lines; at least "
-        f"{LINES:g} are needed. The frequency resolution is {spacing:.3g} Hz",
+        f"{MIN_RESONANCE_LINES:g} are needed. The frequency resolution is {spacing:.3g} Hz",
         width / spacing,
         "The peak lies between the lines",
         Remedy(
@@ -392,9 +400,9 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
     leave_one_out_frfs = leave_one_out(spectra, estimator)[:, near_resonance]
     average = estimate(spectra, estimator)[near_resonance]
     change = np.linalg.norm(leave_one_out_frfs - average, axis=1) / np.linalg.norm(average)
-    worst = int(np.argmax(change))
-    name = [hit.name for hit in frf.hits if hit.accepted][worst]
-    value = float(change[worst])
+    worst_hit = int(np.argmax(change))
+    name = [hit.name for hit in frf.hits if hit.accepted][worst_hit]
+    value = float(change[worst_hit])
     return Finding(
         f"Without any one hit the FRF about the resonance changes by {100 * value:.2g} %",
         value,
@@ -416,7 +424,7 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
             f"A change with amplitude needs more than {MIN_HITS} hits of different height"
         )
     doublings = float(np.log2(trend.range))
-    notable_change = min(SOFTENING, 4 * NARROW * main.damping_ratio) / doublings
+    notable_change = min(MIN_SOFTENING, 4 * MIN_BANDWIDTH_CHANGE * main.damping_ratio) / doublings
     stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, notable_change)
     damping = abs(trend.damping) / max(trend.damping_sure, MAX_DISAGREEMENT / doublings)
     return Finding(
@@ -458,11 +466,11 @@ def rocking_cancelled(frf: FRF, combination: Combination) -> Finding:
 def hits_centred(frf: FRF, combination: Combination) -> Finding:
     """The hits strike the block near its centre."""
     names = [hit.name for hit in frf.hits if hit.accepted]
-    worst = int(np.argmax(np.abs(combination.eccentricity)))
-    value = float(abs(combination.eccentricity[worst]))
+    worst_hit = int(np.argmax(np.abs(combination.eccentricity)))
+    value = float(abs(combination.eccentricity[worst_hit]))
     scatter = float(np.std(combination.eccentricity))
     message = (
-        f"Hit {names[worst]} rocks the test mass by {100 * value:.0f} % of its bounce at the "
+        f"Hit {names[worst_hit]} rocks the test mass by {100 * value:.0f} % of its bounce at the "
         f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
     if combination.reach is not None:
@@ -475,7 +483,7 @@ def hits_centred(frf: FRF, combination: Combination) -> Finding:
     return Finding(message, value, remedy="Strike closer to the centre.")
 
 
-def apparent_mass(
+def estimate_apparent_mass(
     frequency: FloatArray,
     accelerance: ComplexArray,
     *,
@@ -490,15 +498,15 @@ def apparent_mass(
     is a straight line in :math:`\mathrm{Re}\,s^{-2}`, whose end is the mass, from 2.5 times the
     natural frequency up. None if fewer than 5 good lines lie there.
     """
-    size = np.abs(accelerance)
-    keep: BoolArray = (frequency > MASS_LINE_FACTOR * natural_frequency) & (size > 0)
+    magnitude = np.abs(accelerance)
+    keep: BoolArray = (frequency > MASS_LINE_FACTOR * natural_frequency) & (magnitude > 0)
     if sd is not None:
-        keep = keep & (sd < 0.3 * size)
+        keep = keep & (sd < 0.3 * magnitude)
     if np.count_nonzero(keep) < 5:
         return None
     inverse = 1 / accelerance[keep]
     x = (1 / (2j * np.pi * frequency[keep] + shift) ** 2).real
-    relative = 1e-3 if sd is None else np.hypot(sd[keep] / size[keep], 1e-3)
+    relative = 1e-3 if sd is None else np.hypot(sd[keep] / magnitude[keep], 1e-3)
     w = 1 / (relative * np.abs(inverse))
     rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
     best = solve_ordinary(inverse.real * w, rows)
@@ -509,9 +517,9 @@ def apparent_mass(
 @criterion(
     "apparent / weighed mass - 1",
     "|x| <=",
-    TOLERANCE,
+    MASS_TOLERANCE,
     "ISO 7626-2, 7.5.2",
-    other_grade=f"stop beyond a factor {GROSS:g}",
+    other_grade=f"stop beyond a factor {GROSS_MASS_RATIO:g}",
 )
 def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above the resonance the FRF shows the stated mass."""
@@ -533,7 +541,7 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
         failure=message,
         reason=_format_likely_cause(factor),
         remedy=Remedy("Check the mass, then sensitivities and units.", "mass"),
-        grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,
+        grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS_MASS_RATIO) else None,
     )
 
 
@@ -549,6 +557,6 @@ def _format_likely_cause(factor: float) -> str:
         ("A sensitivity looks ten times too large or small, such as 10 mV/g for 100 mV/g", 0.1),
     )
     cause, ratio = min(causes, key=lambda item: abs(np.log(factor / item[1])))
-    if abs(factor / ratio - 1) < 2 * TOLERANCE:
+    if abs(factor / ratio - 1) < 2 * MASS_TOLERANCE:
         return f"{cause} (factor {factor:.4g})"
     return f"If the mass is right, a sensor sensitivity is wrong by a factor of {1 / factor:.4g}"

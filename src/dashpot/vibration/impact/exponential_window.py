@@ -27,26 +27,26 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.vibration.impact.hits import GUARD, HitBlock
+from dashpot.vibration.impact.hits import GUARD_SAMPLES, HitBlock
 
-EVIDENT = 0.5
+EVIDENT_SHARE = 0.5
 """Scatter at the end over that before the pulse, below which a channel was windowed."""
-_FEWEST_QUIET = 8
+_MIN_QUIET_SAMPLES = 8
 """Samples of a quarter of the quiet that is judged by itself."""
-_HEARD = 3.0
+_NOISE_RISE = 3.0
 """Times the usual mean square beyond which a quarter of the quiet heard something."""
-_STRETCHES = 40
-_FEWEST_STRETCHES = 5
+_STRETCH_COUNT = 40
+_MIN_STRETCHES = 5
 _TAPS = 65
-_FEWEST_TAPS = 9
-_PASSED = 0.3
+_MIN_TAPS = 9
+_PASS_BAND_EDGE = 0.3
 """Share of the sampling rate above which a channel is noise."""
-_BETA = 8.0
-_STEPS = 1.5
+_KAISER_BETA = 8.0
+_MIN_ROUNDING_RATIO = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
 _WINDOW_DEVIANCE = 4.0
 """Fall of the deviance by which a window begins with the pulse."""
-_LINEAR = 15.0
+_LINEAR_LIMIT = 15.0
 """The same below which rounding distorts a variance: noise of a step and more only adds to it."""
 _MIN_VARIANCE_SHARE = 1e-5
 """Part of the variance before the pulse down to which its decay is followed."""
@@ -54,7 +54,7 @@ _DECISIVE_DEVIANCE = 30.0
 """Fall of the deviance by which a slower decay is evident, too."""
 _SLOW_DECAY_RATIO = 0.8
 """Ratio of the scatters that it then must have."""
-_SPAN = (0.02, 60.0)
+_DECAY_RANGE = (0.02, 60.0)
 """Decays that are sought, times the length of the block."""
 _CONTRADICTION_SE = 4.0
 """Standard errors between what is stated and what the scatter shows."""
@@ -167,10 +167,14 @@ def _nonnegative_pair(columns: FloatArray, target: FloatArray) -> FloatArray:
     best, *_ = np.linalg.lstsq(columns, target, rcond=None)
     if (best >= 0).all():
         return np.asarray(best)
-    single = np.maximum(columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0)
-    residuals = [float(np.sum((target - columns[:, i] * single[i]) ** 2)) for i in (0, 1)]
+    single_coefficients = np.maximum(
+        columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0
+    )
+    residuals = [
+        float(np.sum((target - columns[:, i] * single_coefficients[i]) ** 2)) for i in (0, 1)
+    ]
     first = int(np.argmin(residuals))
-    return np.where(np.arange(2) == first, single, 0.0)
+    return np.where(np.arange(2) == first, single_coefficients, 0.0)
 
 
 def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> ExponentialWindow:
@@ -194,7 +198,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         return ExponentialWindow(stated=bool(rates), ratio=ratio, is_stated=not rates)
     if not windowed_scatter:
         return ExponentialWindow(stated_rate or 0.0, stated=True, ratio=ratio)
-    rate, sd = _fitted_rate(windowed_scatter)
+    rate, sd = _fit_decay_rate(windowed_scatter)
     if not np.isfinite(sd):
         return ExponentialWindow(
             stated_rate or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated_rate)
@@ -216,7 +220,7 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
     """
     if window.rate <= 0:
         return hit
-    count = max(hit.onset - GUARD, 0)
+    count = max(hit.onset - GUARD_SAMPLES, 0)
     centred_time = (np.arange(len(hit.force)) - (count - 1) / 2) / hit.rate
     correction = 1 - np.exp(-window.rate * centred_time)
     length = len(hit.force) - hit.missing
@@ -234,11 +238,13 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
 def _scatter_of_responses(hits: Sequence[HitBlock]) -> list[ScatterDecay]:
     """Return the scatter of every response whose noise can be seen before the pulse."""
     channels = range(len(hits[0].acceleration))
-    decays = [scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
+    decays = [estimate_scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
     return [decay for decay in decays if decay is not None]
 
 
-def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> ScatterDecay | None:
+def estimate_scatter_decay(
+    rows: Sequence[FloatArray], hits: Sequence[HitBlock]
+) -> ScatterDecay | None:
     """Return the decay of one channel's noise, from its rows in all hits; None if it is not seen.
 
     Parameters
@@ -248,29 +254,29 @@ def scatter_decay(rows: Sequence[FloatArray], hits: Sequence[HitBlock]) -> Scatt
     hits : sequence of HitBlock
     """
     quiet_samples = min(hit.onset for hit in hits)
-    quiet_samples -= max(GUARD, quiet_samples // 8)
+    quiet_samples -= max(GUARD_SAMPLES, quiet_samples // 8)
     taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
-    size = min(len(hit.force) - hit.missing for hit in hits)
-    if taps < _FEWEST_TAPS or size < 4 * _STRETCHES + taps:
+    sample_count = min(len(hit.force) - hit.missing for hit in hits)
+    if taps < _MIN_TAPS or sample_count < 4 * _STRETCH_COUNT + taps:
         return None
     filters = _high_pass(taps)
-    squares = np.array([np.convolve(row[:size], filters, "valid") ** 2 for row in rows])
+    squares = np.array([np.convolve(row[:sample_count], filters, "valid") ** 2 for row in rows])
     early_power = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
     rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
-    if not early_power > _STEPS * rounding:
+    if not early_power > _MIN_ROUNDING_RATIO * rounding:
         return None
     start = max(hit.pulse(0.01).stop for hit in hits)
-    parts = np.array_split(np.arange(start, squares.shape[1]), _STRETCHES)
-    if min(map(len, parts)) < 2:
+    stretches = np.array_split(np.arange(start, squares.shape[1]), _STRETCH_COUNT)
+    if min(map(len, stretches)) < 2:
         return None
     rate, onset = hits[0].rate, hits[0].onset
-    middle = [(part.mean() + (taps - 1) / 2 - onset) / rate for part in parts]
-    variance = [float(squares[:, part].mean()) for part in parts]
-    expected_spread = 2 * (0.5 - _PASSED) * len(rows)
-    time = np.array([(quiet_samples / 2 - onset) / rate, *middle])
+    mean_times = [(stretch.mean() + (taps - 1) / 2 - onset) / rate for stretch in stretches]
+    variance = [float(squares[:, stretch].mean()) for stretch in stretches]
+    expected_spread = 2 * (0.5 - _PASS_BAND_EDGE) * len(rows)
+    time = np.array([(quiet_samples / 2 - onset) / rate, *mean_times])
     values = np.array([early_power, *variance])
-    freedom = expected_spread * np.array([quiet_samples, *map(len, parts)], dtype=float)
-    width = np.array([quiet_samples, *map(len, parts)]) / rate
+    freedom = expected_spread * np.array([quiet_samples, *map(len, stretches)], dtype=float)
+    width = np.array([quiet_samples, *map(len, stretches)]) / rate
     decay = ScatterDecay(time, np.maximum(values, 1e-300), freedom, width, rounding)
     return _clip_at_noise_rise(decay)
 
@@ -280,17 +286,26 @@ def _estimate_noise_power(squares: FloatArray) -> float:
 
     Of few numbers their mean.
     """
-    parts = [part for part in np.array_split(squares, 4, axis=1) if part.shape[1] >= _FEWEST_QUIET]
-    means = np.array([part.mean(axis=1) for part in parts]).ravel()
+    quarters = [
+        quarter
+        for quarter in np.array_split(squares, 4, axis=1)
+        if quarter.shape[1] >= _MIN_QUIET_SAMPLES
+    ]
+    means = np.array([quarter.mean(axis=1) for quarter in quarters]).ravel()
     typical_power = float(np.median(means)) if len(means) else 0.0
-    quiet_means = means[means <= _HEARD * typical_power]
+    quiet_means = means[means <= _NOISE_RISE * typical_power]
     return float(quiet_means.mean()) if len(quiet_means) else float(squares.mean())
 
 
 def _high_pass(taps: int) -> FloatArray:
     """Return a linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
     taps_from_centre = np.arange(taps) - (taps - 1) / 2
-    low = 2 * _PASSED * np.sinc(2 * _PASSED * taps_from_centre) * np.kaiser(taps, _BETA)
+    low = (
+        2
+        * _PASS_BAND_EDGE
+        * np.sinc(2 * _PASS_BAND_EDGE * taps_from_centre)
+        * np.kaiser(taps, _KAISER_BETA)
+    )
     low /= low.sum()
     return np.asarray((taps_from_centre == 0) - low)
 
@@ -322,25 +337,25 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
     return decay.only(keep)
 
 
-def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
+def _fit_decay_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     """Return the decay that all channels share, 1/s, and its standard error."""
     noise_segments = [_select_noise_segments(decay) for decay in scatter_decays]
-    if not noise_segments or max(len(decay.time) for decay in noise_segments) < _FEWEST_STRETCHES:
+    if not noise_segments or max(len(decay.time) for decay in noise_segments) < _MIN_STRETCHES:
         return float("nan"), np.inf
     length = max(decay.time[-1] for decay in noise_segments)
 
     def total(rate: float) -> float:
         return sum(decay.deviance(rate) for decay in noise_segments)
 
-    grid = np.geomspace(*_SPAN, 60) / length
+    grid = np.geomspace(*_DECAY_RANGE, 60) / length
     values = [total(rate) for rate in grid]
     best = int(np.argmin(values))
     low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
     for _ in range(40):
         third_length = (high - low) / 3
-        lower, right = low + third_length, high - third_length
-        if total(lower) < total(right):
-            high = right
+        lower, upper = low + third_length, high - third_length
+        if total(lower) < total(upper):
+            high = upper
         else:
             low = lower
     rate = float((low + high) / 2)
@@ -349,30 +364,30 @@ def _fitted_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     # chi-square of what the model leaves, against what chance would
     freedom = sum(len(decay.time) for decay in noise_segments) - 3 * len(noise_segments)
     chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in noise_segments)
-    excess = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
-    sd = float(np.sqrt(2 * excess / curvature)) if curvature > 0 else np.inf
+    excess_scatter = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
+    sd = float(np.sqrt(2 * excess_scatter / curvature)) if curvature > 0 else np.inf
     return rate, sd
 
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches that neither a high mode nor rounding drowns."""
-    low = max(_LINEAR * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
+    low = max(_LINEAR_LIMIT * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
     rising_indices = np.flatnonzero(decay.variance[1:] > decay.variance[0])
     low_indices = np.flatnonzero(decay.variance[1:] < low)
     first = 1 + (int(rising_indices[-1]) + 1 if rising_indices.size else 0)
-    end = 1 + int(low_indices[0]) if low_indices.size else len(decay.variance)
-    at = np.arange(len(decay.variance))
-    return decay.only((at == 0) | ((at >= first) & (at < end)))
+    segment_stop = 1 + int(low_indices[0]) if low_indices.size else len(decay.variance)
+    indices = np.arange(len(decay.variance))
+    return decay.only((indices == 0) | ((indices >= first) & (indices < segment_stop)))
 
 
 def _is_windowed(decay: ScatterDecay) -> bool:
     """Return whether the noise of a channel decays: by half, or by less beyond any chance."""
-    if decay.ratio < EVIDENT:
+    if decay.ratio < EVIDENT_SHARE:
         return True
     if decay.ratio > _SLOW_DECAY_RATIO:
         return False
     noise_segments = _select_noise_segments(decay)
-    if len(noise_segments.time) < _FEWEST_STRETCHES:
+    if len(noise_segments.time) < _MIN_STRETCHES:
         return False
     rates = np.geomspace(0.1, 3.0, 12) / noise_segments.time[-1]
     lowest_deviance = min(noise_segments.deviance(float(rate)) for rate in rates)
@@ -388,7 +403,7 @@ def _begins_with_record(scatter_decays: Sequence[ScatterDecay], rate: float) -> 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
     """Return whether the noise of the hammer decays with the window; True where it is not seen."""
-    decay = scatter_decay([hit.force for hit in hits], hits)
+    decay = estimate_scatter_decay([hit.force for hit in hits], hits)
     if decay is None:
         return True
     decay_index = int(np.argmin(np.abs(decay.time - 1 / rate)))

@@ -17,8 +17,8 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.frf import FRF, Hit
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.vibration.impact.amplitude_trend import with_resonances
-from dashpot.vibration.impact.checks import agreement, checks_of, window_decay_determined
+from dashpot.vibration.impact.amplitude_trend import add_resonances
+from dashpot.vibration.impact.checks import agreement, run_frf_checks, window_decay_determined
 from dashpot.vibration.impact.exponential_window import (
     NO_WINDOW,
     ExponentialWindow,
@@ -32,7 +32,7 @@ from dashpot.vibration.impact.hit_faults import (
     judge_hit,
 )
 from dashpot.vibration.impact.hits import HitBlock, cut_hits, remove_ringing
-from dashpot.vibration.impact.rocking import Combination, null_rocking
+from dashpot.vibration.impact.rocking import Combination, compute_rocking_weights
 from dashpot.vibration.impact.spectral_estimators import (
     ChannelSpectra,
     Estimator,
@@ -41,17 +41,17 @@ from dashpot.vibration.impact.spectral_estimators import (
     estimate,
     random_error,
 )
-from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.peaks import find_mount_band
 from dashpot.vibration.modal.pole_fit import FRFLines
 
 # Average of hits: windows, signs and weights.
 
 
-FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
+MIN_FORCE_RATIO = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
 ALIAS_FREE = 0.4  # of the sampling rate
 POLARITY_SHARE = 0.5  # of all motion must go one way to show the polarity of an accelerometer
 WINDOW_END = 0.01  # what an exponential window leaves of the response at the end of the record
-FORMS = "none, force, exponential, exponential:0.01, force+exponential"
+WINDOW_FORMS = "none, force, exponential, exponential:0.01, force+exponential"
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Window:
                 end = _find_end(value, window) if value else None
             elif name != "none" or value or window != "none":
                 raise DataError(
-                    f"window {window!r} does not suit a hammer test; expected one of {FORMS}"
+                    f"window {window!r} does not suit a hammer test; expected one of {WINDOW_FORMS}"
                 )
         return cls(force, exponential, end)
 
@@ -97,15 +97,15 @@ class Window:
 
 def _find_end(value: str, window: str) -> float:
     try:
-        end = float(value)
+        end_value = float(value)
     except ValueError:
-        end = float("nan")
-    if not 0 < end < 1:
+        end_value = float("nan")
+    if not 0 < end_value < 1:
         raise DataError(
             f"window {window!r}: the number is what the window leaves at the end of the record; "
             "expected more than 0 and less than 1, such as exponential:0.01"
         )
-    return end
+    return end_value
 
 
 def _make_force_window(hit: HitBlock) -> FloatArray:
@@ -220,9 +220,9 @@ def _find_excited_band(hits: Sequence[HitBlock]) -> tuple[float, float]:
     """Return lines above 0 Hz that the hammer excites: up to where its spectrum falls by 20 dB."""
     rate, n = hits[0].rate, len(hits[0].force)
     power = (np.abs(np.fft.rfft([b.force * _make_force_window(b) for b in hits])) ** 2).mean(axis=0)
-    weak_lines = np.flatnonzero(power < FORCE_LEFT**2 * power[: max(n // 500, 2)].max())
-    top = float(weak_lines[0]) if weak_lines.size else np.inf
-    return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
+    weak_lines = np.flatnonzero(power < MIN_FORCE_RATIO**2 * power[: max(n // 500, 2)].max())
+    highest_line = float(weak_lines[0]) if weak_lines.size else np.inf
+    return 0.5 * rate / n, min(max(highest_line - 0.5, 8.5), ALIAS_FREE * n) * rate / n
 
 
 def _find_signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatArray:
@@ -257,7 +257,7 @@ def _find_signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> F
 def _combine(
     transforms: ChannelSpectra, choices: AveragingOptions
 ) -> tuple[FloatArray, Combination | None]:
-    """Return weights of the accelerometers, and what is known of rocking."""
+    """Return weights of the accelerometers, and the data on rocking."""
     count = len(transforms.channels)
     mean = np.full(count, 1 / count)
     if choices.combine in transforms.channels:
@@ -270,7 +270,7 @@ def _combine(
         random_error(spectra, value)
         for spectra, value in zip(band_transforms.split_channels(), values, strict=True)
     ]
-    combination = null_rocking(
+    combination = compute_rocking_weights(
         FRFLines.from_measurement(
             band_transforms.s,
             values,
@@ -290,7 +290,7 @@ def _find_mount_band(transforms: ChannelSpectra) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
     pairs = [(estimate(spectra), spectra) for spectra in transforms.split_channels()]
     value, spectra = max(pairs, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
-    return mount_band(transforms.frequency, value, random_error(spectra, value))
+    return find_mount_band(transforms.frequency, value, random_error(spectra, value))
 
 
 # Estimation of an FRF.
@@ -399,21 +399,21 @@ def estimate_frf(
         source=tuple(dict.fromkeys(source for test in tests for source in test.source)),
         steps=_make_steps(average, choices),
     )
-    main = next(iter(frf.modes(band=resonance_band)), None)
-    if main is not None:
-        frf = replace_notes(frf, hits=with_resonances(frf, average.spectra, main))
-    checks = checks_of(
+    main_mode = next(iter(frf.modes(band=resonance_band)), None)
+    if main_mode is not None:
+        frf = replace_notes(frf, hits=add_resonances(frf, average.spectra, main_mode))
+    checks = run_frf_checks(
         frf,
         average.spectra,
         choices.estimator,
-        main,
+        main_mode,
         combination=average.rocking,
         mass=mass,
         band=resonance_band,
     )
-    unmeasured = not np.isfinite(recorded.ratio) and not recorded.stated
-    if recorded.rate > 0 or not recorded.is_stated or recorded.evident or unmeasured:
-        checks = (*checks, window_decay_determined(recorded, main))
+    has_no_ratio = not np.isfinite(recorded.ratio) and not recorded.stated
+    if recorded.rate > 0 or not recorded.is_stated or recorded.evident or has_no_ratio:
+        checks = (*checks, window_decay_determined(recorded, main_mode))
     return replace_notes(frf, checks=(*checks, *caution_checks(frf.source)))
 
 
@@ -464,8 +464,8 @@ def _select_accepted_hits(
     accepted = (accepted_names - set(reject)) | set(accept)
     if not accepted:
         reasons_text = "; ".join(
-            f"hit {name}: {'. Also: '.join(wrong) or 'rejected by name'}"
-            for name, wrong in faults.items()
+            f"hit {name}: {'. Also: '.join(faults_of_hit) or 'rejected by name'}"
+            for name, faults_of_hit in faults.items()
         )
         raise DataError(
             f"no hit is left to average. {reasons_text}. To use one anyway, accept it by name"

@@ -10,8 +10,8 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.units import format_quantity
 from dashpot.signals.stuck_channel import find_stuck_runs
-from dashpot.vibration.impact.hits import HitBlock, width_at
-from dashpot.vibration.modal.peaks import run_about
+from dashpot.vibration.impact.hits import HitBlock, compute_width
+from dashpot.vibration.modal.peaks import find_run
 
 SECOND_PULSE_RATIO = 0.05  # height over the peak from which a second pulse is a second hit
 MIN_PULSE_SAMPLES = 5  # fewest samples that resolve the shape of a pulse
@@ -155,7 +155,7 @@ def _list_overloads(hit: HitBlock) -> Iterator[str]:
 def _find_clipping_level(row: FloatArray, noise: float) -> float:
     """Return where the highest lobe of a response is cut off, m/s^2; 0 if it is not."""
     peak_index = int(np.argmax(row))
-    lobe = row[run_about(row > 0.3 * row[peak_index], peak_index)]
+    lobe = row[find_run(row > 0.3 * row[peak_index], peak_index)]
     peak = float(lobe.max())
     top_samples = int(np.count_nonzero(lobe > peak - max(3 * noise, 1e-6 * peak)))
     # any smooth top is a parabola, which spends 0.39 of its upper fifth in its upper 3 %
@@ -227,14 +227,14 @@ def is_flat_topped(lobe: FloatArray, noise: float) -> bool:
 def _compute_lobe_width(lobe: FloatArray, level: float) -> float:
     """Return samples between the first and the last crossing of a level."""
     indices_above = np.flatnonzero(lobe >= level)
-    return width_at(lobe, level, (int(indices_above[0]), int(indices_above[-1])))
+    return compute_width(lobe, level, (int(indices_above[0]), int(indices_above[-1])))
 
 
 def _list_undershoot(hit: HitBlock) -> Iterator[str]:
     """Yield a doubt if the force undershoots after the pulse, as an AC-coupled channel does."""
     pulse = hit.pulse(0.02)
-    end = pulse.stop + (pulse.stop - pulse.start)
-    after_pulse = hit.force[end : len(hit.force) - hit.missing]
+    undershoot_stop = pulse.stop + (pulse.stop - pulse.start)
+    after_pulse = hit.force[undershoot_stop : len(hit.force) - hit.missing]
     if hit.onset < 8 or len(after_pulse) < 16:
         return
     impulse = float(hit.force[pulse].sum())
@@ -246,7 +246,10 @@ def _list_undershoot(hit: HitBlock) -> Iterator[str]:
     # at time t after the pulse, exp(-2 pi f t) of the undershoot is still to come
     early_count = max(len(after_pulse) // 50, 8)
     early_fraction = min(
-        max(-float(after_pulse[:early_count].sum()) / float(hit.force[:end].sum()), 0.0), 0.99
+        max(
+            -float(after_pulse[:early_count].sum()) / float(hit.force[:undershoot_stop].sum()), 0.0
+        ),
+        0.99,
     )
     corner_frequency = -np.log1p(-early_fraction) * hit.rate / (2 * np.pi * early_count)
     yield (

@@ -11,17 +11,17 @@ from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.vibration_tests import ImpactTest
-from dashpot.vibration.modal.peaks import run_about
+from dashpot.vibration.modal.peaks import find_run
 
 # Detection of hits, blocks, and removal of residual ringing.
 
 
-TRIGGER = 0.1  # of the largest force of the test: smaller pulses are not hits
+TRIGGER_SHARE = 0.1  # of the largest force of the test: smaller pulses are not hits
 MIN_HIT_DISTANCE = 0.5  # s: pulses closer than this are one hit, perhaps a double one
-PRETRIGGER = 0.1  # s, where that much is recorded
-GUARD = 2  # samples before the onset that may already feel the pulse
-HISTORY = 1.0  # s before a hit that are kept to show how the block still moves
-EXPLAINED = 0.5  # of the motion before a hit must be free decay to be taken off
+PRETRIGGER_SHARE = 0.1  # s, where that much is recorded
+GUARD_SAMPLES = 2  # samples before the onset that may already feel the pulse
+HISTORY_LENGTH = 1.0  # s before a hit that are kept to show how the block still moves
+MIN_EXPLAINED_SHARE = 0.5  # of the motion before a hit must be free decay to be taken off
 RATE_TOLERANCE = 1e-3  # between tests, relative; time stamps are often printed with few digits
 
 
@@ -94,24 +94,24 @@ class HitBlock:
 
     def pulse(self, level: float = 0.1) -> slice:
         """Return the samples around the peak that stay above `level` times the peak."""
-        return run_about(self.force > level * self.peak, self.peak_at)
+        return find_run(self.force > level * self.peak, self.peak_at)
 
     def width(self, level: float) -> float:
         """Pulse width at `level` times the peak, s, its ends found by straight lines."""
         pulse_samples = self.pulse(level)
         pulse_ends = pulse_samples.start, pulse_samples.stop - 1
-        return width_at(self.force, level * self.peak, pulse_ends) / self.rate
+        return compute_width(self.force, level * self.peak, pulse_ends) / self.rate
 
     def moments(self) -> tuple[float, float]:
         """Return the mean time of the pulse from the start of the block, and its rms width, s."""
         pulse_samples = self.pulse(0.05)
         weights = self.force[pulse_samples] / self.force[pulse_samples].sum()
         time = np.arange(pulse_samples.start, pulse_samples.stop) / self.rate
-        middle = float(time @ weights)
-        return middle, float(np.sqrt((time - middle) ** 2 @ weights))
+        mean_time = float(time @ weights)
+        return mean_time, float(np.sqrt((time - mean_time) ** 2 @ weights))
 
 
-def width_at(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
+def compute_width(values: FloatArray, level: float, pulse_ends: tuple[int, int]) -> float:
     """Samples between the crossings of a level just outside two samples, by straight lines."""
     first, last = pulse_ends
     width = float(last - first)
@@ -165,7 +165,7 @@ def cut_hits(
                 "column out, or look at its cable and range and hit again"
             )
     rate = tests[0].rate
-    onsets = [hit for test in tests for hit in _find(test)]
+    onsets = [hit for test in tests for hit in _find_onsets(test)]
     pretrigger_samples = _choose_pretrigger(onsets, rate, pretrigger)
     length = _choose_length(onsets, rate, pretrigger_samples, record)
     return tuple(
@@ -190,7 +190,7 @@ def _belong_together(tests: Sequence[ImpactTest]) -> None:
             )
 
 
-def _find(test: ImpactTest) -> list[_PulseOnset]:
+def _find_onsets(test: ImpactTest) -> list[_PulseOnset]:
     """Find where the pulses begin in each continuous record of a test."""
     records = test.records()
     centred_forces = [test.force[r] - np.median(test.force[r]) for r in records]
@@ -200,15 +200,17 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
     pulse_onsets: list[_PulseOnset] = []
     for record, force in zip(records, centred_forces, strict=True):
         noise = 1.4826 * float(np.median(np.abs(force)))
-        hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
-        if peak <= 0 or not hot.size:
+        triggered_indices = np.flatnonzero(sign * force > max(TRIGGER_SHARE * peak, 8 * noise))
+        if peak <= 0 or not triggered_indices.size:
             continue
-        firsts = hot[np.concatenate(([True], np.diff(hot) > MIN_HIT_DISTANCE * test.rate))]
+        firsts = triggered_indices[
+            np.concatenate(([True], np.diff(triggered_indices) > MIN_HIT_DISTANCE * test.rate))
+        ]
         onsets = [_find_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
         pulse_onsets += [
-            _PulseOnset(test, sign, record, at, last, next_onset)
-            for last, at, next_onset in neighbours
+            _PulseOnset(test, sign, record, onset, last, next_onset)
+            for last, onset, next_onset in neighbours
         ]
     if not pulse_onsets:
         raise DataError(
@@ -220,8 +222,8 @@ def _find(test: ImpactTest) -> list[_PulseOnset]:
 
 def _find_onset(force: FloatArray, crossing: int, noise: float) -> int:
     """Walk back from the trigger to where the pulse leaves its base line."""
-    top = float(force[crossing : crossing + 5].max())
-    base = max(0.01 * top, 3 * noise)
+    highest_force = float(force[crossing : crossing + 5].max())
+    base = max(0.01 * highest_force, 3 * noise)
     indices_below = np.flatnonzero(force[:crossing] <= base)
     return int(indices_below[-1]) + 1 if indices_below.size else 0
 
@@ -230,7 +232,7 @@ def _choose_pretrigger(onsets: Sequence[_PulseOnset], rate: float, pretrigger: f
     if pretrigger is not None:
         require_nonnegative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
-    max_pretrigger = round(PRETRIGGER * rate)
+    max_pretrigger = round(PRETRIGGER_SHARE * rate)
     # a hit without anything before it is judged later; it must not shorten the others
     return min(
         [max_pretrigger, *(hit.onset for hit in onsets if hit.onset >= min(8, max_pretrigger))]
@@ -250,19 +252,21 @@ def _choose_length(
         return length
     space = []
     for hit in onsets:
-        end = hit.record.stop - hit.record.start if hit.next is None else hit.next - samples_before
-        space.append(end - hit.onset + min(samples_before, hit.onset))
+        end_sample = (
+            hit.record.stop - hit.record.start if hit.next is None else hit.next - samples_before
+        )
+        space.append(end_sample - hit.onset + min(samples_before, hit.onset))
     usual_spacing = float(np.median(space))
     return max(samples_before + 8, min(r for r in space if r >= 0.5 * usual_spacing))
 
 
 def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> HitBlock:
-    test, size = hit.test, hit.record.stop - hit.record.start
+    test, record_length = hit.test, hit.record.stop - hit.record.start
     onset = min(samples_before, hit.onset)
     start = hit.record.start + hit.onset - onset
-    stop = min(start + length, hit.record.start + size)
+    stop = min(start + length, hit.record.start + record_length)
     rows = np.vstack((hit.sign * test.force[start:stop], test.acceleration[:, start:stop]))
-    quiet_rows = rows[:, : max(onset - GUARD, 0)]
+    quiet_rows = rows[:, : max(onset - GUARD_SAMPLES, 0)]
     offset, quiet_sd, noise = np.zeros((3, len(rows)))
     if quiet_rows.shape[1] >= 4:
         offset, quiet_sd = quiet_rows.mean(axis=1), quiet_rows.std(axis=1)
@@ -270,8 +274,8 @@ def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> H
     if quiet_rows.shape[1] >= 5:
         # differences of neighbours see noise, not the slow ringing of an earlier hit
         noise = np.diff(quiet_rows, axis=1).std(axis=1) / np.sqrt(2)
-    missing = length - (stop - start)
-    rows = np.pad(rows, ((0, 0), (0, missing)))
+    missing_samples = length - (stop - start)
+    rows = np.pad(rows, ((0, 0), (0, missing_samples)))
     return HitBlock(
         name=name,
         time=float(test.time[hit.record.start + hit.onset]),
@@ -282,7 +286,7 @@ def _cut_hit(hit: _PulseOnset, name: str, samples_before: int, length: int) -> H
         noise=noise,
         ringing=quiet_sd[1:],
         offset=offset,
-        missing=missing,
+        missing=missing_samples,
         turned=hit.sign < 0,
         past=_get_earlier_motion(hit) - offset[1:, None],
         since_start=hit.onset / test.rate
@@ -295,9 +299,9 @@ def _get_earlier_motion(hit: _PulseOnset) -> FloatArray:
     """Accelerations before a hit, well after the one before."""
     rate, record = hit.test.rate, hit.record
     history_start = 0 if hit.previous is None else (hit.previous + hit.onset) // 2
-    first = max(hit.onset - round(HISTORY * rate), history_start)
+    first = max(hit.onset - round(HISTORY_LENGTH * rate), history_start)
     return hit.test.acceleration[
-        :, record.start + first : record.start + max(hit.onset - GUARD, first)
+        :, record.start + first : record.start + max(hit.onset - GUARD_SAMPLES, first)
     ]
 
 
@@ -311,11 +315,11 @@ def remove_ringing(hit: HitBlock, poles: Sequence[complex]) -> HitBlock:
     ringing = hit.past
     if ringing.shape[1] < 4 * (2 * len(poles) + 1) or not poles:
         return hit
-    time_before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD) / hit.rate
+    time_before = (np.arange(ringing.shape[1]) - ringing.shape[1] - GUARD_SAMPLES) / hit.rate
     basis = _make_decays(time_before, np.array(poles))
     c, *_ = np.linalg.lstsq(basis, ringing.T, rcond=1e-10)
     residual = ringing.T - basis @ c
-    if residual.var() > (1 - EXPLAINED) * ringing.var():
+    if residual.var() > (1 - MIN_EXPLAINED_SHARE) * ringing.var():
         return hit
     time_since_onset = (np.arange(len(hit.force)) - hit.onset) / hit.rate
     return replace(

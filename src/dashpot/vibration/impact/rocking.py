@@ -13,10 +13,16 @@ import numpy as np
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.pole_fit import FLOOR, FRFLines, find_poles, pole_kernel, residues_at
+from dashpot.vibration.modal.pole_fit import (
+    MIN_LINE_ERROR,
+    FRFLines,
+    find_poles,
+    pole_kernel,
+    residues_at,
+)
 
 FREQUENCY_FACTOR = 1.2  # times their frequencies lie the lines that decide about two modes
-FEWEST = 12  # lines for that
+MIN_LINES = 12  # lines for that
 
 
 @dataclass(frozen=True)
@@ -48,7 +54,7 @@ class Combination:
     reach: float | None = None
 
 
-def null_rocking(
+def compute_rocking_weights(
     lines: FRFLines, hits: ComplexArray, reach: float | None = None
 ) -> Combination | None:
     """Return weights that null the rocking mode.
@@ -78,7 +84,7 @@ def null_rocking(
     # what is left is small: only lines about the two modes distinguish it from other modes' skirts
     omega, pair = lines.s.imag, (bounce.imag, rocking.imag)
     is_near_poles = (omega > min(pair) / FREQUENCY_FACTOR) & (omega < max(pair) * FREQUENCY_FACTOR)
-    if np.count_nonzero(is_near_poles) > FEWEST:
+    if np.count_nonzero(is_near_poles) > MIN_LINES:
         lines, hits = lines.only(is_near_poles), hits[:, :, is_near_poles]
         poles = poles[
             (poles.imag > min(pair) / FREQUENCY_FACTOR)
@@ -103,7 +109,7 @@ def null_rocking(
 
 
 def _find_poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
-    """Poles: first what accelerometers do together, then what they do against each other, others.
+    """Return the poles: that of the common motion, that of rocking, others.
 
     Hits to either side of the centre rock the block in opposite senses, so an average hides it;
     the strongest pattern over hits and accelerometers does not.
@@ -111,13 +117,15 @@ def _find_poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     n = hits.shape[2]
     mean_frf = lines.value.mean(axis=0)
     difference = (hits - hits.mean(axis=0)).reshape(-1, n)
-    size, patterns = np.linalg.svd(difference, full_matrices=False)[1:]
-    strongest = size[0] * patterns[0] / np.sqrt(len(difference))
+    singular_values, patterns = np.linalg.svd(difference, full_matrices=False)[1:]
+    strongest = singular_values[0] * patterns[0] / np.sqrt(len(difference))
     rows = np.array([mean_frf, strongest])
-    top = np.abs(rows).max(axis=1)
-    if top[1] < 1e-9 * top[0]:
+    row_maxima = np.abs(rows).max(axis=1)
+    if row_maxima[1] < 1e-9 * row_maxima[0]:
         return None
-    error = np.stack((np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, FLOOR * top[1])))
+    error = np.stack(
+        (np.sqrt((lines.sd**2).mean(axis=0)), np.full(n, MIN_LINE_ERROR * row_maxima[1]))
+    )
     fit = find_poles(replace(lines, value=rows, sd=error), max_modes=5)
     if fit is None:
         return None

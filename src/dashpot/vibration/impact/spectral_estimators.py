@@ -14,7 +14,7 @@ from dashpot.vibration.impact.hits import HitBlock
 # FRF of hits.
 
 
-POOLED = 40  # degrees of freedom that an estimate of the noise should rest on
+POOLED_LINES = 40  # degrees of freedom that an estimate of the noise should rest on
 
 
 class Estimator(StrEnum):
@@ -146,8 +146,8 @@ class ChannelSpectra:
 
     def _moments(self) -> tuple[float, float]:
         weights = [float(hit.force @ hit.force) for hit in self.hits]
-        middle, width = np.average([hit.moments() for hit in self.hits], axis=0, weights=weights)
-        return float(middle), float(width)
+        mean_time, width = np.average([hit.moments() for hit in self.hits], axis=0, weights=weights)
+        return float(mean_time), float(width)
 
 
 def estimate(spectra: Spectra, estimator: Estimator | str = Estimator.H1) -> ComplexArray:
@@ -215,7 +215,7 @@ def random_error(spectra: Spectra, value: ComplexArray) -> FloatArray | None:
     if n < 2:
         return None
     unshared = (np.abs(spectra.response - value * spectra.force) ** 2).mean(axis=0) * n / (n - 1)
-    half_width = int(np.ceil((POOLED / (2 * (n - 1)) - 1) / 2))
+    half_width = int(np.ceil((POOLED_LINES / (2 * (n - 1)) - 1) / 2))
     pooled = _smooth(unshared, max(half_width, 0))
     return np.asarray(np.sqrt(pooled / (2 * (np.abs(spectra.force) ** 2).sum(axis=0))))
 

@@ -12,7 +12,7 @@ from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.base.value_ranges import require_positive
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.vibration.checks import stiffness_causal
-from dashpot.vibration.modal.peaks import find_peak, run_about
+from dashpot.vibration.modal.peaks import find_peak, find_run
 
 # Effect of small errors of a test on storage and loss factor.
 
@@ -40,7 +40,7 @@ def compute_stiffness_change(slope: ComplexArray, eta: FloatArray) -> tuple[Floa
 DEGREE = float(np.pi / 180)
 STORAGE_LIMIT, LOSS_LIMIT = 0.1, 0.3
 # the slope of ln K' is taken over this factor in frequency to either side
-SLOPE_REACH = 1.6
+SLOPE_BAND_FACTOR = 1.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,10 +195,10 @@ def dynamic_stiffness(
     require_positive(mass=mass, seals=seals)
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
     over_base = frf.quantity.over_base
-    measured = frf.to(Kind.ACCELERANCE, mass=mass)
-    measured = measured if band is None else measured.band(*band)
-    measured = measured.only(measured.usable)
-    s, value, scatter = measured.s, measured.value, measured.random_sd
+    accelerance = frf.to(Kind.ACCELERANCE, mass=mass)
+    accelerance = accelerance if band is None else accelerance.band(*band)
+    accelerance = accelerance.only(accelerance.usable)
+    s, value, scatter = accelerance.s, accelerance.value, accelerance.random_sd
     raw = s**2 / value
     K = (raw - mass * s**2) / seals
     by_phase, by_mass = -1j * raw / seals, -mass * s**2 / seals
@@ -208,7 +208,7 @@ def dynamic_stiffness(
         by_phase = by_phase * (1 - 1 / (mass * value))
     random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals
     arrays = {
-        "frequency": measured.frequency,
+        "frequency": accelerance.frequency,
         "storage": K.real,
         "loss": K.imag,
         "damping": K.imag / s.imag,
@@ -229,7 +229,7 @@ def dynamic_stiffness(
         checks=(),
     )
     f, storage, loss = stiffness.frequency, stiffness.storage, stiffness.loss
-    peak = find_peak(measured).frequency
+    peak = find_peak(accelerance).frequency
     return replace(
         stiffness,
         storage_band=_find_band_around_peak(
@@ -244,10 +244,10 @@ def _find_band_around_peak(
     frequency: FloatArray, peak: float, is_usable: BoolArray
 ) -> tuple[float, float]:
     """Return the unbroken run of good lines about the peak."""
-    top = int(np.argmin(np.abs(frequency - peak)))
-    if not is_usable[top]:
+    peak_line = int(np.argmin(np.abs(frequency - peak)))
+    if not is_usable[peak_line]:
         return float("nan"), float("nan")
-    run = run_about(is_usable, top)
+    run = find_run(is_usable, peak_line)
     return float(frequency[run.start]), float(frequency[run.stop - 1])
 
 
@@ -264,8 +264,8 @@ def causal_loss_factor(frequency: FloatArray, storage: FloatArray, centre: float
     DataError
         If fewer than 3 lines lie there.
     """
-    slope, share = _make_slope_weights(frequency, storage, centre)
-    return float(np.pi / 2 * share @ np.log(storage[slope]))
+    slope, weights = _make_slope_weights(frequency, storage, centre)
+    return float(np.pi / 2 * weights @ np.log(storage[slope]))
 
 
 def _make_slope_weights(
@@ -273,7 +273,9 @@ def _make_slope_weights(
 ) -> tuple[BoolArray, FloatArray]:
     """Return the lines about `centre`, and their weights in the slope of a straight line."""
     is_near = (
-        (frequency >= centre / SLOPE_REACH) & (frequency <= centre * SLOPE_REACH) & (storage > 0)
+        (frequency >= centre / SLOPE_BAND_FACTOR)
+        & (frequency <= centre * SLOPE_BAND_FACTOR)
+        & (storage > 0)
     )
     if np.count_nonzero(is_near) < 3:
         raise DataError(f"fewer than 3 lines about {centre:g} Hz: no slope of the stiffness there")
@@ -294,13 +296,13 @@ def _is_causal(
 ) -> tuple[Check, ...]:
     """Whether loss and slope of the stiffness belong together, as far as the errors can show."""
     try:
-        slope, share = _make_slope_weights(frequency, storage, peak)
+        slope, weights = _make_slope_weights(frequency, storage, peak)
     except DataError:
         return ()
     implied = causal_loss_factor(frequency, storage, peak)
-    scatter = share * random[slope] / storage[slope]
-    tilt = float(share @ (mass[slope] / storage[slope]))
+    scatter = weights * random[slope] / storage[slope]
+    tilt = float(weights @ (mass[slope] / storage[slope]))
     error = float(np.pi / 2 * np.hypot(np.linalg.norm(scatter), tilt))
-    top = int(np.argmin(np.abs(frequency - peak)))
-    measured = float(loss[top] / storage[top])
-    return (stiffness_causal(implied, measured, error=error, peak=peak),)
+    peak_line = int(np.argmin(np.abs(frequency - peak)))
+    measured_loss_factor = float(loss[peak_line] / storage[peak_line])
+    return (stiffness_causal(implied, measured_loss_factor, error=error, peak=peak),)

@@ -12,14 +12,14 @@ from dashpot.base.option_fields import require_choice
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.datamodel.structure import FRFSet, ModeShape
 from dashpot.registry import require_handler
-from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.peaks import find_mount_band
 from dashpot.vibration.modal.pole_fit import FRFLines, find_poles
 
 # Modes common to several FRFs.
 
 
-FEWEST_BAND_LINES = 8
-MOST_MODES, MOST_OF_A_SET = 6, 24
+MIN_BAND_LINES = 8
+MAX_MODES, MAX_MODES_OF_SET = 6, 24
 """Modes sought in one FRF, about a mount's resonance, and in a set of them."""
 
 
@@ -29,15 +29,15 @@ def compute_rms_accelerance(points: FRFSet) -> FRF:
     Its value has no phase. It shows where to look for modes, and where a chart's peaks are.
     """
     value = points.accelerance
-    size = np.abs(value) ** 2
-    base = size.mean(axis=1, keepdims=True)
-    rms_values = np.sqrt((size / base).mean(axis=0) * base.mean())
+    power = np.abs(value) ** 2
+    base = power.mean(axis=1, keepdims=True)
+    rms_values = np.sqrt((power / base).mean(axis=0) * base.mean())
     first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
     sd = None if scatter is None else np.sqrt((scatter**2 / base).mean(axis=0) * base.mean())
     return FRF(first.frequency, rms_values.astype(complex), sd=sd, units="SI")
 
 
-def lines_of(points: FRFSet) -> FRFLines:
+def get_set_lines(points: FRFSet) -> FRFLines:
     """Return the accelerances of a set as lines to be fitted, a row for each point."""
     first = points.frfs[0].to(Kind.ACCELERANCE)
     return FRFLines.from_measurement(
@@ -55,12 +55,12 @@ def select_mode_band(points: FRFSet, band: tuple[float, float] | None) -> FRFSet
     """
     all_of_them = compute_rms_accelerance(points)
     f = all_of_them.frequency
-    low, high = band or mount_band(f, all_of_them.value, all_of_them.sd)
+    low, high = band or find_mount_band(f, all_of_them.value, all_of_them.sd)
     keep = (f >= low) & (f <= high) & (f > 0)
-    if np.count_nonzero(keep) < FEWEST_BAND_LINES:
+    if np.count_nonzero(keep) < MIN_BAND_LINES:
         raise DataError(
             f"{np.count_nonzero(keep)} lines between {low:g} and {high:g} Hz; modes need at least "
-            f"{FEWEST_BAND_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: "
+            f"{MIN_BAND_LINES}, and the FRF has lines from {f[0]:.3g} to {f[-1]:.4g} Hz: "
             "give a band within, or record longer"
         )
     accelerances = tuple(frf.to(Kind.ACCELERANCE).only(keep) for frf in points.frfs)
@@ -71,13 +71,13 @@ def find_shapes(
     points: FRFSet, *, band: tuple[float, float] | None = None, count: int | None = None
 ) -> tuple[ModeShape, ...]:
     """Poles that all points share and each point's residues; see :meth:`.FRFSet.modes`."""
-    return shapes_of(select_mode_band(points, band), count)
+    return find_mode_shapes(select_mode_band(points, band), count)
 
 
-def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
+def find_mode_shapes(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, ...]:
     """Modes on all lines of accelerances, by `find_poles`; the largest motion first."""
-    max_modes = MOST_MODES if len(band_frfs.frfs) == 1 else MOST_OF_A_SET
-    fit = find_poles(lines_of(band_frfs), max_modes=max_modes, count=count)
+    max_modes = MAX_MODES if len(band_frfs.frfs) == 1 else MAX_MODES_OF_SET
+    fit = find_poles(get_set_lines(band_frfs), max_modes=max_modes, count=count)
     if fit is None:
         return ()
     # a window spreads each line's noise over its neighbours, which then count less
@@ -88,24 +88,30 @@ def shapes_of(band_frfs: FRFSet, count: int | None = None) -> tuple[ModeShape, .
     shapes = []
     for i, p in enumerate(fit.poles):
         residues, errors = fit.residues[:, i], widening * fit.residue_se[:, i]
-        top = int(np.argmax(np.abs(residues)))
-        values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[top]))
-        mode = mode_at(complex(p), complex(residues[top]), values, "rational")
+        largest_point = int(np.argmax(np.abs(residues)))
+        values = (float(se[2 * i]), float(se[2 * i + 1]), float(errors[largest_point]))
+        mode = make_mode(complex(p), complex(residues[largest_point]), values, "rational")
         shapes.append(ModeShape(mode, residues / p**2, errors / abs(p) ** 2, float(fit.misfit[i])))
     return tuple(sorted(shapes, key=lambda shape: -float(np.linalg.norm(shape.residues))))
 
 
-def mode_at(p: complex, residue: complex, errors: tuple[float, float, float], method: str) -> Mode:
+def make_mode(
+    p: complex, residue: complex, errors: tuple[float, float, float], method: str
+) -> Mode:
     """Turn a pole and the accelerance's residue into a mode, errors of sigma and omega and all."""
     sigma_se, omega_se, residue_se = errors
-    size = abs(p)
+    pole_magnitude = abs(p)
     return Mode(
-        frequency=size / (2 * np.pi),
-        damping_ratio=-p.real / size,
+        frequency=pole_magnitude / (2 * np.pi),
+        damping_ratio=-p.real / pole_magnitude,
         residue=residue / p**2,
-        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se)) / size / (2 * np.pi),
-        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se)) * p.imag / size**3,
-        residue_se=residue_se / size**2,
+        frequency_se=float(np.hypot(p.imag * omega_se, p.real * sigma_se))
+        / pole_magnitude
+        / (2 * np.pi),
+        damping_ratio_se=float(np.hypot(p.imag * sigma_se, p.real * omega_se))
+        * p.imag
+        / pole_magnitude**3,
+        residue_se=residue_se / pole_magnitude**2,
         method=str(method),
     )
 
@@ -139,7 +145,7 @@ def find_modes(
         cached_modes: dict[object, tuple[Mode, ...]] = vars(frf).setdefault("_modes", {})
         key = (*band_frfs.frfs[0].frequency[[0, -1]].tolist(), count)
         if key not in cached_modes:
-            cached_modes[key] = tuple(shape.mode for shape in shapes_of(band_frfs, count))
+            cached_modes[key] = tuple(shape.mode for shape in find_mode_shapes(band_frfs, count))
         return cached_modes[key]
     if count not in (None, 1):
         raise DataError(f"method {method.value!r} reads one mode, not {count}; use 'rational'")

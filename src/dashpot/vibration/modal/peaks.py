@@ -41,16 +41,17 @@ class Peak:
     decay: float
 
 
-def run_about(mask: BoolArray, index: int) -> slice:
+def find_run(mask: BoolArray, index: int) -> slice:
     """Return the unbroken run of True about an index."""
     gaps = np.flatnonzero(~mask)
-    left_gaps, right = gaps[gaps < index], gaps[gaps > index]
+    left_gaps, right_gaps = gaps[gaps < index], gaps[gaps > index]
     return slice(
-        int(left_gaps[-1]) + 1 if left_gaps.size else 0, int(right[0]) if right.size else len(mask)
+        int(left_gaps[-1]) + 1 if left_gaps.size else 0,
+        int(right_gaps[0]) if right_gaps.size else len(mask),
     )
 
 
-def mount_band(
+def find_mount_band(
     frequency: FloatArray, accelerance: ComplexArray, sd: FloatArray | None = None
 ) -> tuple[float, float]:
     """Two octaves to either side of where a block on its mounts moves most, Hz.
@@ -63,19 +64,21 @@ def mount_band(
     if sd is not None:
         is_quiet = is_candidate & (sd < 0.3 * np.abs(accelerance))
         is_candidate = is_quiet if is_quiet.sum() >= 8 else is_candidate
-    inner = np.zeros(len(frequency), dtype=bool)
-    inner[1:-1] = (receptance[1:-1] >= receptance[:-2]) & (receptance[1:-1] >= receptance[2:])
-    best, centre = 0.0, None
-    for i in np.flatnonzero(inner & is_candidate)[np.argsort(-receptance[inner & is_candidate])][
-        :20
-    ]:
+    is_inner = np.zeros(len(frequency), dtype=bool)
+    is_inner[1:-1] = (receptance[1:-1] >= receptance[:-2]) & (receptance[1:-1] >= receptance[2:])
+    best, peak_frequency = 0.0, None
+    for i in np.flatnonzero(is_inner & is_candidate)[
+        np.argsort(-receptance[is_inner & is_candidate])
+    ][:20]:
         is_nearby = (frequency > frequency[i] / 2) & (frequency < frequency[i] * 2)
         if receptance[i] > 3 * np.median(receptance[is_nearby]) and receptance[i] > best:
-            best, centre = float(receptance[i]), float(frequency[i])
-    if centre is None:  # a heavily damped mode hardly peaks; its mobility does best
+            best, peak_frequency = float(receptance[i]), float(frequency[i])
+    if peak_frequency is None:  # a heavily damped mode hardly peaks; its mobility does best
         mobility = np.where(is_candidate, np.abs(accelerance) / np.maximum(frequency, 1e-12), 0.0)
-        centre = float(frequency[np.argmax(mobility)])
-    return max(centre / 4, float(frequency[0])), min(centre * 4, float(frequency[-1]))
+        peak_frequency = float(frequency[np.argmax(mobility)])
+    return max(peak_frequency / 4, float(frequency[0])), min(
+        peak_frequency * 4, float(frequency[-1])
+    )
 
 
 def find_peak(frf: FRF) -> Peak:
@@ -101,23 +104,25 @@ def find_peak(frf: FRF) -> Peak:
     s, value = accelerance.s[keep], accelerance.value[keep]
     sd = accelerance.random_sd
     relative = None if sd is None else sd[keep] / np.abs(value)
-    lines = _about_the_peak(np.abs(value))
+    lines = _select_peak_lines(np.abs(value))
     local = None if relative is None else relative[lines]
-    return _parabola(s[lines], s[lines] ** 2 / value[lines], local, frf)
+    return _fit_parabola(s[lines], s[lines] ** 2 / value[lines], local, frf)
 
 
-def _about_the_peak(height: FloatArray) -> slice:
+def _select_peak_lines(height: FloatArray) -> slice:
     """Return the lines of the half-power band, widened to the fewest that hold a parabola."""
-    top = int(np.argmax(height))
-    run = run_about(height > height[top] / np.sqrt(2), top)
-    low = min(max(run.start, top - MAX_LINES // 2), top - MIN_LINES // 2)
-    high = max(min(run.stop - 1, top + MAX_LINES // 2), top + MIN_LINES // 2)
+    peak_line = int(np.argmax(height))
+    run = find_run(height > height[peak_line] / np.sqrt(2), peak_line)
+    low = min(max(run.start, peak_line - MAX_LINES // 2), peak_line - MIN_LINES // 2)
+    high = max(min(run.stop - 1, peak_line + MAX_LINES // 2), peak_line + MIN_LINES // 2)
     low = max(0, min(low, len(height) - MIN_LINES))
     high = min(len(height) - 1, max(high, MIN_LINES - 1))
     return slice(low, high + 1)
 
 
-def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, frf: FRF) -> Peak:
+def _fit_parabola(
+    s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, frf: FRF
+) -> Peak:
     centre = complex(np.mean(s))
     scale = float(np.ptp(s.imag)) / 2
     u = (s - centre) / scale
@@ -137,22 +142,22 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
         height = omega**2 / np.abs(_value(c, np.asarray((1j * omega - centre) / scale)))
         best = int(np.argmax(height))
         span = (omega[1] - omega[0]) * np.array([-1.0, 1.0])
-        peak, top = float(omega[best]), float(height[best])
+        peak, peak_height = float(omega[best]), float(height[best])
         omega = np.linspace(max(first, peak + span[0]), min(last, peak + span[1]), 2001)
-    pole = _pole(c, centre, scale, peak)
+    pole = _compute_pole(c, centre, scale, peak)
     # off the axis, where the pole is, the parabola is known less well than on its lines
-    at = (pole - centre) / scale
-    slope = abs(c[1] + 2 * c[2] * at) / scale
-    row = at ** np.arange(3)
+    scaled_pole = (pole - centre) / scale
+    slope = abs(c[1] + 2 * c[2] * scaled_pole) / scale
+    row = scaled_pole ** np.arange(3)
     error = np.sqrt(max(variance * float((row @ covariance @ row.conj()).real), 0.0)) / slope
     sigma = -pole.real
     step = float(np.median(np.diff(frf.frequency)))
     return Peak(
         frequency=peak / (2 * np.pi),
-        height=top,
+        height=peak_height,
         damping_ratio=float(sigma / abs(pole)),
         frequency_se=float(np.sqrt(variance))
-        * _wander(c, covariance, peak, centre, scale)
+        * _compute_peak_sd(c, covariance, peak, centre, scale)
         / (2 * np.pi),
         damping_se=float(error / peak),
         half_power_lines=float(abs(sigma) / np.pi / step),
@@ -160,7 +165,7 @@ def _parabola(s: ComplexArray, stiffness: ComplexArray, sd: FloatArray | None, f
     )
 
 
-def _wander(
+def _compute_peak_sd(
     c: ComplexArray,
     coefficient_covariance: ComplexArray,
     peak: float,
@@ -179,14 +184,14 @@ def _wander(
     first, second_difference = (u[2] - u[0]) / (2 * step), (u[2] - 2 * u[1] + u[0]) / step**2
     curvature = abs(first) ** 2 + (np.conj(u[1]) * second_difference).real
     change = np.conj(first) * rows[1] + np.conj(u[1]) * (rows[2] - rows[0]) / (2 * step)
-    size = float(np.sqrt(max((change @ coefficient_covariance @ change.conj()).real, 0.0)))
-    return size / max(abs(float(curvature)), np.finfo(float).tiny)
+    peak_sd = float(np.sqrt(max((change @ coefficient_covariance @ change.conj()).real, 0.0)))
+    return peak_sd / max(abs(float(curvature)), np.finfo(float).tiny)
 
 
 def _value(c: ComplexArray, u: ComplexArray) -> ComplexArray:
     return np.asarray(c[0] + u * (c[1] + u * c[2]))
 
 
-def _pole(c: ComplexArray, centre: complex, scale: float, peak: float) -> complex:
+def _compute_pole(c: ComplexArray, centre: complex, scale: float, peak: float) -> complex:
     roots = centre + scale * np.roots(c[::-1])
     return complex(roots[np.argmin(np.abs(roots - 1j * peak))])

@@ -34,17 +34,21 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
     -----
     Allemang and Brown, *A correlation coefficient for modal vector analysis*, IMAC 1982.
     """
-    cross = np.abs(one.conj().T @ other) ** 2
-    size = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(other) ** 2).sum(axis=0))
-    return np.asarray(np.divide(cross, size, out=np.zeros_like(size), where=size > 0))
+    cross_power = np.abs(one.conj().T @ other) ** 2
+    norm_product = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(other) ** 2).sum(axis=0))
+    return np.asarray(
+        np.divide(
+            cross_power, norm_product, out=np.zeros_like(norm_product), where=norm_product > 0
+        )
+    )
 
 
 # FRF lines to be fitted, and the shape of a pole on them.
 
 
 # no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
-FLOOR = 1e-3
-FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
+MIN_LINE_ERROR = 1e-3
+MIN_ERROR_OF_PEAK = 3e-4  # and of the highest line: leakage is modelled that well
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,11 +84,15 @@ class FRFLines:
         pulse: float = 0.0,
     ) -> FRFLines:
         """Return lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
-        size = np.abs(value)
-        top = size.max(axis=1, keepdims=True)
-        error = np.broadcast_to(FLOOR * top, size.shape)
+        magnitude = np.abs(value)
+        largest_magnitude = magnitude.max(axis=1, keepdims=True)
+        error = np.broadcast_to(MIN_LINE_ERROR * largest_magnitude, magnitude.shape)
         if sd is not None:
-            error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
+            error = np.sqrt(
+                sd**2
+                + (MIN_LINE_ERROR * magnitude) ** 2
+                + (MIN_ERROR_OF_PEAK * largest_magnitude) ** 2
+            )
         return cls(s, value, error, record, pulse)
 
     def only(self, keep: BoolArray) -> FRFLines:
@@ -125,9 +133,9 @@ def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArra
 
 
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
-RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
+TRIAL_DAMPING_RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
 MAX_BLOCK_SIZE = 1 << 20  # numbers of a block that is worked on at once
-MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
+MAX_DAMPING = 0.75  # sigma / omega of a mode; beyond it is relaxation
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,13 +174,23 @@ class BackgroundProjection:
         """Poles of much damping all over the band, tried whenever one more is sought."""
         omega = self.lines.s.imag
         frequencies = np.geomspace(omega[0], omega[-1], 16)[1:-1]
-        return scans(self.lines, [(r * at, float(at)) for r in RATIOS[5:] for at in frequencies])
+        return scans(
+            self.lines,
+            [
+                (r * frequency, float(frequency))
+                for r in TRIAL_DAMPING_RATIOS[5:]
+                for frequency in frequencies
+            ],
+        )
 
     def parts(self, columns: int) -> list[slice]:
         """Channels that are solved for at once: as many as a cache of so many columns holds."""
         channels, rows = self.rest.shape
         value = max(1, MAX_BLOCK_SIZE // (rows * max(columns, 1)))
-        return [slice(at, at + value) for at in range(0, channels, value)]
+        return [
+            slice(first_channel, first_channel + value)
+            for first_channel in range(0, channels, value)
+        ]
 
     def remove_background(self, part: slice, columns: ComplexArray) -> FloatArray:
         """Weighted columns of shape (k, n) or (channels, k, n), the background taken off."""
@@ -180,7 +198,7 @@ class BackgroundProjection:
 
 
 class _Residues(NamedTuple):
-    """Best residues of each channel, and what the poles' slopes say besides."""
+    """Best residues of each channel, and their derivatives by the poles."""
 
     residues: ComplexArray  # (channels, modes)
     residuals: FloatArray  # (channels, 2n)
@@ -239,15 +257,18 @@ class PoleTrial:
         c = _multiply(inverse, _multiply(q.swapaxes(1, 2), y))
         residual = y - _multiply(rows, c)
         residues = c[:, 0::2] + 1j * c[:, 1::2]
-        up, lower = (
+        upper_kernel, lower = (
             by[None] * slope
             for by, slope in zip(
                 (residues[..., None], residues[..., None].conj()), self.slopes, strict=True
             )
         )
-        slopes = np.empty((len(c), len(self.theta), up.shape[-1]), complex)
+        slopes = np.empty((len(c), len(self.theta), upper_kernel.shape[-1]), complex)
         sigma, omega = -self.poles.real[:, None], self.poles.imag[:, None]
-        slopes[:, 0::2], slopes[:, 1::2] = (-sigma * (up + lower), 1j * omega * (up - lower))
+        slopes[:, 0::2], slopes[:, 1::2] = (
+            -sigma * (upper_kernel + lower),
+            1j * omega * (upper_kernel - lower),
+        )
         jacobian = self.ground.remove_background(part, slopes)
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
@@ -264,7 +285,7 @@ class PoleTrial:
     @cached_property
     def sse(self) -> float:
         """Sum of squared residuals; infinite where a pole does not oscillate."""
-        if (self.theta[0::2] - self.theta[1::2] >= np.log(MOST_DAMPED)).any():
+        if (self.theta[0::2] - self.theta[1::2] >= np.log(MAX_DAMPING)).any():
             return np.inf
         return float((self.solution.residuals**2).sum())
 
@@ -319,8 +340,8 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     for first in range(0, len(starts), value):
         poles = np.array([complex(-sigma, omega) for sigma, omega in starts[first : first + value]])
         rows = _make_residue_columns(lines, poles).view(float)
-        values, other = rows[0::2], rows[1::2]
-        pairs = ((values, values), (values, other), (other, other))
+        values, omegas = rows[0::2], rows[1::2]
+        pairs = ((values, values), (values, omegas), (omegas, omegas))
         scans.append(Scan(poles, rows, np.array([weights @ (u * v).T for u, v in pairs])))
     return scans
 
@@ -328,9 +349,9 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
 def _make_residue_columns(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """Return what a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
     p = poles[:, None]
-    up, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
+    upper_kernel, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
     pairs = np.empty((2 * len(poles), len(lines.s)), complex)
-    pairs[0::2], pairs[1::2] = up + lower_kernel, 1j * (up - lower_kernel)
+    pairs[0::2], pairs[1::2] = upper_kernel + lower_kernel, 1j * (upper_kernel - lower_kernel)
     return pairs
 
 
@@ -363,11 +384,11 @@ def _multiply(matrix: FloatArray, vector: FloatArray) -> FloatArray:
 # mass line, modes above the band and, as slow real poles, relaxation and modes below it.
 
 
-STEPS = 60
+MAX_STEPS = 60
 STEP_TOLERANCE = 0.2  # variances: what a last step may explain while modes are sought
-NOTHING_NEW = 1e-10  # of a column's square: what rounding leaves of one that is known
-SMALLEST_MODE = 0.01  # of the largest value in the band
-OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
+MIN_NEW_RESIDUAL = 1e-10  # of a column's square: what rounding leaves of one that is known
+MIN_MODE_SHARE = 0.01  # of the largest value in the band
+OUTER_FACTORS = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
 BACKGROUND_FACTOR = 2.0  # beyond which the background says the same
 MAX_MAC = 0.8  # by the modal assurance criterion: two shapes too alike to separate close poles
 
@@ -398,7 +419,7 @@ class PoleFit:
 
 
 def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> PoleFit | None:
-    """Add modes, each where the others leave most, until none is left that matters.
+    """Return the modes: add one at a time where the residual is largest, until none is significant.
 
     Parameters
     ----------
@@ -416,7 +437,7 @@ def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> 
     trial = pole_trial = PoleTrial(BackgroundProjection.from_lines(lines), np.empty(0))
     failures = 0
     for _ in range(count or max_modes):
-        last, trial = trial, _refine(_with_next_pole(trial), STEP_TOLERANCE)
+        last, trial = trial, _refine(_add_next_pole(trial), STEP_TOLERANCE)
         if count is not None or _is_last_supported(trial, last):
             pole_trial, failures = trial, 0
         else:
@@ -427,7 +448,7 @@ def find_poles(lines: FRFLines, *, max_modes: int, count: int | None = None) -> 
     if count is None:
         pole_trial = _prune(pole_trial)
     modes = len(pole_trial.poles)
-    return _finish(_with_outer_poles(pole_trial), modes) if modes else None
+    return _finish(_add_outer_poles(pole_trial), modes) if modes else None
 
 
 def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
@@ -459,24 +480,28 @@ def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
 
     Ends where a step promises no more than `tolerance` variances, as one for each row of the lines.
     """
-    free = np.full(len(trial.theta), np.inf)
-    objective = Objective(lambda theta, _: replace(trial, theta=theta), -free, free)
+    is_free = np.full(len(trial.theta), np.inf)
+    objective = Objective(lambda theta, _: replace(trial, theta=theta), -is_free, is_free)
     cost_tolerance = max(1e-13, tolerance / trial.ground.rest.size)
-    ended = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=STEPS)
-    return trial if ended is None else ended.point
+    descent = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=MAX_STEPS)
+    return trial if descent is None else descent.point
 
 
-def _with_next_pole(trial: PoleTrial) -> PoleTrial:
+def _add_next_pole(trial: PoleTrial) -> PoleTrial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
     lines, omega = trial.ground.lines, trial.ground.lines.s.imag
     missed_power = (trial.misfit * lines.sd**2).sum(axis=0)
-    worst, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
+    worst_line, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
-    starts = [(r * worst, worst + i * step) for r in RATIOS for i in np.linspace(-1.5, 1.5, 7)]
-    return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
+    starts = [
+        (r * worst_line, worst_line + i * step)
+        for r in TRIAL_DAMPING_RATIOS
+        for i in np.linspace(-1.5, 1.5, 7)
+    ]
+    return _add_best_pole(trial, scans(lines, starts) + trial.ground.broad)[0]
 
 
-def _with_best(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
+def _add_best_pole(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
     """Add the pole, of several, that explains most, and say how much that is."""
     gains = np.concatenate([_compute_gains(trial, scan) for scan in candidates])
     best = int(np.argmax(gains))
@@ -486,7 +511,7 @@ def _with_best(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, flo
 
 
 def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
-    """Return what each of these poles, none of them refined, takes off the squared residuals."""
+    """Return the fall of the squared residuals by each of these poles, unrefined."""
     ground, count = trial.ground, len(scan.poles)
     gains = np.zeros(count)
     for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
@@ -496,7 +521,7 @@ def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
         explained = (scan.rows @ values).reshape(count, 2, -1)
         x, y = (scan.rows @ (r * weight)).reshape(-1, 2).T
         a, b, c = scan.squares[:, i]
-        margin = NOTHING_NEW * (a + c)
+        margin = MIN_NEW_RESIDUAL * (a + c)
         a, c = (
             value - (explained[:, k] ** 2).sum(axis=1) + margin for k, value in enumerate((a, c))
         )
@@ -505,24 +530,34 @@ def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     return gains
 
 
-def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
+def _add_outer_poles(trial: PoleTrial) -> PoleTrial:
     """Add poles beyond either end of the band, as background, where they explain what is missed."""
-    omega, size = trial.ground.lines.s.imag, trial.ground.rest.size
+    omega, value_count = trial.ground.lines.s.imag, trial.ground.rest.size
     low, high = float(omega[0]), float(omega[-1])
-    outer_frequencies = [float(at) for by in OUTSIDE for at in (low / by, high * by)]
-    starts = [(ratio * at, at) for at in outer_frequencies for ratio in (0.003, 0.02, 0.1)]
+    outer_frequencies = [
+        float(pole_frequency) for by in OUTER_FACTORS for pole_frequency in (low / by, high * by)
+    ]
+    starts = [
+        (ratio * pole_frequency, pole_frequency)
+        for pole_frequency in outer_frequencies
+        for ratio in (0.003, 0.02, 0.1)
+    ]
     scanned_poles = scans(trial.ground.lines, starts)
     for _ in range(2):
-        refined_trial, gain = _with_best(trial, scanned_poles)
+        refined_trial, gain = _add_best_pole(trial, scanned_poles)
         # a scan shows a part of what a refined pole explains
-        if 10 * gain < trial.sse * _get_least_gain(trial) / size:
+        if 10 * gain < trial.sse * _get_least_gain(trial) / value_count:
             break
         refined_trial = _refine(refined_trial)
-        at = refined_trial.poles[-1].imag
-        excess = low / BACKGROUND_FACTOR < at <= low or high <= at < high * BACKGROUND_FACTOR
+        pole_frequency = refined_trial.poles[-1].imag
+        is_outside = (
+            low / BACKGROUND_FACTOR < pole_frequency <= low
+            or high <= pole_frequency < high * BACKGROUND_FACTOR
+        )
         if (
-            not excess
-            or trial.sse - refined_trial.sse < refined_trial.sse * _get_least_gain(trial) / size
+            not is_outside
+            or trial.sse - refined_trial.sse
+            < refined_trial.sse * _get_least_gain(trial) / value_count
         ):
             break
         trial = refined_trial
@@ -573,7 +608,7 @@ def _count_parameters(channels: FloatArray) -> int:
 
 
 def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
-    """Tell whether the last mode added is one, and explains more than chance would."""
+    """Return whether the last mode is a real one and explains more than chance would."""
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
@@ -585,14 +620,14 @@ def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
 
 
 def _is_mode(trial: PoleTrial, i: int) -> bool:
-    """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
+    """Return whether pole i is in the band, oscillates, decays, is distinct and tall."""
     lines, p = trial.ground.lines, trial.poles[i]
     omega, record = lines.s.imag, lines.record
-    if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
+    if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MAX_DAMPING * p.imag:
         return False
     # what stands on one line is hum: lines are no closer than a record is long
-    longest = record or 2 * np.pi / float(np.median(np.diff(omega)))
-    if -p.real * longest < 1e-2:
+    record_length = record or 2 * np.pi / float(np.median(np.diff(omega)))
+    if -p.real * record_length < 1e-2:
         return False
     residue = np.abs(trial.residues)
     taller = residue.max(axis=0) > residue[:, i].max()
@@ -602,4 +637,4 @@ def _is_mode(trial: PoleTrial, i: int) -> bool:
     if (np.abs(trial.poles - p)[taller & is_similar] < difference).any():
         return False
     height = residue[:, i] * float(np.abs(pole_kernel(lines, p)).max())
-    return bool((height >= SMALLEST_MODE * np.abs(lines.value).max(axis=1)).any())
+    return bool((height >= MIN_MODE_SHARE * np.abs(lines.value).max(axis=1)).any())

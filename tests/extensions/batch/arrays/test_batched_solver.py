@@ -12,7 +12,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import (
     make_hold_family,
     make_recorded_family,
 )
-from dashpot.numerics.design_matrices.recorded_motion import recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_recorded_block
 from dashpot.numerics.exponential_fit import solve
 
 TIME = np.arange(3001) / 100
@@ -151,9 +151,11 @@ def test_more_records_than_a_chunk_and_more_arms_than_the_first_look() -> None:
 def test_batched_solver_accepts_records_without_shared_terms() -> None:
     time = np.sort(np.random.default_rng(1).uniform(0, 20, 400))
     x = np.minimum(time, 1.0)
-    force = np.vstack([recorded_block(time, x, 0 * x).exact.evaluate(np.log([2.0]), False).arms.T])
+    force = np.vstack(
+        [build_recorded_block(time, x, 0 * x).exact.evaluate(np.log([2.0]), False).arms.T]
+    )
     data = force + x + 1e-3 * np.random.default_rng(2).standard_normal((3, 400))
-    many = solve_separately(lambda y: recorded_block(time, x, y), data, 1, fixed_count=1)
+    many = solve_separately(lambda y: build_recorded_block(time, x, y), data, 1, fixed_count=1)
     assert many.converged.all()
     np.testing.assert_allclose(np.exp(many.log_tau), 2.0, rtol=0.02)
     with pytest.raises(DataError, match="uniform grid"):

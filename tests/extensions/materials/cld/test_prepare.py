@@ -12,7 +12,7 @@ from kit.fits import list_failed_checks
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.cld.preprocess import cld
-from dashpot.extensions.materials.strokes import LEAST_STROKE, find_strokes
+from dashpot.extensions.materials.strokes import MIN_STROKE, find_strokes
 
 SPECIMEN = dp.Specimen(length=LENGTH)
 ELASTIC = {"arms": (), "softening": 0.0}
@@ -179,7 +179,7 @@ def test_nothing_pressed_is_refused(still):
 
 @pytest.mark.parametrize(("share", "strokes"), [(0.98, 1), (1.02, 3)])
 def test_a_stroke_is_a_twentieth_of_the_travel(share, strokes):
-    way = np.interp(np.arange(301), [0, 100, 200, 300], [0, 0.5, 0.5 - share * LEAST_STROKE, 1])
+    way = np.interp(np.arange(301), [0, 100, 200, 300], [0, 0.5, 0.5 - share * MIN_STROKE, 1])
     assert len(find_strokes(way, resolution=0.0)) == strokes
 
 

@@ -17,7 +17,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks as csr_checks
 from dashpot.extensions.materials.csr.datamodel import CSRTest
 from dashpot.extensions.materials.csr.fit import fit_aging
-from dashpot.extensions.materials.csr.law import BOUND, AgingLaw
+from dashpot.extensions.materials.csr.law import ONE_SIDED_QUANTILE, AgingLaw
 from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
 from dashpot.extensions.materials.csr.preprocess import collect_readings
 from dashpot.solids.demo_seals import PAPER
@@ -413,7 +413,7 @@ def test_a_fit_is_not_scaled_by_a_limit():
 def test_lower_limit_law_loses_more_and_shifts_each_constant():
     law = replace(LAW, exponent=0.5, covariance=np.diag([4e-6, 0.0, 0.0, 0.0]))
     limit = law.lower_limit()
-    assert limit.physical == pytest.approx(law.physical + BOUND * 2e-3)
+    assert limit.physical == pytest.approx(law.physical + ONE_SIDED_QUANTILE * 2e-3)
     assert limit.life(398.15, 0.5) < law.life(398.15, 0.5)
     assert law._shift_parameter(3, 0.1).exponent == pytest.approx(0.5 * np.exp(0.1))
     assert law._shift_parameter(2, 500.0).activation == pytest.approx(law.activation + 500)

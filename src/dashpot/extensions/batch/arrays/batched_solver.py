@@ -22,7 +22,7 @@ from dashpot.extensions.batch.arrays.grid_search import POINTS, GridSearch
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
 from dashpot.extensions.batch.arrays.simultaneous_descent import descend_together, evaluate_trials
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.data_compression import PLAIN
+from dashpot.numerics.design_matrices.data_compression import MIN_REMAINDER_SHARE
 from dashpot.numerics.exponential_fit import MAX_LN_TAU_SD, Solution, solve
 from dashpot.numerics.log_tau_descent import StackTrial
 
@@ -158,7 +158,7 @@ def _solve_chunk(
     index: IndexArray,
     solutions: ManySolutions,
 ) -> BoolArray:
-    """Descend all records of a chunk; write the ones that leave no doubt, and say which."""
+    """Solve all records of a chunk; store the certain optima, and return which they are."""
     gain = search.gains(reduced)
     point, converged = descend_together(family, *search.best(gain), reduced)
     is_certain = converged & _is_interior_positive(family, point, reduced)
@@ -172,7 +172,7 @@ def _solve_chunk(
         )
         point.put(weak_rows, best)
     q, (_, arms) = family.fixed_count, point.log_tau.shape
-    small = np.flatnonzero(is_certain & (point.sse < PLAIN * reduced.energy))
+    small = np.flatnonzero(is_certain & (point.sse < MIN_REMAINDER_SHARE * reduced.energy))
     if len(small):
         point.put(
             small, evaluate_trials(family, point.log_tau[small], reduced.take(small), exact=True)

@@ -6,13 +6,13 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, block_means
 from dashpot.extensions.batch.arrays.batched_solver import ManySolutions
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.correlated_noise import autocovariance, geyer_cuts
 
 # about so many means stand for a record
 MEANS = 1000
 # records done together: they stay in the cache
-_AT_ONCE = 16
+_BATCH_SIZE = 16
 # a direction that says so much less than the sharpest says nothing
 _SINGULAR = 1e-13
 
@@ -45,8 +45,8 @@ def compute_standard_errors(
     for order in range(arms + 1):
         rows = np.flatnonzero(solutions.order == order)
         columns = np.concatenate(([0], 1 + np.arange(order), 1 + arms + np.arange(order)))
-        for start in range(0, len(rows), _AT_ONCE):
-            part = rows[start : start + _AT_ONCE]
+        for start in range(0, len(rows), _BATCH_SIZE):
+            part = rows[start : start + _BATCH_SIZE]
             jacobian, model = _compute_jacobians(clock, motion, solutions, part, order)
             residual = (forces[part] - model)[:, used_samples]
             errors[np.ix_(part, columns)] = _standard_errors(jacobian[:, :, used_samples], residual)
@@ -62,7 +62,9 @@ def _compute_jacobians(
     jacobian[:, 0] = x
     if not order:
         return jacobian, k_inf * x
-    columns_and_slopes = arm_columns(time, x, np.exp(solutions.log_tau[rows, :order].ravel()))
+    columns_and_slopes = compute_arm_columns(
+        time, x, np.exp(solutions.log_tau[rows, :order].ravel())
+    )
     q, slope = (part.T.reshape(len(rows), order, -1) for part in columns_and_slopes)
     jacobian[:, 1 : 1 + order] = q
     np.multiply(k[:, :, None], slope, out=jacobian[:, 1 + order :])

@@ -27,7 +27,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import (
     shares_correlation,
 )
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 
 # fewer records than this are done sooner one by one than what they share is made
 _STACK = 4
@@ -35,7 +35,7 @@ _STACK = 4
 
 @dataclass(frozen=True, eq=False)
 class BatchErrors(FrozenArrays):
-    """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
+    """Standard errors of many solids; NaN without an arm, infinite if undetermined.
 
     Of the noise alone: what a machine may have done without a trace to a stack of arrays nobody
     says.
@@ -215,7 +215,7 @@ def _make_ideal_family(
             x,
             0,
             slice(None),
-            partial(hold_block, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(build_hold_block, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
             partial(make_hold_family, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
         )
     first = int(np.searchsorted(elapsed, ramp_time))
@@ -224,7 +224,7 @@ def _make_ideal_family(
         x,
         first,
         slice(first, None),
-        partial(hold_block, hold_time, depth=depth, ramp_time=ramp_time),
+        partial(build_hold_block, hold_time, depth=depth, ramp_time=ramp_time),
         partial(make_hold_family, hold_time, depth=depth, ramp_time=ramp_time),
     )
 
@@ -241,7 +241,7 @@ def _build_recorded_motion(clock: FloatArray, x: FloatArray, *, method: str) -> 
         x,
         first,
         slice(None),
-        partial(recorded_block, clock, x, window=window),
+        partial(build_recorded_block, clock, x, window=window),
         partial(make_recorded_family, clock, x, window=window) if shared else None,
     )
 

@@ -54,7 +54,7 @@ class GridSearch:
         return self.log_tau[self.sets[best]], gain[best, np.arange(gain.shape[1])] > 0
 
     def peaks(self, gain: FloatArray, count: int) -> Iterator[tuple[FloatArray, BoolArray]]:
-        """Yield what `best` says of the second, third, ... highest local maximum of each record."""
+        """Yield the result of `best` at the second, third, ... highest maximum of each record."""
         residual = gain * (
             gain >= np.maximum.reduce([gain[item] for item in self.neighbour_sets.T])
         )

@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.numerics.design_matrices.block import DataBlock, stiffnesses
 from dashpot.numerics.design_matrices.data_compression import (
     DataCompression,
-    compression,
+    plan_compression,
     project_values,
     uniform_step,
 )
@@ -26,10 +26,10 @@ from dashpot.numerics.design_matrices.displacement_correlation import (
     correlate_displacement,
     upper_factor,
 )
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 
 #: samples compressed together
-AT_ONCE = 400_000
+BATCH_SIZE = 400_000
 TIMES_PER_FOLD = 9.5
 RANK = 1e-14
 
@@ -42,7 +42,7 @@ class ReducedRecords(NamedTuple):
     energy: FloatArray  # (R,) sum of squares of what the rows hold
 
     def take(self, index: IndexArray | BoolArray) -> ReducedRecords:
-        """Some of the records."""
+        """Return some of the records."""
         return ReducedRecords(
             tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
         )
@@ -78,7 +78,7 @@ class SharedSampling(ABC):
 
     def reduce(self, values: FloatArray) -> ReducedRecords:
         """Reduce records, shape (R, M), a few at a time: they stay in the cache."""
-        records_at_once = max(1, AT_ONCE // values.shape[1])
+        records_at_once = max(1, BATCH_SIZE // values.shape[1])
         parts = [
             self._reduce_records(values[i : i + records_at_once])
             for i in range(0, len(values), records_at_once)
@@ -108,13 +108,13 @@ def make_hold_family(
     time: FloatArray, *, depth: float, ramp_time: float, ramp: bool = False
 ) -> CompressedFamily:
     """Holds after an ideal ramp, or with it
-    (:func:`~dashpot.numerics.design_matrices.recorded_motion.hold_block`).
+    (:func:`~dashpot.numerics.design_matrices.recorded_motion.build_hold_block`).
     """
-    make = partial(hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
+    make = partial(build_hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
     if not ramp:
-        return _make_compressed_family(time, (compression(time),), make)
+        return _make_compressed_family(time, (plan_compression(time),), make)
     first = int(np.searchsorted(time, ramp_time))
-    plans = compression(time[:first]), compression(time[first:] - ramp_time)
+    plans = plan_compression(time[:first]), plan_compression(time[first:] - ramp_time)
     return _make_compressed_family(time, plans, make, second_from=ramp_time)
 
 
@@ -132,7 +132,7 @@ def make_recorded_family(
     x, (start, stop, _) = np.asarray(displacement, dtype=float), window.indices(len(time))
     if not shares_correlation(time, x):
         raise DataError("records share a correlation only on a uniform grid and from x = 0")
-    make = partial(recorded_block, time, x, window=slice(start, stop))
+    make = partial(build_recorded_block, time, x, window=slice(start, stop))
     shared = correlate_displacement(time, x, x[start:stop, None], start=start, stop=stop)
     return RecordedFamily(make, make(np.zeros(len(time))), shared)
 

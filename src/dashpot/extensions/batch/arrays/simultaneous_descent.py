@@ -7,10 +7,10 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
 from dashpot.numerics.least_squares import (
-    FINISHED,
-    LINEAR,
+    FINAL_TOLERANCE,
+    LINEAR_STEP,
     LONGEST_STEP,
-    TAIL,
+    TAIL_CHANGE,
     has_converged,
     is_step_acceptable,
 )
@@ -22,7 +22,7 @@ def evaluate_trials(
 ) -> StackTrial:
     """Return one trial of each record, ln tau (R, N).
 
-    As :func:`~dashpot.numerics.log_tau_descent.point_at`.
+    As :func:`~dashpot.numerics.log_tau_descent.solve_at`.
     """
     q = family.fixed_count
     p = q + log_tau.shape[1]
@@ -62,10 +62,10 @@ def descend_together(
         step = trial - current.log_tau
         change, expected_fall = np.abs(step).max(axis=1), np.abs(np.vecdot(current.gradient, step))
         sse = reduced.floor[active] + current.sse
-        is_finished = (damping[active] < LINEAR) & has_converged(
+        is_finished = (damping[active] < LINEAR_STEP) & has_converged(
             change, last[active], expected_fall, sse
         )
-        is_finished |= change <= FINISHED
+        is_finished |= change <= FINAL_TOLERANCE
         previous_sse = current.sse
         if is_finished.any():
             points.put(active[is_finished], current.take(is_finished).ahead(step[is_finished]))
@@ -77,7 +77,7 @@ def descend_together(
             break
         new = evaluate_trials(family, trial, reduced.take(active))
         is_tail, is_better = (
-            change < TAIL,
+            change < TAIL_CHANGE,
             is_step_acceptable(new.sse, previous_sse, change, rounding[active]),
         )
         improved = active[is_better]

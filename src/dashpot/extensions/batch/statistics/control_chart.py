@@ -17,7 +17,7 @@ D2 = 1.128
 """Mean range of two normal values, in standard deviations."""
 _D4 = 3.267
 """Upper control limit of ranges of two, in mean ranges."""
-CHANCE = 0.015
+SIGNIFICANCE_LEVEL = 0.015
 """Part of the points of a chart of what is in control that break a rule all the same: measured, on
 charts of 5 to 200 values whose limits are their own."""
 MIN_POINTS = 25
@@ -77,12 +77,12 @@ class Chart(Serialisable):
 
 
 def compute_chance_limit(points: int) -> float:
-    """Return how many of so many points break a rule at most where nothing but chance does it.
+    """Return the largest number of points that break a rule by chance.
 
     Points of one run come together, so their number scatters by the root of twice its mean; three
     of those above it are met by one chart in sixty or fewer.
     """
-    return CHANCE * points + 3 * math.sqrt(2 * CHANCE * points)
+    return SIGNIFICANCE_LEVEL * points + 3 * math.sqrt(2 * SIGNIFICANCE_LEVEL * points)
 
 
 def chart_individuals(values: FloatArray) -> tuple[Chart, Chart]:

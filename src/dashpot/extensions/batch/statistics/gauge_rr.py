@@ -13,10 +13,10 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 
-POOLED = 0.25
+POOLING_P_VALUE = 0.25
 """P-value above which an interaction counts as repeatability (Montgomery, Design and Analysis of
 Experiments, section 13.3; AIAG asks for more evidence of one)."""
-DISTINCT = 1.41
+CATEGORY_FACTOR = 1.41
 """Confidence intervals of the gauge in a standard deviation of parts (AIAG, MSA, 4th ed.)."""
 GOOD_SHARE, LIMIT = 0.10, 0.30
 """Share of the total deviation below which a gauge is good, and above which it is not (AIAG)."""
@@ -94,7 +94,7 @@ class Gauge:
     @property
     def is_pooled(self) -> bool:
         """Whether the interaction was tried and counts as repeatability."""
-        return self.interaction_p is not None and self.interaction_p > POOLED
+        return self.interaction_p is not None and self.interaction_p > POOLING_P_VALUE
 
 
 _Variances: TypeAlias = dict[str, FloatArray]
@@ -167,7 +167,7 @@ def gauge(
         )
         for name in entries
     )
-    categories = DISTINCT * _compute_ratio(entries["part"], entries["gauge"])
+    categories = CATEGORY_FACTOR * _compute_ratio(entries["part"], entries["gauge"])
     return Gauge(
         count,
         len(names),
@@ -175,7 +175,7 @@ def gauge(
         len(x) - value_count,
         variations,
         categories,
-        compute_interval(DISTINCT * _compute_ratios(intervals["part"], intervals["gauge"])),
+        compute_interval(CATEGORY_FACTOR * _compute_ratios(intervals["part"], intervals["gauge"])),
         p_value,
     )
 
@@ -257,7 +257,7 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
     freedom = np.array([p * o * (r - 1), (p - 1) * (o - 1), o - 1, p - 1])
     square = sums / freedom
     p_value = float(f.sf(square[1] / square[0], freedom[1], freedom[0])) if square[0] > 0 else 0.0
-    if p_value > POOLED:
+    if p_value > POOLING_P_VALUE:
         pooled_variance = sums[:2].sum() / freedom[:2].sum()
 
         def solve_pooled_variances(square: FloatArray) -> _Variances:
@@ -283,7 +283,7 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 
 
 def _add_variance_totals(variances: _Variances, part: FloatArray) -> _Variances:
-    """Return the variances none of which is below 0, with those of the gauge and of all."""
+    """Return the variances, at least 0, with those of the gauge and in total."""
     entries = {name: np.maximum(values, 0.0) for name, values in variances.items()}
     of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
     return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 
 Ends: TypeAlias = tuple[float, float]
 _Index: TypeAlias = tuple[float | None, Ends | None]
-_SUSPECT = 0.05
+_NORMALITY_P_VALUE = 0.05
 """Below it normal values are rare."""
 _MAX_EXACT_INDEX = 30.0
 """An index beyond which the mean's scatter is nothing beside the deviation's, and scipy 1.17's
@@ -73,7 +73,7 @@ class Capability:
     @property
     def suspect(self) -> bool:
         """Whether the values are hardly normal, so that Cp and Cpk say little."""
-        return self.normal is not None and self.normal < _SUSPECT
+        return self.normal is not None and self.normal < _NORMALITY_P_VALUE
 
 
 def capability(
@@ -107,7 +107,7 @@ def capability(
     from scipy.stats import shapiro  # few need it, and it costs time to import
 
     mean, deviation = float(x.mean()), float(x.std(ddof=1))
-    outside = int(np.count_nonzero((x < low) | (x > high)))
+    is_outside = int(np.count_nonzero((x < low) | (x > high)))
     scatters = deviation > 1e-12 * abs(mean)
     unknown: _Index = (None, None)
     cp, cpk = unknown, unknown
@@ -115,7 +115,7 @@ def capability(
         cp, cpk = _compute_indices(mean, deviation, low, high, n=len(x), level=level)
     return Capability(
         len(x), mean, deviation, lower, upper, *cp, *cpk,
-        outside, share_interval(outside, len(x), level),
+        is_outside, share_interval(is_outside, len(x), level),
         float(shapiro(x).pvalue) if scatters and len(x) > 2 else None,
     )  # fmt: skip
 
@@ -154,7 +154,7 @@ def _find_true_index(index: float, n: int, tail_probability: float) -> float:
 
 
 def share_interval(count: int, total: int, level: float = 0.95) -> Ends:
-    """Return the exact interval of a share of which `count` of so many were seen."""
+    """Return the exact interval of a share by `count` occurrences."""
     from scipy.stats import beta
 
     tail_probability = (1 - level) / 2

@@ -50,7 +50,7 @@ class Difference:
 
     @property
     def different(self) -> bool:
-        """Whether chance alone gives such a difference in fewer than 5 % of trials."""
+        """Whether chance gives such a difference in fewer than 5 % of trials."""
         return self.p_value < SIGNIFICANCE
 
 

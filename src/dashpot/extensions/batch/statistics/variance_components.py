@@ -23,7 +23,7 @@ _EFFICIENCY = 0.5
 """Degrees of freedom of a median absolute deviation, for each value but one; a little careful."""
 NOT_NORMAL = 0.25
 """Probability by Shapiro and Wilk below which values are not taken for normal ones: few show it."""
-_FEWEST = 6
+_MIN_COUNT = 6
 """Values whose kurtosis is asked."""
 _OF_THREE = 2 / 3
 """Degrees of freedom of a value where each mean is of three."""
@@ -78,12 +78,12 @@ class _Stratum:
     away: FloatArray  # of each value from its own mean
 
     def normal(self) -> float | None:
-        """Probability of such values if they were normal; None where they are too few to test."""
+        """P-value of a test for normality; None if there are too few values."""
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
         single = self.freedom < _OF_THREE * len(self.away)
-        if single or len(self.away) < _FEWEST or not np.ptp(self.away) > 0:
+        if single or len(self.away) < _MIN_COUNT or not np.ptp(self.away) > 0:
             return None
         return float(shapiro(self.away).pvalue)
 
@@ -109,8 +109,8 @@ class _Stratum:
         d, count = self.away, len(self.away)
         z = NormalDist().inv_cdf((1 + level) / 2)
         trimmed_count = int(count / (2 * np.sqrt(count - 4)))
-        middle = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
-        kurtosis = count * float(np.sum((d - middle) ** 4)) / float(np.sum(d**2)) ** 2
+        mean_value = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
+        kurtosis = count * float(np.sum((d - mean_value) ** 4)) / float(np.sum(d**2)) ** 2
         c = count / (count - z)
         half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
         return float(c * np.exp(-half_width)), float(c * np.exp(half_width))
@@ -243,7 +243,7 @@ def _compute_difference_limits(
 
 
 def _split(component: Component, fit: float) -> tuple[Component, Component]:
-    """Return what repeats scatter beyond what their fits know, and that."""
+    """Return the variance between repeats beyond that of their fits, and the latter."""
     assert component.interval is not None  # noqa: S101
     low, high = (max(end - fit, 0.0) for end in component.interval)
     remainder = max(component.variance - fit, 0.0)

@@ -10,9 +10,9 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.number_format import round_to_error
 from dashpot.extensions.curves.checks import MAX_MISFIT
-from dashpot.fitting.checks.relaxation import largest_rms
+from dashpot.fitting.checks.relaxation import find_largest_rms
 from dashpot.fitting.checks.solid import format_arm_count
-from dashpot.preprocessing.checks import MAX_FROZEN, MAX_PRELOAD
+from dashpot.preprocessing.checks import MAX_FROZEN_SHARE, MAX_PRELOAD
 from dashpot.preprocessing.contact import MIN_BASELINE
 from dashpot.signals.stuck_channel import find_stuck_runs
 
@@ -30,13 +30,13 @@ MAX_TO_COME = 0.05
 # a difference of BIC below which two solids are as good
 MIN_BIC_DIFFERENCE = 10.0
 # a displacement missed by so many times its noise is not followed
-MISSED, NOT_FOLLOWED = 2.0, 10.0
+MAX_MISFIT_RATIO, GROSS_MISFIT_RATIO = 2.0, 10.0
 # of the displacement at the end of a hold: a flow of less may be a slow retardation
-FLOWED = 0.5
+MIN_FLOW_SHARE = 0.5
 # times what a channel usually drifts
-DRIFTS = 2.0
+MAX_DRIFT_RATIO = 2.0
 # of the travel: a misfit below it does not matter
-FINE_ENOUGH = 1e-3
+NEGLIGIBLE_MISFIT = 1e-3
 # a departure from proportion at the highest level that matters, and how surely
 MAX_NONLINEARITY, SIGNIFICANT_SE = 0.03, 3.0
 
@@ -77,7 +77,7 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
 
 
 @criterion(
-    "part of the hold", "<=", MAX_FROZEN, "our choice: a shorter stretch changes no stiffness"
+    "part of the hold", "<=", MAX_FROZEN_SHARE, "our choice: a shorter stretch changes no stiffness"
 )
 def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
     """The displacement is a new reading in each row while the load is held.
@@ -92,12 +92,12 @@ def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) 
     if not len(runs):
         return Finding("The displacement stands at no value while it should scatter or change", 0.0)
     first, last = runs[np.argmax(np.diff(runs)[:, 0])]
-    share = float(np.sum(np.diff(runs) + 1)) / len(x)
+    ratio = float(np.sum(np.diff(runs) + 1)) / len(x)
     return Finding(
         f"The displacement has one and the same value for {last - first + 1} samples, from "
         f"{time[first]:.4g} to {time[last]:.4g} s",
-        share,
-        f"Its other samples rule that out: it was not read for {100 * share:.2g} % of the hold",
+        ratio,
+        f"Its other samples rule that out: it was not read for {100 * ratio:.2g} % of the hold",
         "Repeat the test.",
     )
 
@@ -175,23 +175,28 @@ def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None)
 
 
 @criterion(
-    "flow / displacement at the end", ">=", FLOWED, "our choice: a slow retardation shows less"
+    "flow / displacement at the end",
+    ">=",
+    MIN_FLOW_SHARE,
+    "our choice: a slow retardation shows less",
 )
 def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
     """The fitted flow moved the part by more than slow retardation would have.
 
     `hold` is in s.
     """
-    share = creep.flow * hold / float(creep.compliance(hold))
+    ratio = creep.flow * hold / float(creep.compliance(hold))
     return Finding(
-        f"{100 * share:.2g} % of the displacement at the end is flow",
-        share,
+        f"{100 * ratio:.2g} % of the displacement at the end is flow",
+        ratio,
         "A part that comes to rest after the record ends looks the same, so k_inf may be above 0",
         "Hold longer, or record a recovery.",
     )
 
 
-@criterion("drift / usual drift of a channel", "<=", DRIFTS, "our choice; two standard deviations")
+@criterion(
+    "drift / usual drift of a channel", "<=", MAX_DRIFT_RATIO, "our choice; two standard deviations"
+)
 def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported: bool) -> Finding:
     """The fitted drift of the displacement is too small to be flow of the part.
 
@@ -208,7 +213,11 @@ def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported:
 
 
 @criterion(
-    "smooth misfit / noise", "<=", MISSED, "our choice", other_grade=f"stop beyond {NOT_FOLLOWED:g}"
+    "smooth misfit / noise",
+    "<=",
+    MAX_MISFIT_RATIO,
+    "our choice",
+    other_grade=f"stop beyond {GROSS_MISFIT_RATIO:g}",
 )
 def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding:
     """The model fits the displacement to within its noise.
@@ -217,7 +226,7 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
     """
     misfit, location_text = _find_worst_part(test, residual)
     travel = float(np.ptp(test.displacement))
-    noise = max(test.displacement_noise, FINE_ENOUGH * travel)
+    noise = max(test.displacement_noise, NEGLIGIBLE_MISFIT * travel)
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
         f"The model misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
@@ -226,7 +235,7 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
         "Stiffening, slip, lost contact or another temperature may cause this. The arms mean "
         "nothing then",
         "Check the fixture, and repeat the test.",
-        grade="stop" if ratio > NOT_FOLLOWED else None,
+        grade="stop" if ratio > GROSS_MISFIT_RATIO else None,
     )
 
 
@@ -271,4 +280,4 @@ def _find_worst_part(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
         ("in the hold", (time > settled_time) & (time <= test.hold_end)),
         ("after the hold", time > test.hold_end),
     )
-    return largest_rms(residual, parts)
+    return find_largest_rms(residual, parts)

@@ -19,7 +19,7 @@ from dashpot.extensions.curves.datamodel.creep import (
 # values per decade of time, each the mean of what was recorded between two of them
 _PER_DECADE = 10
 # a value is the mean of so many samples at least, and a curve has so many values
-_MIN_SAMPLES, _FEWEST = 4, 5
+_MIN_SAMPLES, _MIN_COUNT = 4, 5
 # times shorter than this part of the ramp are those of the ramp, not of the part
 _OF_THE_RAMP = 1.0
 
@@ -67,7 +67,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     record = load_hold(test) if isinstance(test, CreepTest) else test
     fit = fit_creep(record)
     remainder = record.displacement - fitted_displacement(fit, record)
-    if not estimate_preload_baseline(record).knows_drift:
+    if not estimate_preload_baseline(record).has_measured_drift:
         drift = sum(
             nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "drift"
         )
@@ -82,10 +82,11 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     counts = np.bincount(bin_index, minlength=len(bin_edges) + 1)
     filled_bins = np.flatnonzero(counts >= _MIN_SAMPLES)
     filled_bins = filled_bins[filled_bins > 0]
-    if len(filled_bins) < _FEWEST:
+    if len(filled_bins) < _MIN_COUNT:
         raise FitError(
             f"the hold of {record.hold_time:.3g} s after a ramp of {record.ramp_time:.3g} s gives "
-            f"{len(filled_bins)} values of a compliance; expected at least {_FEWEST}: hold longer"
+            f"{len(filled_bins)} values of a compliance; expected at least "
+            f"{_MIN_COUNT}: hold longer"
         )
     time, mean = (
         np.bincount(bin_index, values, minlength=len(counts))[filled_bins] / counts[filled_bins]

@@ -15,7 +15,7 @@ from dashpot.plot.plotted_data import (
     compute_padded_limits,
     downsample_to_extremes,
     format_fit_stamp,
-    unit_of,
+    select_plot_unit,
 )
 
 TIME_LABEL = "time since the load began, s"
@@ -32,12 +32,16 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    panels = _make_curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
+    panels = (
+        _make_curve(fit, data)
+        if isinstance(data, CreepCompliance)
+        else _make_test_panels(fit, data)
+    )
     caption = "Creep: measured, the fit to it, and what that leaves."
     return Picture("creep", caption, (panels,), 1, stamp or format_fit_stamp(fit))
 
 
-def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
+def _make_test_panels(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     time_since_onset = data.time - data.onset
     first = max(float(np.diff(data.time).min()), 1e-3 * data.hold_time)
     is_shown = time_since_onset >= first
@@ -47,8 +51,8 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         fitted_displacement(fit, data)[is_shown],
     )
     if data.unit == "N/m":
-        word, scale = unit_of(measured, "m")
-        label = f"displacement, {word}"
+        unit, scale = select_plot_unit(measured, "m")
+        label = f"displacement, {unit}"
     else:
         scale, label = 100.0, "strain, %"
     horizontal = Scale(TIME_LABEL, (first, float(t[-1])), log=True)
@@ -63,13 +67,13 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         height=240,
     )  # fmt: skip
     residual = measured - fitted_values
-    word, small = unit_of(residual, "m") if data.unit == "N/m" else ("%", 100.0)
-    x, y = downsample_to_extremes(t, small * residual, bins=350, log=True)
-    rms = round_to_error(small * fit.estimate.residual.rms)
+    unit, residual_scale = select_plot_unit(residual, "m") if data.unit == "N/m" else ("%", 100.0)
+    x, y = downsample_to_extremes(t, residual_scale * residual, bins=350, log=True)
+    rms = round_to_error(residual_scale * fit.estimate.residual.rms)
     lower = Panel(
-        horizontal, Scale(f"residual, {word}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
+        horizontal, Scale(f"residual, {unit}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),
-        height=90, note=f"rms {rms} {word}",
+        height=90, note=f"rms {rms} {unit}",
     )  # fmt: skip
     return upper, lower
 

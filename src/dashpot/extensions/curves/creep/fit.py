@@ -22,14 +22,14 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.plain_text import decapitalise_sentence
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.units import format_quantity
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Nuisance
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.curves.checks import plateau_determined
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.creep.load_noise import load_rows
@@ -64,7 +64,12 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
     valid_band_exists,
 )
-from dashpot.fitting.data_blocks import NUISANCE, FitData, max_determinable_arms, regularise_clock
+from dashpot.fitting.data_blocks import (
+    NUISANCE_NAMES,
+    FitData,
+    max_determinable_arms,
+    regularise_clock,
+)
 from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.nonlinear_ramp.checks import clocks_agree
@@ -80,7 +85,7 @@ from dashpot.fitting.parameter_errors import SolutionEstimate, estimate_covarian
 from dashpot.fitting.relaxation_likelihood import estimate_noise_power
 from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.recorded_motion import hold_block, recorded_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 from dashpot.numerics.exponential_fit import Solution, solve
 from dashpot.numerics.inference.model_order import MIN_K_OVER_SE, bic, significant
 from dashpot.preprocessing.checks import check_temperature
@@ -90,13 +95,13 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # retardations of the first solution, which gives the velocity
 _FIRST_ORDER = 2
-_FEWEST = 5
+_MIN_COUNT = 5
 # retardations faster than so many times what the load resolves are none
-_RESOLVED = 4.0
+_RESOLUTION_RATIO = 4.0
 # a load is in step to this part of a sample; it is moved so often, and by so many sd at most
 _IN_STEP, _MAX_SHIFTS, _MAX_SHIFT_SD = 0.1, 4, 4.0
 #: largest angle, omega times the step of the clock, at which a creep test shows the loss
-SAMPLED = 0.1
+MAX_SAMPLING_ANGLE = 0.1
 # so many sd of a delay before the load the displacement is sure to rest
 _REST_SD = 2.0
 # a drift is known from the samples before the load where its sd is below this part of the usual
@@ -154,7 +159,7 @@ def fit_creep(
     if isinstance(test, Superposition):
         return _fit_master_curve(test, options)
     if isinstance(test, CreepCompliance):
-        origin = UnshiftedCurve(sources_of([test]))
+        origin = UnshiftedCurve(list_sources([test]))
         return _fit_curve(test, origin, options)
     record = load_hold(test) if isinstance(test, CreepTest) else test
     record, retardation = _align_load(record, options)
@@ -185,8 +190,8 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
 def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
     """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
-        select_order(_build_data(record, flows=flows), item)
-        for flows, item in _list_candidates(options)
+        select_order(_build_data(record, flows=flows), candidate_options)
+        for flows, candidate_options in _list_candidates(options)
     ]
     return _choose_by_bic([_add_load_errors(record, selection) for selection in selections])
 
@@ -208,7 +213,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     time = regularise_clock(record.time - record.time[0])
     window = slice(baseline.first, None)
     block = make_retardation_block(
-        recorded_block(
+        build_recorded_block(
             time, record.load, record.displacement, window=window,
             offset="offset", drift="drift", k_inf=GLASS,
         ),
@@ -216,14 +221,14 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
     if flows:
         block = block.with_column(FLOW, _integrate_load(time, record.load)[window])
-    rough = solve(
+    rough_solution = solve(
         [block, *_limit_parameters(block, baseline)],
         min(_FIRST_ORDER, max_determinable_arms([block])),
     )
-    block = block.with_column("delay", _compute_delay_column(block, rough, time[window]))
+    block = block.with_column("delay", _compute_delay_column(block, rough_solution, time[window]))
     # what is faster than the load is known answers its noise
     shortest, longest = block.window
-    block = replace(block, window=(max(shortest, _RESOLVED * record.resolution), longest))
+    block = replace(block, window=(max(shortest, _RESOLUTION_RATIO * record.resolution), longest))
     return FitData(
         [block], [block.exact], in_time=True,
         bind=partial(_limit_parameters, block, baseline),
@@ -249,7 +254,7 @@ class _PreloadBaseline(NamedTuple):
         return NuisanceTerms(priors, -self.at, self.least)
 
     @property
-    def knows_drift(self) -> bool:
+    def has_measured_drift(self) -> bool:
         """Whether these samples, and not what is usual, determine the drift."""
         return self.drift.sd < _KNOWN_DRIFT * self.default_drift
 
@@ -264,15 +269,15 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     # the displacement may have moved before the force shows it
     first = int(np.searchsorted(record.time, record.onset - _REST_SD * delay_prior.sd))
     travel = float(np.ptp(x))
-    count = quantum(x)
+    count = find_quantum(x)
     noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     max_travel, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
-    unmeasured = noise if for_limits else None
-    default_drift = Machine().drift_sd(max_travel, duration, unmeasured)
+    limit_noise = noise if for_limits else None
+    default_drift = Machine().drift_sd(max_travel, duration, limit_noise)
     slope = Prior(0.0, np.inf)
-    if first >= _FEWEST:
-        offset, at, slope = estimate_channel_zero(
+    if first >= _MIN_COUNT:
+        offset, baseline_time, slope = estimate_channel_zero(
             time[:first], x[:first], record.displacement_noise
         )
         # a reading that stands on one count hides a part of the next
@@ -281,12 +286,12 @@ def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> 
     else:
         # under load from the first sample on, the channel's own zero is all there is
         is_preloaded = abs(record.load[0]) > 0.5 * record.level
-        offset, at, first = Prior(0.0 if is_preloaded else float(x[0]), noise), 0.0, 0
-    drift = Prior(*Machine().combine_drift(slope, max_travel, duration, unmeasured))
+        offset, baseline_time, first = Prior(0.0 if is_preloaded else float(x[0]), noise), 0.0, 0
+    drift = Prior(*Machine().combine_drift(slope, max_travel, duration, limit_noise))
     # of the load that was moved already, what is left
     delay = Prior(-record.lead, delay_prior.sd)
     return _PreloadBaseline(
-        offset, at, drift, delay, first, noise, ROUNDING * travel, default_drift
+        offset, baseline_time, drift, delay, first, noise, ROUNDING * travel, default_drift
     )
 
 
@@ -306,7 +311,9 @@ def _integrate_load(time: FloatArray, load: FloatArray) -> FloatArray:
 def _compute_response(block: DataBlock, solution: Solution) -> FloatArray:
     """Return the displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
-    fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
+    fixed = [
+        0.0 if name in NUISANCE_NAMES else solution.coefficient(name) for name in block.fixed_names
+    ]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
@@ -331,10 +338,10 @@ def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
             rounding_sse=rounding_sse,
         )
         scores.append(checked if _is_flow_significant(model) else np.inf)
-    best = int(np.argmin(scores))
-    other_scores = [score for i, score in enumerate(scores) if i != best]
-    alternative = other_scores[0] - scores[best] if other_scores else None
-    model = selections[best]
+    best_index = int(np.argmin(scores))
+    other_scores = [score for i, score in enumerate(scores) if i != best_index]
+    alternative = other_scores[0] - scores[best_index] if other_scores else None
+    model = selections[best_index]
     choice = model.choice
     if choice is not None and FLOW in model.solution.fixed_names:  # a flow makes one more arm
         arm_numbers = (choice.arms + 1, choice.by_bic + 1, choice.by_significance + 1)
@@ -364,7 +371,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing shows the loss there
-    resolved = SAMPLED / (2 * np.pi * float(np.median(np.diff(record.time))))
+    resolved = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
     band = (band[0], max(min(band[1], resolved), band[0]))
     end, band, error = _limit_end_of_test(record, retardation, band)
     word = "m" if record.unit == "N/m" else "1"
@@ -396,7 +403,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         ),
         Provenance(
             "creep",
-            sources_of([record]),
+            list_sources([record]),
             (
                 *record.steps,
                 *_make_lead_steps(record),
@@ -512,7 +519,7 @@ def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     drift = retardation.solution.coefficient("drift")
     return [
         checks.drift_distinguished_from_flow(
-            drift, baseline.default_drift, reported=baseline.knows_drift
+            drift, baseline.default_drift, reported=baseline.has_measured_drift
         )
     ]
 
@@ -715,6 +722,6 @@ def _make_curve_block(
     *,
     flows: bool,
 ) -> DataBlock:
-    block = hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
+    block = build_hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
     block = make_retardation_block(replace(block, window=(window[0], 10 * window[1])), GLASS)
     return block.with_column(FLOW, weight * t) if flows else block

@@ -11,16 +11,16 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.datamodel.creep import MAX_CORNERS, CreepTest, LoadHold
 from dashpot.preprocessing.checks import check_machine, check_temperature, clock_steady
-from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.noise import remove_spikes, scatter
 from dashpot.signals.segments import find_cycles, find_segments
 
-_FEWEST = 8
+_MIN_COUNT = 8
 # steps and tolerance of the search for the times of corners
 _STEPS, _PART, _CORNER_TOLERANCE = 20, 0.3, 1e-9
 # a mean of white noise is hardly ever so many standard deviations off, and seldom so many
@@ -68,7 +68,7 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="a creep test")
     file_name = test.source.file if test.source is not None else "the record"
-    force = without_spikes(test.time, test.force)
+    force = remove_spikes(test.time, test.force)
     held_load = _find_longest_hold(test.time, force, file_name)
     preload_force = held_load.turn * test.force - held_load.preload
     noise = _estimate_force_noise(test.time, test.force, held_load)
@@ -103,7 +103,9 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
         checks.load_held(record),
         checks.displacement_samples_not_repeated(record, test.displacement),
         clock_steady(record),
-        *check_machine(sources_of([test]), record.level / float(np.abs(record.displacement).max())),
+        *check_machine(
+            list_sources([test]), record.level / float(np.abs(record.displacement).max())
+        ),
         *check_temperature(test.specimen),
     )
     return replace(record, checks=all_checks)
@@ -136,9 +138,9 @@ def _find_cycle(time: FloatArray, force: FloatArray, sign: int) -> _HeldLoad | N
     cycle, hold = max(cycle_holds, key=lambda pair: pair[1].duration)
     force_before = force[: cycle.ramp.first + 1]
     # a record that begins on its load ramp begins at its first reading
-    preload = median(force_before) if len(force_before) >= _FEWEST else float(force[0])
+    preload = median(force_before) if len(force_before) >= _MIN_COUNT else float(force[0])
     level = hold.level - preload
-    if not level > 0 or hold.last - hold.first < _FEWEST:
+    if not level > 0 or hold.last - hold.first < _MIN_COUNT:
         return None
     hold_index = cycle.segments.index(hold)
     ramp = cycle.segments[hold_index - 1]
@@ -223,7 +225,7 @@ def _remove_load_noise(
     each part is straight to its noise, and those parts are quartered: what a line then misses of
     the curve is a sixteenth of what noise would hide.
     """
-    noise_level = max(noise, quantum(force) * OF_A_COUNT)
+    noise_level = max(noise, find_quantum(force) * OF_A_COUNT)
     if noise_level <= _EXACT * float(np.ptp(force)):
         return force, np.zeros(0), np.zeros(0)
     corners = _fit_corner_times(time, force)
@@ -274,9 +276,9 @@ def _insert_corners(
                 pieces = min(_QUARTERS, len(t) // _MIN_READINGS)
                 arrays.append(np.linspace(low, high, pieces + 1))
             continue
-        middle = (low + high) / 2
-        stack += [(middle, high), (low, middle)]
-        arrays.append(np.array([middle]))
+        midpoint = (low + high) / 2
+        stack += [(midpoint, high), (low, midpoint)]
+        arrays.append(np.array([midpoint]))
     return distinct(np.concatenate(arrays))
 
 

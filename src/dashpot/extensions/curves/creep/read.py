@@ -21,7 +21,7 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.cleaning import since_the_step
+from dashpot.reading.readers.cleaning import assign_time_since_step
 from dashpot.reading.readers.header_metadata import add_specimen_temperature
 from dashpot.reading.readers.relaxation import load_signals
 
@@ -121,7 +121,7 @@ def _refuse_sizes(
 def _read_curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepCompliance:
     """A compliance over time, where a column of temperature says several, at each of them."""
     curve = assign(file.table, "creep_compliance", file.options)
-    columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
+    columns = channels.answered(file, [assign_time_since_step(file.table, file.options), curve])
     channels_chosen, values, temperature, notes = read_over_time(file, columns)
     return CreepCompliance(
         values["time"],

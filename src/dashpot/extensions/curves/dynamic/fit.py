@@ -13,7 +13,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyOption, require_choice
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -63,8 +63,8 @@ from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_options import FitOptions, checked_family, require_maxwell_family
 from dashpot.fitting.fractional_model.family_selection import (
     FractionalFit,
-    chosen_family,
     describe_fit,
+    select_family,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
@@ -130,9 +130,9 @@ BY_SWEEPS = "a sweep to higher frequencies or a colder one"
 Weights: TypeAlias = Literal["relative", "modulus"]
 
 # an arm so much faster than a sweep is a dashpot to it
-_FASTER = 30.0
+_DASHPOT_RATIO = 30.0
 # and so much slower one still adds a loss to its lowest lines
-_SLOWER = 1000.0
+_SLOW_ARM_RATIO = 1000.0
 # weights of one temperature, and of several
 _USUAL_WEIGHTS: tuple[Weights, Weights] = ("relative", "modulus")
 
@@ -217,7 +217,7 @@ def fit_dynamic(
     selection = select_order(
         _stack_parts(sets), FitOptions(arms, max_arms=max_arms, thorough=thorough)
     )
-    family_choice = chosen_family(selection, family)
+    family_choice = select_family(selection, family)
     selection = family_choice.best
     band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
     end, band_error = None, None
@@ -271,8 +271,8 @@ def fit_dynamic(
         ),
         Provenance(
             "dynamic",
-            (*origin.sources, *sources_of(records)),
-            (*origin.steps, *steps_of(records), _make_step(data, records, selection, options)),
+            (*origin.sources, *list_sources(records)),
+            (*origin.steps, *list_steps(records), _make_step(data, records, selection, options)),
             data.specimen,
         ),
         unit=data.unit,
@@ -343,7 +343,7 @@ def _select_one_temperature(
     if temperature is not None:
         data = data.select_temperature(temperature)
     data = data.only(np.argsort(data.frequency, kind="stable"))
-    return data, UnshiftedCurve(sources_of([data]), (storage_rises(data),))
+    return data, UnshiftedCurve(list_sources([data]), (storage_rises(data),))
 
 
 def _validate_temperature_options(family: str, records: Sequence[RampHold]) -> None:
@@ -448,7 +448,10 @@ def _weight_sweep(data: DynamicTest, sweep: _Set) -> CurveData | None:
     """Return the lines of a sweep with their errors; None if they are few."""
     if len(data.frequency) < MIN_FREE_POINTS:
         return None
-    window = 1 / (_FASTER * float(data.omega.max())), _SLOWER / float(data.omega.min())
+    window = (
+        1 / (_DASHPOT_RATIO * float(data.omega.max())),
+        _SLOW_ARM_RATIO / float(data.omega.min()),
+    )
     return weight_curve(sweep.block, data.frequency, window=window)
 
 
@@ -491,10 +494,12 @@ def _compute_misfit_in_band(
     in_band = (data.frequency >= band[0]) & (data.frequency <= band[1])
     K, measured = solid.complex_stiffness(omega=data.omega), data.value
     is_compared = in_band & (data.loss > 0)
-    size = np.abs(np.abs(K) / np.abs(measured) - 1)
+    magnitude = np.abs(np.abs(K) / np.abs(measured) - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         loss = np.abs((K.imag / K.real) / (measured.imag / measured.real) - 1)
-    return float(np.max(size[in_band], initial=0.0)), float(np.max(loss[is_compared], initial=0.0))
+    return float(np.max(magnitude[in_band], initial=0.0)), float(
+        np.max(loss[is_compared], initial=0.0)
+    )
 
 
 def _run_checks(

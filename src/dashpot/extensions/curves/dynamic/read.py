@@ -20,7 +20,7 @@ from dashpot.reading.readers.header_metadata import (
 )
 from dashpot.reading.readers.sweep_columns import (
     SWEEP_OPTIONS,
-    parts_of,
+    load_parts,
     refuse_unlike_blocks,
     sweep_columns,
 )
@@ -52,8 +52,8 @@ def read_dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
         file, ["dma", "master-curve"], "a sweep of frequency is", stated_columns=sweep_options
     )
     signal_roles, ratio = sweep_columns(file)
-    channels_chosen = channels.with_units(file, signal_roles)
-    loaded_columns, values, unit, notes = parts_of(file, channels_chosen, ratio)
+    channels_chosen = channels.add_units(file, signal_roles)
+    loaded_columns, values, unit, notes = load_parts(file, channels_chosen, ratio)
     if "temperature" not in values:
         temperature = temperatures_of_segments(file, loaded_columns)
         if temperature is not None:

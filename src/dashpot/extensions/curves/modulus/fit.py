@@ -12,7 +12,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.plain_text import decapitalise_sentence
-from dashpot.base.provenance import Source, Step, sources_of
+from dashpot.base.provenance import Source, Step, list_sources
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
@@ -46,7 +46,7 @@ from dashpot.fitting.fit_construction import build_fit
 from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.order_selection import select_order, validate_arm_count
 from dashpot.numerics.design_matrices.block import DataBlock
-from dashpot.numerics.design_matrices.recorded_motion import hold_block
+from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -116,7 +116,7 @@ def fit_modulus(
         data, origin = _select_one_temperature(time)
     else:
         curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
-        data, origin = curve, UnshiftedCurve(sources_of([curve]))
+        data, origin = curve, UnshiftedCurve(list_sources([curve]))
     t, values, unit = data.time, data.modulus, data.unit
     modulus_check = modulus_falls(values)
     if modulus_check.failed:
@@ -204,7 +204,7 @@ def _weight_values(t: FloatArray, block: DataBlock) -> CurveData | None:
 def _limit_end(
     t: FloatArray, curve: CurveData | None, model: GeneralizedMaxwell
 ) -> EndOfHold | None:
-    """Return what the curve leaves open of its end; None for one of few values."""
+    """Return the limits at the end of a curve; None if it has few values."""
     if curve is None:
         return None
     longest = _get_window(t)[1]
@@ -252,7 +252,7 @@ def _select_one_temperature(
     """Return what is fitted, and where it comes from."""
     if isinstance(data, RelaxationModulus):
         if data.temperature is None:
-            return data, UnshiftedCurve(sources_of([data]))
+            return data, UnshiftedCurve(list_sources([data]))
         data = superpose(data)
     if not isinstance(data.curve, RelaxationModulus):
         raise FitError("a master curve of storage and loss is fitted with fit_dynamic")
@@ -274,7 +274,7 @@ def _weight_curve(
 def _make_block(
     t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
 ) -> DataBlock:
-    block = hold_block(t, values, weights=weight, compress=False)
+    block = build_hold_block(t, values, weights=weight, compress=False)
     return replace(block, window=(window[0], 10 * window[1]))
 
 

@@ -25,7 +25,7 @@ from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
-from dashpot.reading.readers.cleaning import since_the_step
+from dashpot.reading.readers.cleaning import assign_time_since_step
 from dashpot.reading.readers.header_metadata import (
     add_specimen_temperature,
     temperatures_of_segments,
@@ -64,7 +64,7 @@ def read_modulus(
                 **read_strain_and_stress(file, specimen or Specimen()), units="SI"
             )
         assignments = [
-            since_the_step(file.table, file.options),
+            assign_time_since_step(file.table, file.options),
             assign(file.table, "modulus", file.options),
         ]
         columns = channels.answered(file, assignments)
@@ -102,11 +102,11 @@ def read_over_time(
     temperature = file.find_unambiguous_column("temperature")
     if temperature is not None and temperature.index not in {column.index for column in columns}:
         columns = [*columns, temperature]
-    channels_chosen = channels.with_units(file, columns)
+    channels_chosen = channels.add_units(file, columns)
     loaded_columns = channels.load(
         file.table, [channel.index for channel in channels_chosen], file.options.segment
     )
-    loaded_columns = channels.filled_down(
+    loaded_columns = channels.fill_down(
         loaded_columns, [channel.role for channel in channels_chosen]
     )
     rows, notes = channels.select_complete_rows(loaded_columns)

@@ -10,12 +10,12 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.units import celsius
-from dashpot.datamodel.shift_factors import ABOVE_GLASS
+from dashpot.datamodel.shift_factors import GLASS_MARGIN
 from dashpot.extensions.curves.shift_law_fit import MAX_MISSED, LawScore, ShiftLawFit, ShiftOutlier
 from dashpot.numerics.inference.model_order import is_significant_fall
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
 
-OVERLAP = 0.5
+MIN_OVERLAP = 0.5
 """Decades that neighbours are to share."""
 MAX_STEP_SE = 0.3
 MAX_RISE = 3.0
@@ -32,13 +32,13 @@ _NEGLIGIBLE_DECADES = 0.1
 @criterion(
     "decades shared",
     ">=",
-    OVERLAP,
+    MIN_OVERLAP,
     "our choice: with less, any shift fits; 1.5 for ramps and holds (simulation)",
 )
 def isotherms_overlap(
     shared: FloatArray | Sequence[float],
     temperature: FloatArray | Sequence[float],
-    overlap_decades: float = OVERLAP,
+    overlap_decades: float = MIN_OVERLAP,
 ) -> Finding:
     """Neighbouring temperatures share a range of relaxation times after the shift.
 
@@ -190,11 +190,11 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
     """
     if not isinstance(law, WLF):
         return Finding("No WLF law was fitted, so none gives a glass transition")
-    short = law.glass + ABOVE_GLASS - coldest
+    short = law.glass + GLASS_MARGIN - coldest
     return Finding(
         f"The WLF law puts the glass transition near {celsius(law.glass)}",
         short,
-        f"The coldest test, at {celsius(coldest)}, is less than {ABOVE_GLASS:g} K above it, where "
+        f"The coldest test, at {celsius(coldest)}, is less than {GLASS_MARGIN:g} K above it, where "
         "no such law is valid",
         Remedy("Check the temperatures. Until then use the shifts themselves.", "shift", "free"),
         always_passes=short < MAX_RISE * error,
@@ -213,19 +213,19 @@ def vertical_shift_determined(vertical: str, margin: float, difference: float) -
     `margin` is the BIC of the other rule less that of the one taken, or N ln of the ratio of what
     they leave if that is less, and `difference` by how many decades its shifts differ.
     """
-    free = vertical == "free"
+    is_free = vertical == "free"
     return Finding(
         "The vertical shifts are free"
-        if free
+        if is_free
         else f"b_T = {vertical} is ahead by {margin:.3g} in BIC. The other rule moves no shift by "
         f"more than {difference:.2g} decades",
-        None if free else margin,
+        None if is_free else margin,
         "They trade with the horizontal shifts, so neither can be used; this is a diagnostic"
-        if free
+        if is_free
         else "The data hardly separate the two rules",
         Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
-        always_passes=not free and difference < _NEGLIGIBLE_DECADES,
-        always_fails=free,
+        always_passes=not is_free and difference < _NEGLIGIBLE_DECADES,
+        always_fails=is_free,
     )
 
 

@@ -81,7 +81,7 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
 def _make_sweep_panels(
     data: Superposition, curve: DynamicTest, fit: Fit | None
 ) -> tuple[Panel, ...]:
-    word, scale = read_as(curve.unit)
+    unit_name, scale = read_as(curve.unit)
     solid, text = _make_line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
     value = scale * solid.complex_stiffness(omega=2 * np.pi * f)
@@ -96,15 +96,15 @@ def _make_sweep_panels(
         dots = _make_dots(data, curve.frequency, row)
         temperature_tags = _make_temperature_tags(dots) if not panels else ()
         panels.append(
-            Panel(horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(row, line),
+            Panel(horizontal, Scale(f"{name}, {unit_name}", compute_padded_log_limits(row, line),
             log=True),
                   (Line(f, line, _THIN_PEN, text), *dots, *temperature_tags), height=220)
         )  # fmt: skip
-    size, angle = np.abs(measured), np.degrees(np.angle(measured))
+    magnitude, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
-        Scale(f"size of the modulus, {word}", compute_padded_log_limits(size), log=True),
+        Scale(f"size of the modulus, {unit_name}", compute_padded_log_limits(magnitude), log=True),
         Scale("loss angle, °", compute_padded_limits(angle)),
-        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN_PEN), *_make_dots(data, size,
+        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN_PEN), *_make_dots(data, magnitude,
         angle)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
@@ -114,20 +114,20 @@ def _make_sweep_panels(
 def _make_curve_panels(
     data: Superposition, curve: RelaxationModulus | CreepCompliance, fit: Fit | None
 ) -> tuple[Panel, ...]:
-    """Return a relaxation modulus, or a creep compliance, and what the solid leaves of it."""
+    """Return panels of a relaxation modulus, or a creep compliance, and its residual."""
     solid, text = _make_line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, response, value = "creep compliance", solid.maxwell.creep, curve.compliance
     else:
         name, response, value = "relaxation modulus", solid.relaxation, curve.modulus
-    word, scale = read_as(curve.unit)
+    unit, scale = read_as(curve.unit)
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
     line, measured = scale * response(t), scale * value
     residual = 100 * (value / response(curve.time) - 1)
     horizontal = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     dots = _make_dots(data, curve.time, measured)
     upper = Panel(
-        horizontal, Scale(f"{name}, {word}", compute_padded_log_limits(measured, line), log=True),
+        horizontal, Scale(f"{name}, {unit}", compute_padded_log_limits(measured, line), log=True),
         (Line(t, line, _THIN_PEN, text), *dots, *_make_temperature_tags(dots)), height=220,
     )  # fmt: skip
     lower = Panel(

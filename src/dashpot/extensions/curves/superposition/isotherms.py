@@ -23,7 +23,7 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Source, sources_of
+from dashpot.base.provenance import Source, list_sources
 from dashpot.base.units import celsius
 from dashpot.extensions.curves.datamodel.creep import CreepCompliance
 from dashpot.extensions.curves.datamodel.dynamic import DynamicTest
@@ -106,8 +106,8 @@ class Isotherm:
             sign = 1.0 if self.domain == "time" else -1.0
             return np.asarray(sign * (np.exp(-v) * v) @ h / self.size)
         z = self.at[:, None] * np.exp(ln_tau + ln_a)
-        share = 1 / (1 + z * z)
-        storage, loss = 2 * share * (1 - share), z * share * (2 * share - 1)
+        ratio = 1 / (1 + z * z)
+        storage, loss = 2 * ratio * (1 - ratio), z * ratio * (2 * ratio - 1)
         return np.concatenate((storage @ h, loss @ h)) / self.size
 
 
@@ -139,7 +139,7 @@ def join_tests(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Sou
     columns_by_name: Any = dict(
         zip(names, (column[row_indices] for column in columns), strict=True)
     )
-    return replace(temperatures[0], **columns_by_name), sources_of(tests)
+    return replace(temperatures[0], **columns_by_name), list_sources(tests)
 
 
 def _with_temperature(test: Measured, number: int) -> Measured:
@@ -182,9 +182,9 @@ def split_isotherms(data: Measured) -> tuple[Isotherm, ...]:
             part = data.only(
                 sample_indices[np.argsort(data.frequency[sample_indices], kind="stable")]
             )
-            size = np.abs(part.value)
+            magnitude = np.abs(part.value)
             _require_positive(part.storage, kelvin)
-            both_parts = np.concatenate((size, size))
+            both_parts = np.concatenate((magnitude, magnitude))
             value = np.concatenate((part.storage, part.loss)) / both_parts
             isotherms.append(Isotherm(kelvin, "frequency", part.omega, value, both_parts))
         else:

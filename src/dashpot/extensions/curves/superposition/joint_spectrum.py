@@ -24,14 +24,14 @@ from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, re
 _LN10 = float(np.log(10.0))
 # relaxation times per decade: fewer make the errors of shifts too small; the last descent has more,
 # so that one sharp arm is followed too
-COARSE, FINE = 4, 8
+COARSE_POINTS, FINE_POINTS = 4, 8
 # of the grid beyond the data: the shifts are to be free of where it ends
 GRID_MARGIN = _LN10
 # a retardation so far beyond the data is a flow
-FLOWS = 4 * _LN10
+FLOW_DISTANCE = 4 * _LN10
 # sizes of ln a and ln b: a step is at most half as long again
 _STEP_SIZES = 0.3, 0.2
-_STEPS, _GRIDS, _STILL, _LEAST_GAIN = 60, 4, 1e-5, 1e-8
+_MAX_STEPS, _MAX_GRIDS, _SHIFT_TOLERANCE, _MIN_GAIN = 60, 4, 1e-5, 1e-8
 # of ln a, from which the grid no longer fits
 _REGRID = 0.2 * _LN10
 
@@ -101,14 +101,14 @@ def make_grid(
     isotherms: Sequence[Isotherm],
     ln_a: FloatArray,
     excess: float = GRID_MARGIN,
-    per_decade: int = COARSE,
+    per_decade: int = COARSE_POINTS,
 ) -> FloatArray:
     """Return the even grid of ln tau at the reference, `excess` all that was measured."""
     windows = np.array([isotherm.window for isotherm in isotherms]) - np.asarray(ln_a)[:, None]
     low, high = float(windows[:, 0].min()) - excess, float(windows[:, 1].max()) + excess
     count = int(np.ceil((high - low) / _LN10 * per_decade)) + 1
     grid = np.linspace(low, high, count)
-    return np.append(grid, high + FLOWS) if isotherms[0].domain == "creep" else grid
+    return np.append(grid, high + FLOW_DISTANCE) if isotherms[0].domain == "creep" else grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,9 +177,9 @@ class ShiftSearch:
         best = require_optimum(
             self.problem,
             [start],
-            max_steps=_STEPS,
-            step_tolerance=_STILL,
-            cost_tolerance=_LEAST_GAIN,
+            max_steps=_MAX_STEPS,
+            step_tolerance=_SHIFT_TOLERANCE,
+            cost_tolerance=_MIN_GAIN,
         )
         return ShiftedSpectrum(*self.split_shifts(best.theta), self.ln_tau, best)
 
@@ -214,7 +214,7 @@ def solve_shifts(
         Relative standard deviation of the values, the unit of the prior.
     """
     free = _select_free_shifts(len(isotherms), reference)
-    for _ in range(_GRIDS):
+    for _ in range(_MAX_GRIDS):
         grid = make_grid(isotherms, ln_a)
         spectrum = ShiftSearch(
             isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise
@@ -235,7 +235,7 @@ def refine_shifts(
     free_b: bool = False,
 ) -> ShiftedSpectrum:
     """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
-    fine_grid = make_grid(isotherms, spectrum.ln_a, per_decade=FINE)
+    fine_grid = make_grid(isotherms, spectrum.ln_a, per_decade=FINE_POINTS)
     free = _select_free_shifts(len(isotherms), reference, with_vertical=free_b)
     return ShiftSearch(
         isotherms, fine_grid, np.concatenate((spectrum.ln_a, spectrum.ln_b)), free, noise

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.extensions.curves.superposition.checks import OVERLAP
+from dashpot.extensions.curves.superposition.checks import MIN_OVERLAP
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
 from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, make_grid
 from dashpot.numerics.least_squares import Problem
@@ -53,7 +53,7 @@ def _compute_falls(
     pair: tuple[Isotherm, Isotherm], ln_b: tuple[float, float]
 ) -> tuple[Problem, FloatArray]:
     shared = min(isotherm.window[1] - isotherm.window[0] for isotherm in pair) / _LN10
-    max_decades = min(max(shared - OVERLAP, _LEAST), _FARTHEST)
+    max_decades = min(max(shared - MIN_OVERLAP, _LEAST), _FARTHEST)
     log_shifts = _LN10 * np.arange(0.0, max_decades + _STEP / 2, _STEP)
     # of all that are tried, so that each knows where the spectrum of the last had weight
     grid = make_grid((pair[0], *pair), np.array([log_shifts[-1], 0.0, 0.0]))

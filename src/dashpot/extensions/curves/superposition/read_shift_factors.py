@@ -34,7 +34,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
         If temperature or shift is not found, a factor is not above 0, or a temperature recurs.
     """
     with channels.open_file(path, options) as file:
-        columns = channels.with_units(
+        columns = channels.add_units(
             file, channels.answered(file, [assign(file.table, "temperature", file.options)])
         )
         names = [_join_name_words(column) for column in file.table.columns]
@@ -65,7 +65,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
 
 
 def _join_name_words(column: Column) -> str:
-    """Return a column's name in one word; what looks like a unit in log(a_T) is none."""
+    """Return a column's name as one word; log(a_T) has no unit."""
     joined_name = normalise_name(f"{column.name} {column.unit or ''}").replace(" ", "")
     name_match = _HORIZONTAL.fullmatch(joined_name) or _VERTICAL.fullmatch(joined_name)
     return joined_name if name_match else normalise_name(column.name).replace(" ", "")

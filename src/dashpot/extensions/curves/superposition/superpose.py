@@ -55,7 +55,7 @@ _BY_EYE = 0.1
 # relative misfit that is of no instrument
 _NO_MATTER = 1e-3
 # degrees of freedom that the temperatures alone must leave, for their scatter to be known
-_LEAST_DOF = 10
+_MIN_DOF = 10
 
 
 def superpose(
@@ -157,7 +157,7 @@ class _SeparateSpectra(NamedTuple):
 
     def compare_with_joint(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
         """Return mean square of the joint fit over this, and what that reaches by chance."""
-        if self.dof < _LEAST_DOF or self.sse <= 0:
+        if self.dof < _MIN_DOF or self.sse <= 0:
             return None, 1.0
         extra_parameters = best.values - best.parameters - self.dof
         by_chance = 1 + 3 * np.sqrt(2 * max(extra_parameters, 1)) / self.dof
@@ -200,11 +200,11 @@ def _search_shifts(
             isotherms, start, log_b_by_rule[name], reference=reference_index, noise=noise
         )
     vertical_rule = min(spectra, key=lambda name: spectra[name].bic)
-    free = vertical == "free"
+    is_free = vertical == "free"
     best = refine_shifts(
-        isotherms, spectra[vertical_rule], reference=reference_index, noise=noise, free_b=free
+        isotherms, spectra[vertical_rule], reference=reference_index, noise=noise, free_b=is_free
     )
-    if free:
+    if is_free:
         return best, "free", (vertical_shift_determined("free", 0.0, 0.0),)
     step, score = compute_vertical_step(isotherms, best, reference=reference_index, noise=noise)
     rule_check = vertical_rule_holds(step, score, t)
@@ -290,7 +290,7 @@ def _compute_overlap(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> Fl
 def _solid(
     isotherms: Sequence[Isotherm], best: ShiftedSpectrum
 ) -> tuple[GeneralizedMaxwell, float]:
-    """Return the spectrum for use, and what it leaves, relative.
+    """Return the spectrum as a model, and its relative residual.
 
     Its times end where the data do, but for half a decade where the loss still shows an arm: an
     arm of which only the tail was measured can have any stiffness.

@@ -10,19 +10,19 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import celsius
 from dashpot.datamodel.parameter_estimate import Nuisance
-from dashpot.datamodel.shift_factors import CONTRADICT, TemperatureShifts
+from dashpot.datamodel.shift_factors import MIN_CONTRADICTING_TESTS, TemperatureShifts
 
 # decades of time that neighbours both inform: pairs of simulated tests that shared 1.9 found their
 # shift within its error, of those that shared 0.8 to 1.4 some missed it by five
-SHARED = 1.5
+MIN_SHARED_DECADES = 1.5
 # of a normal variable beyond 3 standard deviations
-CHANCE = 0.0027
+SIGNIFICANCE_LEVEL = 0.0027
 # a misfit of this part of the peak force is rounding; of that one, no solid of these tests
 ROUNDING, TOO_MUCH = 5e-6, 1e-3
 # how much further a decade of tau may shift: K at the resonance then is still inside its errors
 MAX_SHIFT_SLOPE = 0.05
 # K over a record
-STEADY = 1.0
+MAX_TEMPERATURE_DRIFT = 1.0
 # of ln b_T: rubbers, filled ones too, stay within a few per cent of T/T_r over a tested step
 MAX_LN_B_DEVIATION = 0.15
 MAX_BACK = 2.5
@@ -33,7 +33,7 @@ SAME_SHIFT, SAME_SHIFT_ERRORS = 0.1, 3.0
 @criterion(
     "probability by chance",
     ">=",
-    CHANCE,
+    SIGNIFICANCE_LEVEL,
     "chi-square of the joint model, alone and over that of each test's own, 3 standard errors; and "
     "arms that shift apart by less than 5 % per decade, or 2.5 standard errors",
     other_grade="stop where the misfit is above 0.1 % of the peak force",
@@ -59,7 +59,7 @@ def thermorheologically_simple(
         f"One model does not explain the tests: it misses the force by {100 * excess:.2g} % of the "
         "peak. The arms do not shift together, or a temperature drifted"
     )
-    result = (misfit_text,) if chance < CHANCE else ()
+    result = (misfit_text,) if chance < SIGNIFICANCE_LEVEL else ()
     sentence = ". ".join((*result, text) if text else (misfit_text,))
     return Finding(
         f"One model explains the tests at {temperatures} temperatures (probability {chance:.2g} "
@@ -99,7 +99,7 @@ def shifts_independent_of_vertical_rule(
     )
 
 
-@criterion("K over the record", "|x| <=", STEADY, "our choice: chambers hold 0.5 K")
+@criterion("K over the record", "|x| <=", MAX_TEMPERATURE_DRIFT, "our choice: chambers hold 0.5 K")
 def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
     """The temperature of each test was constant."""
     worst = max(warming, key=lambda nuisance: abs(nuisance.value))
@@ -120,13 +120,13 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
     log_deviations = [
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts
     ]
-    worst = int(np.argmax(np.abs(log_deviations)))
-    temperature_text = celsius(shifts.shifts[worst].temperature)
+    worst_index = int(np.argmax(np.abs(log_deviations)))
+    temperature_text = celsius(shifts.shifts[worst_index].temperature)
     return Finding(
         f"At {temperature_text} every stiffness differs by "
-        f"{100 * np.expm1(log_deviations[worst]):+.2g} % from "
+        f"{100 * np.expm1(log_deviations[worst_index]):+.2g} % from "
         "rubber elasticity",
-        abs(log_deviations[worst]),
+        abs(log_deviations[worst_index]),
         remedy="Check specimen, depth, length and temperature.",
     )
 
@@ -134,7 +134,7 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
 @criterion(
     "temperatures",
     ">=",
-    CONTRADICT,
+    MIN_CONTRADICTING_TESTS,
     "our choice: two temperatures always fit a law",
     grade="note",
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dashpot.base.units import celsius
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.export.unit_systems import text
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius
 
 # Temperature dependence.
 
@@ -26,7 +26,7 @@ def format_law_lines(shifts: TemperatureShifts) -> list[str]:
     elif isinstance(law, Arrhenius):
         message = (
             f"Arrhenius, ln a_T = E/R (1/T - 1/T_r), E = {text(law.energy)} J/mol, "
-            f"E/R = {text(law.energy / GAS)} K, {reference}"
+            f"E/R = {text(law.energy / GAS_CONSTANT)} K, {reference}"
         )
     else:
         shifts_text = ", ".join(

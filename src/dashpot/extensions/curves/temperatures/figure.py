@@ -21,7 +21,7 @@ from dashpot.plot.style import sequential
 
 
 def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Picture:
-    """The force of every test, coloured from cold to warm, what one solid says of it, and shifts.
+    """Return panels of the force of every test, cold to warm, with one model, and its shifts.
 
     Log time from first contact: raw curves are no master curve, for the ramp does not shift.
 

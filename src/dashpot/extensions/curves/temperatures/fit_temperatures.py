@@ -50,9 +50,9 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.data_blocks import (
     FitData,
     FitSetup,
-    block_of,
+    build_fit_data,
     build_prior_rows,
-    data_of,
+    build_record_block,
     fit_all_orders,
 )
 from dashpot.fitting.fit_construction import (
@@ -89,7 +89,7 @@ def find_single_test_band(
 
 
 # fraction of the prior variance that data must remove to count as an estimate
-_LEAST_INFORMATION = 0.01
+_MIN_INFORMATION = 0.01
 
 
 class MultiTemperatureFit(NamedTuple):
@@ -120,7 +120,7 @@ def _fit_single_test(
 ) -> SingleTemperatureTest:
     """Return one test of several temperatures with its own fit, and the law of a nonlinear ramp."""
     kelvin = record.specimen.temperature or 0.0
-    data = data_of([record], FitSetup("full"))
+    data = build_fit_data([record], FitSetup("full"))
     linearity = assess_linearity(
         HoldBlocks([record]), data, FitOptions(max_arms=_MAX_TEST_ARMS, thorough=thorough)
     )
@@ -136,7 +136,7 @@ def _fit_single_test(
     ramp_law = select_elastic_law([record], law=law)
     if ramp_law.is_linear and not is_nonlinear_requested:
         return SingleTemperatureTest.from_first_fit(record, kelvin, linearity.initial_fit, None)
-    block = block_of(
+    block = build_record_block(
         record,
         terms=("offset", "drift"),
         index=0,
@@ -424,7 +424,7 @@ def _collect_shift_checks(
     )
     chance, excess = _compute_misfit(fit)
     return [
-        isotherms_overlap(shared, temperatures, checks.SHARED),
+        isotherms_overlap(shared, temperatures, checks.MIN_SHARED_DECADES),
         *collect_shift_checks(
             fit.best.joint.temperatures,
             [shift.log10_a_t for shift in shifts.shifts],
@@ -451,7 +451,7 @@ def _compute_data_estimate(nuisance: Nuisance, prior_sd: float) -> tuple[float, 
     .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
     """
     information = 1.0 - (nuisance.standard_error / prior_sd) ** 2
-    if not information > _LEAST_INFORMATION:
+    if not information > _MIN_INFORMATION:
         return None
     return nuisance.value / information, nuisance.standard_error / float(np.sqrt(information))
 

@@ -17,7 +17,7 @@ from dashpot.extensions.curves.temperatures.joint_problem import (
     TestContribution,
 )
 from dashpot.extensions.curves.temperatures.marginalised_data import SingleTemperatureTest
-from dashpot.fitting.fit_construction import nuisances
+from dashpot.fitting.fit_construction import list_nuisances
 from dashpot.fitting.parameter_errors import (
     Encoder,
     Kernel,
@@ -25,7 +25,12 @@ from dashpot.fitting.parameter_errors import (
     encoder_rows,
     rounding_rms,
 )
-from dashpot.numerics.inference.correlated_noise import Noise, make_directions, noise_of, sandwich
+from dashpot.numerics.inference.correlated_noise import (
+    Noise,
+    estimate_noise,
+    make_directions,
+    sandwich,
+)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -97,7 +102,7 @@ def build_test_nuisances(
 ) -> tuple[Nuisance, ...]:
     """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
     values = dict(zip(names, base.tolist(), strict=True))
-    terms = nuisances(names, values.__getitem__, error)
+    terms = list_nuisances(names, values.__getitem__, error)
     if point.order < 2:
         return terms
     return (*terms, Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
@@ -124,7 +129,7 @@ class TestResidual(NamedTuple):
 def compute_test_residual(
     joint: JointTests, test: SingleTemperatureTest, i: int, point: ShiftedSolid
 ) -> TestResidual:
-    """Return what a point leaves of every sample of test i."""
+    """Return the residual of every sample of test i at a point."""
     weight, exact = 1 / test.spread, test.block.exact
     part = joint.part(exact, int(joint.at[i]), point)
     columns = exact.evaluate(np.zeros(0), False).fixed[:, test.nuisance_columns]
@@ -145,7 +150,7 @@ def list_column_names(tests: Sequence[SingleTemperatureTest]) -> tuple[str, ...]
 def compute_joint_covariance(
     joint: JointTests, tests: Sequence[SingleTemperatureTest], point: ShiftedSolid
 ) -> JointCovariance:
-    """Return what all samples say of a point, the columns of every test fitted beside it."""
+    """Return the covariance of a point by all samples, nuisances of every test included."""
     shared = joint.names(point.order)
     names = (*shared, *list_column_names(tests))
     residuals = [compute_test_residual(joint, test, i, point) for i, test in enumerate(tests)]
@@ -162,7 +167,7 @@ def compute_joint_covariance(
         rounding_level = weight * rounding_rms(float(np.abs(test.record.force).max()))
         jacobians.append(jacobian)
         earlier_rows.append(values)
-        noises.append(noise_of(weight * residual.residual, jacobian, rounding=rounding_level))
+        noises.append(estimate_noise(weight * residual.residual, jacobian, rounding=rounding_level))
         solid = point.solid_at(int(joint.at[i]))
         residual_parts.append(partial(_encoder_rows, test, solid))
         unmeasured.append(weight * test.unmeasured_effects(solid))

@@ -18,7 +18,7 @@ from dashpot.extensions.curves.temperatures.starting_points import (
     refine_candidates,
 )
 from dashpot.fitting.fit_options import FitOptions
-from dashpot.fitting.input_tests import temperatures_of
+from dashpot.fitting.input_tests import list_temperatures
 from dashpot.numerics.inference.model_order import DECISIVE_BIC, OrderChoice, select_model_order
 
 # what is known of how arms shift apart: two temperatures hardly determine it, three do
@@ -62,7 +62,7 @@ def optimum(
     Parameters are those of
     :func:`~dashpot.extensions.curves.temperatures.fit_temperatures.fit_thermal`.
     """
-    temperatures = temperatures_of([test.record for test in tests])
+    temperatures = list_temperatures([test.record for test in tests])
     temperature_index = np.array(
         [int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests]
     )

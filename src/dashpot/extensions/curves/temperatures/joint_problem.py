@@ -34,9 +34,9 @@ _Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArr
 # sizes of ln tau, ln a, ln b and g: a step is at most half as long again
 _STEP_SIZES = {"ln_tau": 0.7, "ln_a": 0.35, "ln_b": 0.2, "slope": 0.07}
 # an arm smaller than this part of the stiffness is none
-_NOTHING = 1e-8
+_MIN_ARM_SHARE = 1e-8
 # steps of a descent, and the relative fall of chi-square that is none
-_STEPS, _STATIONARY = 80, 1e-10
+_MAX_STEPS, _STATIONARY_FALL = 80, 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class ShiftedSolid:
     @property
     def alive(self) -> BoolArray:
         """Mask of the arms that are not zero."""
-        return np.asarray(self.k > _NOTHING * self.stiffnesses.sum())
+        return np.asarray(self.k > _MIN_ARM_SHARE * self.stiffnesses.sum())
 
     @property
     def solid(self) -> GeneralizedMaxwell:
@@ -177,7 +177,10 @@ class JointTests:
     def descend(self, point: ShiftedSolid) -> ShiftedSolid:
         """Return the nearest optimum."""
         best = require_optimum(
-            self.problem(point), [self.theta(point)], max_steps=_STEPS, cost_tolerance=_STATIONARY
+            self.problem(point),
+            [self.theta(point)],
+            max_steps=_MAX_STEPS,
+            cost_tolerance=_STATIONARY_FALL,
         )
         k_inf, k = float(best.beta[0]), best.beta[1:]
         return replace(
@@ -219,7 +222,7 @@ class JointTests:
         return values
 
     def _stack_all_tests(self, point: ShiftedSolid) -> _Rows:
-        """Return every test, and what is known beside them."""
+        """Return the rows of all tests and of the priors."""
         tests = zip(self.blocks, self.at.tolist(), strict=True)
         y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
         values = self._build_prior_rows(point)

@@ -34,16 +34,16 @@ from dashpot.fitting.nuisance_priors import (
 from dashpot.fitting.relaxation_likelihood import compute_unmeasured_effects, select_motion_samples
 from dashpot.numerics.design_matrices.block import DataBlock, Evaluation
 from dashpot.numerics.design_matrices.data_compression import compact_block
-from dashpot.numerics.inference.correlated_noise import marginal
+from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.signals.disturbances import compute_warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # relaxation times up to this factor outside a record's window are asked about
-BEYOND = 1e4
-WARMED = "warming@0"
+TAU_MARGIN = 1e4
+WARMING_NAME = "warming@0"
 # relaxation times that stand for all, and the weakest direction that their columns know of
-_COLUMNS, _WEAKEST = 240, 5e-6
+_COLUMNS, _MIN_DIRECTION = 240, 5e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ class SingleTemperatureTest:
         """The data with every column that is the test's own."""
         if self.warming is None:
             return self.block_without_warming
-        return self.block_without_warming.with_column(WARMED, self.warming)
+        return self.block_without_warming.with_column(WARMING_NAME, self.warming)
 
     @cached_property
     def terms(self) -> NuisanceTerms:
@@ -135,7 +135,7 @@ class SingleTemperatureTest:
     @cached_property
     def marginal(self) -> DataBlock:
         """The data in a few rows of unit noise, its own columns projected out."""
-        return _marginal(self)
+        return _marginalise_test(self)
 
     @property
     def path(self) -> tuple[FloatArray, FloatArray]:
@@ -201,26 +201,26 @@ class _Basis(NamedTuple):
     floor: float
 
 
-def _basis(compact: DataBlock, noise_sd: float) -> _Basis:
+def _compute_basis(compact: DataBlock, noise_sd: float) -> _Basis:
     low, high = compact.bounds
-    log_tau_grid = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
+    log_tau_grid = np.linspace(low - np.log(TAU_MARGIN), high + np.log(TAU_MARGIN), _COLUMNS)
     evaluation = compact.evaluate(log_tau_grid, False)
     columns = np.concatenate((evaluation.fixed, evaluation.arms), axis=1)
-    size = np.linalg.norm(columns, axis=0)
-    residual, strength, _ = np.linalg.svd(
-        columns / np.where(size > 0, size, 1.0), full_matrices=False
+    column_norms = np.linalg.norm(columns, axis=0)
+    left_vectors, strength, _ = np.linalg.svd(
+        columns / np.where(column_norms > 0, column_norms, 1.0), full_matrices=False
     )
-    rotation = residual[:, strength > _WEAKEST * strength[0]].T / noise_sd
+    rotation = left_vectors[:, strength > _MIN_DIRECTION * strength[0]].T / noise_sd
     target, full_target = rotation @ evaluation.target, evaluation.target / noise_sd
     remainder_sse = float(full_target @ full_target - target @ target) + compact.floor / noise_sd**2
     return _Basis(rotation, target, rotation @ evaluation.fixed, max(remainder_sse, 0.0))
 
 
-def _marginal(test: SingleTemperatureTest) -> DataBlock:
-    compact = compact_block(test.block, excess=BEYOND)
-    basis, names = _basis(compact, test.spread), compact.fixed_names
+def _marginalise_test(test: SingleTemperatureTest) -> DataBlock:
+    compact = compact_block(test.block, excess=TAU_MARGIN)
+    basis, names = _compute_basis(compact, test.spread), compact.fixed_names
     prior_columns, mean = test.terms.build_prior_columns(basis.fixed, names)
-    white = marginal(basis.fixed[:, :0], prior_columns)
+    white = marginalise(basis.fixed[:, :0], prior_columns)
     data, residual = white(basis.turn), white(basis.target - mean)
     stiffness_column = white(basis.fixed[:, [names.index("k_inf")]])
 

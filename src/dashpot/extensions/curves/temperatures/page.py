@@ -16,7 +16,7 @@ from dashpot.report.result_page import CollapsibleSection, Group, Topic, row
 from dashpot.report.solid_and_frf_pages import TemperaturePart
 from dashpot.report.tables import TextTable
 
-_MOST_SHIFTS = 3
+_MAX_SHIFTS = 3
 """Shifts that stand beside the stiffnesses; all stand in a fold."""
 _SHIFTS = frozenset({
     "shifts_determined", "shift_monotone", "law_follows_shifts", "no_temperature_outlier",
@@ -29,7 +29,7 @@ _CURVE = frozenset({
 
 
 def make_page_part(fit: Fit) -> TemperaturePart:
-    """Return what the page of a fit at several temperatures says of them."""
+    """Return the section of the page on shifts and their law."""
     shifts = fit.temperatures
     assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")
@@ -66,7 +66,7 @@ def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
     all_shifts = shifts.tested_shifts
     selected_shifts = (
         all_shifts
-        if len(all_shifts) <= _MOST_SHIFTS
+        if len(all_shifts) <= _MAX_SHIFTS
         else (all_shifts[0], all_shifts[len(all_shifts) // 2], all_shifts[-1])
     )
     yield Group(

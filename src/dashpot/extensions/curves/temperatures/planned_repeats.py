@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
-from dashpot.datamodel.shift_factors import ABOVE_GLASS, SAME_TEMPERATURE
+from dashpot.datamodel.shift_factors import GLASS_MARGIN, SAME_TEMPERATURE
 from dashpot.planning.planned_ramp_hold import Bench, PlannedRows, Repeat
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, TemperatureLaw
@@ -47,11 +47,11 @@ def plan_repeat(temperature: float, test_temperature: float, law: TemperatureLaw
             f"the test is at {celsius(test_temperature)} and is to be repeated at "
             f"{celsius(temperature)}; expected another temperature"
         )
-    coldest = law.glass + ABOVE_GLASS if isinstance(law, WLF) else 0.0
+    coldest = law.glass + GLASS_MARGIN if isinstance(law, WLF) else 0.0
     if temperature < coldest:
         raise DataError(
-            f"{celsius(temperature)} is nearer than {ABOVE_GLASS:g} K to the glass transition that "
-            f"the law supposes; expected {celsius(coldest)} or more"
+            f"{celsius(temperature)} is nearer than {GLASS_MARGIN:g} K to the glass transition "
+            f"that the law supposes; expected {celsius(coldest)} or more"
         )
     a_t = float(law.a_t(temperature) / law.a_t(test_temperature))
     return Repeat(temperature, a_t, temperature / test_temperature)

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.option_fields import ShiftLaw, Vertical
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step, list_sources, list_steps
 from dashpot.base.units import celsius
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Provenance
@@ -50,7 +50,7 @@ def shifts_of(
     covariance: FloatArray,
     cross: FloatArray,
 ) -> TemperatureShifts:
-    """Return the shifts, with what is known of them."""
+    """Return the shifts with their errors."""
     joint, point = best.joint, best.point
     log10_a, b = point.log_a / np.log(10.0), np.exp(point.log_b)
     return TemperatureShifts(
@@ -87,8 +87,8 @@ def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
     records = [test.record for test in best.tests]
     return Provenance(
         "full",
-        sources_of(records),
-        (*steps_of(records), _step(best, shifts)),
+        list_sources(records),
+        (*list_steps(records), _step(best, shifts)),
         replace(_deepest(best).record.specimen, temperature=shifts.reference),
     )
 
@@ -115,7 +115,7 @@ def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
 def build_point_fit(
     best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, requested_arms: int
 ) -> Fit:
-    """Return the optimum as a fit of which nothing more is known.
+    """Return the optimum as a fit without errors.
 
     The law is laid through the shifts as white noise would leave them.
     """

@@ -20,7 +20,7 @@ def format_shift_table(fit: Fit) -> str:
     shifts = fit.temperatures
     assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
     all_shifts = shifts.shifts
-    head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
+    header = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
     columns = [
         np.array([round(convert_to_unit(shift.temperature, "degC"), 9) for shift in all_shifts]),
         np.array([shift.log10_a_t for shift in all_shifts]),
@@ -30,7 +30,7 @@ def format_shift_table(fit: Fit) -> str:
     origin_lines = ["simulated"] if any(source.simulated for source in fit.source) else []
     reference = f"reference {format_quantity(shifts.reference, 'degC', '.9g')}"
     header_lines = [byline("shift factors"), *origin_lines, f"{reference}, law {shifts.law.kind}"]
-    return format_table(header_lines, head, columns)
+    return format_table(header_lines, header, columns)
 
 
 def complete_document(entries: dict[str, Any]) -> dict[str, Any]:

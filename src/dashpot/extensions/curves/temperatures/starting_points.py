@@ -18,10 +18,10 @@ from dashpot.numerics.inference.model_order import bic_of_deviance
 from dashpot.numerics.least_squares import Parameter, Problem, Rows
 
 # decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
-_FARTHEST, _BACK, _STEP = 4.0, 0.5, 0.1
+_MAX_SHIFT, _MAX_BACKWARD_SHIFT, _SHIFT_STEP = 4.0, 0.5, 0.1
 _PER_DECADE = 8
 # shifts and numbers of arms are sought again from each other
-_ROUNDS = 2
+_MAX_ITERATIONS = 2
 
 
 class OrderCandidate(NamedTuple):
@@ -39,7 +39,9 @@ class OrderCandidate(NamedTuple):
 
 def first_shifts(joint: JointTests) -> FloatArray:
     """Return ln a_T of every temperature, each on its neighbour, 0 at the reference."""
-    log_shifts = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
+    log_shifts = np.arange(
+        -_MAX_BACKWARD_SHIFT, _MAX_SHIFT + _SHIFT_STEP / 2, _SHIFT_STEP
+    ) * np.log(10.0)
     pairs = range(len(joint.temperatures) - 1)
     return chain_shifts(((_pair(joint, i, log_shifts), log_shifts) for i in pairs), joint.reference)
 
@@ -102,7 +104,7 @@ def candidates(
     """
     best: dict[int, OrderCandidate] = {}
     log_a, log_b = start, joint.fixed_log_b
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ITERATIONS):
         blocks = [
             shift_block(block, log_a[i], log_b[i])
             for block, i in zip(joint.blocks, joint.at, strict=True)

@@ -9,19 +9,19 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.extensions.materials.cld.datamodel import ProcessCapability
-from dashpot.extensions.materials.cld.zero_point import MOST_PRELOAD
+from dashpot.extensions.materials.cld.zero_point import MAX_PRELOAD
 
-SETTLED = 0.02
-DEEPER = 1.02
-MOST_DRIFT = 0.02
-EVEN = 0.02
-PULLS = 0.01
+MAX_CYCLE_CHANGE = 0.02
+MAX_DEPTH_RATIO = 1.02
+MAX_DRIFT = 0.02
+MAX_SPEED_VARIATION = 0.02
+MAX_TENSION = 0.01
 
 
 @criterion(
     "force at the first sample / rise",
     "<=",
-    MOST_PRELOAD,
+    MAX_PRELOAD,
     "our choice: less may be the load cell's own zero",
 )
 def zero_recorded(preload: float, *, air: bool) -> Finding:
@@ -40,7 +40,7 @@ def zero_recorded(preload: float, *, air: bool) -> Finding:
 @criterion(
     "change of the force from the cycle before",
     "|x| <=",
-    SETTLED,
+    MAX_CYCLE_CHANGE,
     "our choice: what is left of softening is then within the scatter of seals",
 )
 def specimen_conditioned(change: float | None, *, cycle: int, softening: float) -> Finding:
@@ -63,7 +63,7 @@ def specimen_conditioned(change: float | None, *, cycle: int, softening: float) 
 @criterion(
     "depth / deepest before",
     "<=",
-    DEEPER,
+    MAX_DEPTH_RATIO,
     "our choice: Mullins' softening reaches as far as the seal was pressed before",
 )
 def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
@@ -92,7 +92,7 @@ def compressions_reached(largest: float, depth: float) -> Finding:
 @criterion(
     "drift of the zero / force",
     "|x| <=",
-    MOST_DRIFT,
+    MAX_DRIFT,
     "our choice: a linear drift is then subtracted",
 )
 def load_cell_steady(drift: float | None) -> Finding:
@@ -110,7 +110,7 @@ def load_cell_steady(drift: float | None) -> Finding:
 @criterion(
     "largest deviation / compression",
     "<=",
-    EVEN,
+    MAX_SPEED_VARIATION,
     "our choice: a stop of a twentieth of the stroke",
 )
 def plate_speed_constant(relative_variation: float | None) -> Finding:
@@ -145,7 +145,10 @@ def no_energy_gained(hysteresis: float | None) -> Finding:
 
 
 @criterion(
-    "tension / largest force", "<=", PULLS, "our choice: above the error of the load cell's zero"
+    "tension / largest force",
+    "<=",
+    MAX_TENSION,
+    "our choice: above the error of the load cell's zero",
 )
 def no_adhesion_on_release(tensile_force: float | None) -> Finding:
     """The seal does not stick to the plate during release."""
@@ -184,13 +187,15 @@ def length_given(*, is_given: bool) -> Finding:
 
 # -- the elastic law under the cycle
 
-UNEXPLAINED = 0.03
-AGREES = 0.05
+MAX_UNEXPLAINED = 0.03
+MAX_LAW_DIFFERENCE = 0.05
 LARGEST_LN_TAU_SE = 0.5
-BETTER = 10.0
+MIN_BIC_GAIN = 10.0
 
 
-@criterion("part of the energy", "|x| <=", UNEXPLAINED, "our choice: a tenth of a usual hysteresis")
+@criterion(
+    "part of the energy", "|x| <=", MAX_UNEXPLAINED, "our choice: a tenth of a usual hysteresis"
+)
 def relaxation_explains_hysteresis(raw: float | None, remainder: float | None) -> Finding:
     """With the relaxation removed, loading and unloading are one curve."""
     if raw is None or remainder is None:
@@ -221,7 +226,12 @@ def stroke_within_relaxation_times(stroke: float | None, band: tuple[float, floa
     )
 
 
-@criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: scatter of specimens")
+@criterion(
+    "relaxed force / k_inf x, less 1",
+    "|x| <=",
+    MAX_LAW_DIFFERENCE,
+    "our choice: scatter of specimens",
+)
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
     """The relaxed force agrees with the relaxation test at its compression."""
     force_text = (
@@ -238,7 +248,9 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
     )
 
 
-@criterion("largest difference of F(t) / F at rest", "<=", AGREES, "scatter of specimens")
+@criterion(
+    "largest difference of F(t) / F at rest", "<=", MAX_LAW_DIFFERENCE, "scatter of specimens"
+)
 def relaxation_tests_agree(difference: float | None) -> Finding:
     """The relaxation tests at all compressions have the same relative relaxation."""
     if difference is None:
@@ -253,10 +265,12 @@ def relaxation_tests_agree(difference: float | None) -> Finding:
     )
 
 
-@criterion("BIC over that of a dashpot", "<=", BETTER, "Kass and Raftery 1995: very strong beyond")
+@criterion(
+    "BIC over that of a dashpot", "<=", MIN_BIC_GAIN, "Kass and Raftery 1995: very strong beyond"
+)
 def one_relaxation_explains_speeds(bic_difference: float) -> Finding:
     """Relaxation explains the speeds as well as a dashpot that depends on compression."""
-    if bic_difference >= -BETTER:
+    if bic_difference >= -MIN_BIC_GAIN:
         message = (
             "The speeds do not separate one relaxation function from a dashpot that depends on "
             "compression"

@@ -177,7 +177,7 @@ class Cycle(EqualByValue, Serialisable):
 
     @property
     def energy(self) -> float:
-        """Put in by the loading, J."""
+        """Energy put in by the loading, J."""
         return self.loading.work()
 
     @property

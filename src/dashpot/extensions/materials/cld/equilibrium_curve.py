@@ -25,7 +25,7 @@ from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import CLD, Branch, RelaxedLaw
 from dashpot.extensions.materials.cld.local_stiffness import WINDOW, delay_channel, fit_local_slope
 from dashpot.extensions.materials.relaxation_model import normalise_relaxation
-from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
+from dashpot.fitting.nonlinear_ramp.quasi_linear import integrate_hats
 from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate
 from dashpot.numerics.least_squares import solve_ordinary
@@ -191,7 +191,7 @@ def _fit_law(
     x: FloatArray, force: FloatArray, knots: FloatArray
 ) -> tuple[ElasticLaw, float] | None:
     """Return the law on knots; None where the points do not determine each tangent."""
-    hat_columns = hat_integrals(x, knots)
+    hat_columns = integrate_hats(x, knots)
     best = solve_ordinary(force, hat_columns, positive=True)
     uncertainty = estimate(best)
     if not np.isfinite(uncertainty.standard_error).all():
@@ -200,7 +200,7 @@ def _fit_law(
 
 
 def make_law(uncertainty: Estimate, knots: FloatArray, tangent_indices: slice) -> ElasticLaw:
-    """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
+    """Return the law whose tangents at the knots, N/m, are among the values of an estimate."""
     ratio = uncertainty.derive_quantity(
         lambda values: values[tangent_indices] / average_slope(values[tangent_indices], knots)
     )

@@ -50,9 +50,9 @@ def _make_cld_writer(
         force = stiffness * _simulate_force(path, plate > 0, float(time[1]))
         noise = 4e-3 * np.random.default_rng(seed).standard_normal(len(time))
         lines = zip(time, convert_to_unit(plate, "mm"), force + 0.03 + noise, strict=True)
-        head = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
+        header = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
         rows = (",".join(f"{value:.6g}" for value in row) for row in lines)
-        return "\n".join([*head, "time [s],displacement [mm],force [N]", *rows, ""])
+        return "\n".join([*header, "time [s],displacement [mm],force [N]", *rows, ""])
 
     return render_file
 

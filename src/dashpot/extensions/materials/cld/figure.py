@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.datamodel import CLD, SAME_SPEED, Branch, Cycle
 from dashpot.plot.picture import REF, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span, Tag
@@ -74,7 +74,11 @@ def cld(
         "and its tolerance."
     )
     return Picture(
-        "cld", caption, ((panel,),), 1, stamp or format_stamp(sources_of(specimens), first.specimen)
+        "cld",
+        caption,
+        ((panel,),),
+        1,
+        stamp or format_stamp(list_sources(specimens), first.specimen),
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base import dataclass, replace
 from dashpot.base.checks import Check, HasChecks, select_gravest_check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Key, Serialisable
@@ -50,7 +50,7 @@ from dashpot.solids.elastic import ElasticLaw
 def apply_elastic_law(
     fit: Fit, law: ElasticLaw, *, checks: Sequence[Check] = (), stiffness: float | None = None
 ) -> Fit:
-    """Return the fit with a law measured otherwise, of which the shape alone is taken.
+    """Return the fit with the shape of another measured elastic law.
 
     Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
     one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,
@@ -302,7 +302,7 @@ def evaluate_cld(
         specimens,
         (),
         None,
-        (*_select_worst_checks(specimens), *caution_checks(sources_of(specimens))),
+        (*_select_worst_checks(specimens), *caution_checks(list_sources(specimens))),
     )
     if not relaxation and limits is None and _has_several_speeds(specimens):
         return _add_speed_fit(scatter)

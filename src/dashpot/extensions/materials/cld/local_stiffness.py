@@ -59,7 +59,7 @@ def fit_local_slope(
 def evaluate_cycle(
     cycle: Cycle, compression: float, *, excess: float, contact_se: float, force_se: float
 ) -> AtCompression | None:
-    """Return what a cycle shows at a compression, m; None where its loading does not reach it.
+    """Return the stiffness of a cycle at a compression, m; None if it is not reached.
 
     The error of the force holds those of the two zeros.
     """

@@ -19,7 +19,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, block_means
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, OrderScore, Provenance
 from dashpot.datamodel.parameter_estimate import ParameterEstimate, Residual, parameter_names
@@ -35,15 +35,15 @@ from dashpot.extensions.materials.cld.equilibrium_curve import (
 from dashpot.extensions.materials.cld.local_stiffness import delay_channel
 from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
-from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
+from dashpot.fitting.nonlinear_ramp.quasi_linear import integrate_hats
 from dashpot.fitting.nuisance_priors import Prior
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns, recursion
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns, recursion
 from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13
-MOST_ARMS = 3
+MAX_ARMS = 3
 _PER_STROKE = 120
 _MAX_RESIDUAL_RATIO = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
@@ -51,7 +51,7 @@ DECISIVE = 10.0
 """Decrease of BIC that a further arm needs."""
 _SIGNIFICANT_DELAY = 3.0
 """Standard errors of a delay from which on a record is taken to have one."""
-_SMALLEST, _LARGEST = 1e-3, 20.0
+_SMALLEST, _MAX_SIZE = 1e-3, 20.0
 """Smallest and largest g."""
 
 
@@ -102,7 +102,7 @@ def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto"
         specimen.cycle.depth / speed for specimen, speed in zip(specimens, speeds, strict=True)
     ]
     window = min(strokes) / 20, 3 * max(strokes)
-    counts = range(MOST_ARMS + 1) if arms == "auto" else [arms]
+    counts = range(MAX_ARMS + 1) if arms == "auto" else [arms]
     candidates = _fit_arm_counts(records, window, counts)
     delays = _find_delays(specimens, records, knots, candidates[-1])
     if any(abs(delay.mean) > _SIGNIFICANT_DELAY * delay.sd for delay in delays):
@@ -237,7 +237,7 @@ def downsample_record(cld: CLD, knots: FloatArray, *, offset: float = 0.0) -> Do
     )
     is_in_contact = share == 1.0  # a block that holds a turning point is not taken
     first = min(int(np.flatnonzero(is_in_contact)[0]), cld.loading.samples.start // block)
-    hat_columns = np.where(is_in_contact[:, None], hat_integrals(x + offset, knots), 0.0)
+    hat_columns = np.where(is_in_contact[:, None], integrate_hats(x + offset, knots), 0.0)
     return DownsampledRecord(time, x, velocity, force, is_in_contact, first, hat_columns[first:])
 
 
@@ -265,7 +265,9 @@ def _compute_rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Ro
         step = np.diff(record.time[record.first :])[:, None, None]
         g, tau = np.asarray(relaxation.k), np.asarray(relaxation.tau)
         if len(tau):
-            answer += arm_columns(record.time, free_compression, tau, derivative=False)[0] @ g
+            answer += (
+                compute_arm_columns(record.time, free_compression, tau, derivative=False)[0] @ g
+            )
             # every hat under every arm side by side
             z = step / tau[:, None]
             decay_less_one = np.expm1(-z)
@@ -288,7 +290,7 @@ def _fit_next_arm(
     low, high = np.log(window).tolist()
     problem = Problem(
         partial(_compute_rows, records),
-        [Parameter(float(np.log(_SMALLEST)), float(np.log(_LARGEST)))] * arms
+        [Parameter(float(np.log(_SMALLEST)), float(np.log(_MAX_SIZE)))] * arms
         + [Parameter(low - 1, high + 1)] * arms,
         positive=True,
     )
@@ -375,6 +377,6 @@ def _build_fit(
     return build_fit(
         SolidEstimate(model, parameter_estimate),
         Evidence(band, orders, checks=requested_checks),
-        Provenance("cld", sources_of(specimens), (step,), specimens[0].specimen),
+        Provenance("cld", list_sources(specimens), (step,), specimens[0].specimen),
         elastic_law=law,
     )

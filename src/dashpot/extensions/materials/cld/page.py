@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from dashpot import plot
 from dashpot.base.number_format import format_count, round_to_error
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.cld.fit_files import CLDResult
@@ -26,7 +26,7 @@ from dashpot.report.tables import TextTable
 def page(result: CLDResult) -> KindPage:
     """Return the page of one specimen or of several."""
     first, specimen_count = result.specimens[0], len(result.specimens)
-    sources = sources_of(result.specimens)
+    sources = list_sources(result.specimens)
     capability = result.capability
     text = "no limits given" if capability is None else capability.summary
     topics = [
@@ -116,7 +116,7 @@ def _make_cycle_table(result: CLDResult) -> TextTable:
                     else round_to_error(convert_to_unit(contact, "mm"), digits=3),
                 )
             )
-    head = (
+    header = (
         "specimen", "cycle", "depth, mm", "peak, N", "energy, mJ", "hysteresis, %", "contact, mm",
     )  # fmt: skip
-    return TextTable(head, tuple(rows))
+    return TextTable(header, tuple(rows))

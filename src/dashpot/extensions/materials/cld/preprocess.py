@@ -12,10 +12,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.units import Quantity, Range, convert_to_si, format_quantity, si_range
 from dashpot.datamodel.machine import Machine
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import (
     CLD,
@@ -39,13 +39,13 @@ from dashpot.signals.segments import estimate_resolution
 
 _SMOOTHED, _SIGNIFICANT_SD = 5, 4.0
 """Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
-_COMMON = 0.95
+_COMMON_DEPTH_SHARE = 0.95
 """Part of the least depth at which cycles are compared."""
-_BEYOND = 5e-3
+_MAX_EXTRAPOLATION = 5e-3
 """Part of the depth by which a compression asked for may lie beyond the last reading."""
-_BACK = 0.2
+_MAX_RETURN_SHARE = 0.2
 """Part of the depth by which a release may go behind the start of a record without air."""
-_UNFINISHED = 0.9
+_MIN_COMPLETE_SHARE = 0.9
 """A last loading that ends before this part of the depth, and is not unloaded, is left out."""
 
 
@@ -161,7 +161,7 @@ def get_sample_clock(test: CLDTest) -> FloatArray:
 def _with_delay(
     test: CLDTest, new_cycles: _RecordCycles, index: int, marks: _Marks, delay: Prior
 ) -> tuple[_RecordCycles, _Marks]:
-    """Return the cycles and marks with what a delay of the force leaves unknown in their errors."""
+    """Return cycles and marks with the error by a delay of the force."""
     points = [mark for mark in marks if mark is not None]
 
     def numbers(delay: float) -> FloatArray:
@@ -243,7 +243,7 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     turn, push = get_inward_signs(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = get_sample_clock(test)
-    resolution = estimate_resolution(clock, x, quantum(x))
+    resolution = estimate_resolution(clock, x, find_quantum(x))
     strokes = find_strokes(x, resolution=resolution)
     pairs = _pair_strokes(strokes)
     zero = find_zero(clock, x, force, pairs[0][0], resolution=resolution)
@@ -251,10 +251,10 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
     if not zero.air:
         _refuse_loops(float(-x.min()), max(depths), rated=test.time is not None)
-    excess = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
-    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
+    excess = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
+    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _MIN_COMPLETE_SHARE * max(depths):
         pairs, depths = pairs[:-1], depths[:-1]
-    common = _COMMON * min(depths)
+    common = _COMMON_DEPTH_SHARE * min(depths)
     cycles, uneven = [], []
     for number, (loading, unloading) in enumerate(pairs, start=1):
         speed = relative_variation = None
@@ -270,7 +270,7 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
 
 def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
     """Refuse cycles about a mean compression: their work and forces have no zero."""
-    if return_distance > _BACK * depth:
+    if return_distance > _MAX_RETURN_SHARE * depth:
         rate = "" if rated else " --rate 1000Hz"
         raise DataError(
             "the record begins in contact, and its release goes "
@@ -368,7 +368,7 @@ def _run_checks(
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
         checks.zero_recorded(zero.begins, air=zero.air),
-        *check_machine(sources_of([test]), chosen_cycle.peak / chosen_cycle.depth),
+        *check_machine(list_sources([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
             chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
             cycle=chosen_cycle.number,

@@ -26,14 +26,14 @@ from dashpot.extensions.materials.cld.multi_speed_fit import (
     DownsampledRecord,
     thin_records,
 )
-from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.numerics.design_matrices.recorded_motion import arm_columns
+from dashpot.fitting.nonlinear_ramp.quasi_linear import integrate_hats
+from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
 
 DAMPING_KNOTS = 7
-MOST_ARMS = 2
+MAX_ARMS = 2
 _CONTACT = 0.01
 """Standard deviation of first contact over the depth: a dashpot's force jumps there."""
 
@@ -73,7 +73,7 @@ def fit_rate(specimens: Sequence[CLD], fit: Fit) -> RateLaw:
         max(specimen.noise for specimen in specimens),
     )  # fmt: skip
     candidates = [_fit_next_arm(of, np.zeros(len(records)), None)]
-    for _ in range(MOST_ARMS):
+    for _ in range(MAX_ARMS):
         candidates.append(_fit_next_arm(of, candidates[-1].theta, window))
     effective = estimate(
         candidates[-1], parts=_split_rows(of), prior_variance=of.noise**2
@@ -106,9 +106,9 @@ def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
         is_moving = _select_moving_samples(record)
         x, v = record.compression[is_moving] + contact_shift, record.velocity[is_moving]
         compression = np.maximum(record.compression + contact_shift, 0.0)
-        q, _ = arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
+        q, _ = compute_arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
         damping = _make_hat_weights(x, data.knots) * v[:, None]
-        parts.append(np.concatenate((hat_integrals(x, data.fine), damping, q[is_moving]), axis=1))
+        parts.append(np.concatenate((integrate_hats(x, data.fine), damping, q[is_moving]), axis=1))
         targets.append(record.force[is_moving])
     A = np.concatenate((*parts, np.zeros((len(offsets), parts[0].shape[1]))))
     return Rows(np.concatenate((*targets, -data.noise * offsets)), A)

@@ -37,7 +37,7 @@ def cld(result: CLDResult) -> Text:
         scatter = [f"{len(result.specimens)} specimens", *_format_scatter(result.scatter)]
         # a row for each specimen is shorter than a block
         lines = [
-            *(_format_overview(result) if len(result.specimens) > _MOST_SPECIMENS else lines),
+            *(_format_overview(result) if len(result.specimens) > _MAX_SPECIMENS else lines),
             *scatter,
         ]
     lines += _format_capability(result.capability)
@@ -125,7 +125,7 @@ def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
     return [*table(rows), text]
 
 
-_MOST_SPECIMENS = 2
+_MAX_SPECIMENS = 2
 """Largest number of specimens that are shown one by one."""
 
 

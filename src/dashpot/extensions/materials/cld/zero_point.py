@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, find_true_runs, median
-from dashpot.datamodel.relaxation import quantum
+from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.materials.strokes import Stroke
 from dashpot.preprocessing.contact import find_contact, find_first_contact
 from dashpot.signals.noise import estimate_robust_scatter
 
-_RESTED = 5
+_MIN_REST_SAMPLES = 5
 """Samples that make a mean worth taking off."""
 _DRIFT_TOLERANCE = 1e-3
 """Error of a mean of the force in air, as a part of the peak, with which it shows a drift."""
@@ -21,7 +21,7 @@ _PARABOLA = 1e-3
 relaxes while it is met: over 240 records with 1 mN of noise, up to this."""
 _SIGNIFICANT_AIR = 5.0
 """Standard errors of first contact by which air shows: a seal under load bends, too."""
-MOST_PRELOAD = 0.05
+MAX_PRELOAD = 0.05
 """Force at the first sample, as a part of the rise, that may be the load cell's own zero."""
 
 
@@ -68,8 +68,8 @@ def find_zero(
     contact has its zero at its first samples, unless they carry more than a twentieth of the rise:
     that is a preload, and is left.
     """
-    noise = max(estimate_robust_scatter(clock, force), quantum(force) / 12**0.5)
-    rested = first.first + 1 >= _RESTED
+    noise = max(estimate_robust_scatter(clock, force), find_quantum(force) / 12**0.5)
+    rested = first.first + 1 >= _MIN_REST_SAMPLES
     start = slice(0, first.first + 1)
     level, rest_position, top = (
         median(force[start]),
@@ -95,7 +95,7 @@ def find_zero(
             margin=margin, noise=noise, force_rise=force_rise,
         )  # fmt: skip
     begins = abs(level) / max(abs(force_rise), 1e-300)
-    tare = level if begins <= MOST_PRELOAD else 0.0
+    tare = level if begins <= MAX_PRELOAD else 0.0
     return Zero(
         rest_position, 0.25 * resolution, False, np.full(len(x), tare), noise / start.stop**0.5,
         0.0,
@@ -116,7 +116,9 @@ def _measure_air_force(
 ) -> Zero:
     rest_runs = find_true_runs(x < contact - margin)
     counts = np.diff(rest_runs, axis=1)[:, 0] + 1
-    is_long = counts >= max(_RESTED, (noise / (_DRIFT_TOLERANCE * max(force_rise, 1e-300))) ** 2)
+    is_long = counts >= max(
+        _MIN_REST_SAMPLES, (noise / (_DRIFT_TOLERANCE * max(force_rise, 1e-300))) ** 2
+    )
     is_long[0] = True
     means = [(float(clock[a : b + 1].mean()), float(force[a : b + 1].mean()))
              for a, b in rest_runs[is_long].tolist()]  # fmt: skip
@@ -137,4 +139,4 @@ def _measure_air_force(
 def find_later_contact(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
     """Return the compression at which a later loading meets the seal, m; None if in no air."""
     contact = find_contact(x, force, noise=noise)
-    return None if contact is None or contact.sample < _RESTED else contact.displacement
+    return None if contact is None or contact.sample < _MIN_REST_SAMPLES else contact.displacement

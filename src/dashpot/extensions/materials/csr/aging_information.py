@@ -27,7 +27,7 @@ from dashpot.extensions.materials.csr.law import (
     AgingLaw,
     retained_fraction,
 )
-from dashpot.solids.shift_laws import GAS
+from dashpot.solids.shift_laws import GAS_CONSTANT
 
 _HOURS = (
     0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000, 1500, 2000, 3000, 4000, 5000, 7000,
@@ -121,9 +121,9 @@ class PlannedOvens:
     def __init__(self, test: AgingTest, temperatures: Sequence[float]) -> None:
         self.temperatures = tuple(temperatures)
         self._test, count = test, len(self.temperatures)
-        law, size = test.law, 5 + count
+        law, parameter_count = test.law, 5 + count
         # loss, ln tau at the reference, Ea, ln exponent, drift, then each oven's temperature
-        prior = np.zeros(size)
+        prior = np.zeros(parameter_count)
         prior[4] = 1.0 if test.drift else np.inf
         prior[5:] = 1.0 if test.oven_sd else np.inf
         is_fixed = ~np.isfinite(prior)
@@ -132,10 +132,10 @@ class PlannedOvens:
         self._prior = np.diag(prior[self._free])
         self._parts = []
         for k, kelvin in enumerate(self.temperatures):
-            D = np.zeros((_OVEN_PARAMETERS, size))
+            D = np.zeros((_OVEN_PARAMETERS, parameter_count))
             D[0, 0] = D[1, 1] = D[2, 3] = D[3, 4] = 1.0
-            D[1, 2] = _ENERGY_UNIT * (1 / kelvin - 1 / law.reference) / GAS
-            D[1, 5 + k] = -law.activation * test.oven_sd / (GAS * kelvin**2)
+            D[1, 2] = _ENERGY_UNIT * (1 / kelvin - 1 / law.reference) / GAS_CONSTANT
+            D[1, 5 + k] = -law.activation * test.oven_sd / (GAS_CONSTANT * kelvin**2)
             D = D[:, self._free]
             self._parts.append(D.T @ test.compute_specimen_information(kelvin) @ D)
 
@@ -160,12 +160,12 @@ class PlannedOvens:
         """Return the chemical rate of each oven by itself in its expected standard errors."""
         test, count = self._test, len(self.temperatures)
         is_stretched = test.law.exponent != 1
-        size = 2 + int(is_stretched) + count
-        information = np.zeros((size, size))
+        parameter_count = 2 + int(is_stretched) + count
+        information = np.zeros((parameter_count, parameter_count))
         information[-1, -1] = 1.0  # the prior of the drift, last
         for k, (kelvin, n) in enumerate(zip(self.temperatures, specimens, strict=True)):
-            D = np.zeros((_OVEN_PARAMETERS, size))
-            D[0, 0] = D[1, 1 + k] = D[3, size - 1] = 1.0
+            D = np.zeros((_OVEN_PARAMETERS, parameter_count))
+            D[0, 0] = D[1, 1 + k] = D[3, parameter_count - 1] = 1.0
             if is_stretched:
                 D[2, 1 + count] = 1.0
             information += n * D.T @ test.compute_specimen_information(kelvin) @ D

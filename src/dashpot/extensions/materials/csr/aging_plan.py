@@ -44,9 +44,9 @@ USUAL_LAW = AgingLaw(
 """Supposed where no fit is given: 3 % a decade, 2500 h at 125 degC, 90 kJ/mol."""
 USUAL_SCATTER = 0.01
 """Scatter of a reading, in parts of F0, where none is given."""
-_LEAST_SPECIMENS, _MOST_SPECIMENS = 2, 60
+_MIN_SPECIMENS, _MAX_SPECIMENS = 2, 60
 """Specimens in an oven, and in all ovens, of a plan."""
-_TEMPERATURE_STEP, _LEAST_DISTANCE = 5.0, 10.0
+_TEMPERATURE_STEP, _MIN_DISTANCE = 5.0, 10.0
 """Temperatures of ovens that are compared, and least distance of two, K."""
 _ROBUST_COST = 2.0
 """Times as many specimens as ovens may need that a lower activation energy does not move."""
@@ -256,10 +256,10 @@ def plan_aging(
     if not 1.01 <= within <= 50:
         raise DataError(f"--life-within {within:g}: expected a factor of 1.01 to 50, such as 1.5")
     target_sd = math.log(within) / NORMAL
-    if hottest_oven < kelvin + (ovens - 1) * _LEAST_DISTANCE:
+    if hottest_oven < kelvin + (ovens - 1) * _MIN_DISTANCE:
         raise DataError(
             f"the hottest oven, {celsius(hottest_oven)}, is less than "
-            f"{(ovens - 1) * _LEAST_DISTANCE:g} K above the temperature of use, "
+            f"{(ovens - 1) * _MIN_DISTANCE:g} K above the temperature of use, "
             f"{celsius(kelvin)}. Name a hotter oven: --hottest 150degC"
         )
     machine = machine or Machine()
@@ -335,10 +335,10 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
 def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
     """Iterate over temperatures of ovens: the hottest is given, the coldest near that of use."""
     furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hot - kelvin))
-    inner = np.arange(hot - _LEAST_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
+    inner = np.arange(hot - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
         is_near = cooler[0] - kelvin <= furthest
-        if is_near and all(np.diff((*cooler, hot)) >= _LEAST_DISTANCE - 1e-6):
+        if is_near and all(np.diff((*cooler, hot)) >= _MIN_DISTANCE - 1e-6):
             yield (*cooler, hot)
 
 
@@ -346,7 +346,7 @@ def _allocate(
     ovens: PlannedOvens, gradient: FloatArray, target: float, max_specimens: int
 ) -> _Design:
     """Return the specimens added one by one, each where it lowers the variance most."""
-    specimens = [_LEAST_SPECIMENS] * len(ovens.temperatures)
+    specimens = [_MIN_SPECIMENS] * len(ovens.temperatures)
     sd = ovens.compute_life_sd(specimens, gradient)
     while sd > target and sum(specimens) < max_specimens:
         candidates = []
@@ -370,10 +370,10 @@ def _choose_design(
     ranked = []
     for temperatures in _list_oven_sets(kelvin, hot, count):
         ovens = PlannedOvens(test, temperatures)
-        design = _allocate(ovens, gradient, target, _MOST_SPECIMENS)
+        design = _allocate(ovens, gradient, target, _MAX_SPECIMENS)
         significance = ovens.compute_oven_significance(design.specimens)
         is_missed = float(design.life_sd > target)
-        is_insignificant = float(significance[0] < checks.LEAST_SIGNIFICANCE)
+        is_insignificant = float(significance[0] < checks.MIN_SIGNIFICANCE)
         rank = (is_insignificant, is_missed, is_missed * design.life_sd,
                 float(sum(design.specimens)), design.life_sd)  # fmt: skip
         change = find_energy_change(test.law, temperatures[0], kelvin, part, design.life_sd)

@@ -12,7 +12,7 @@ from dashpot.extensions.materials.csr.law import F0_TIME, THOUSAND_HOURS
 from dashpot.extensions.materials.csr.preprocess import Readings
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
-LEAST_SIGNIFICANCE = 4.0
+MIN_SIGNIFICANCE = 4.0
 """Standard errors by which the hottest oven must show chemistry."""
 MAX_EXTRAPOLATION = 30.0
 """Distance of a temperature below the coldest oven, K, at most."""
@@ -103,7 +103,7 @@ def readings_residual_small(scatter: float) -> Finding:
     )
 
 
-@criterion("rate / standard error", ">=", LEAST_SIGNIFICANCE, "our choice: chance, once in 30,000")
+@criterion("rate / standard error", ">=", MIN_SIGNIFICANCE, "our choice: chance, once in 30,000")
 def chemical_aging_resolved(significance: float, hottest: float) -> Finding:
     """Chemical aging is significant in the hottest oven."""
     return Finding(

@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.extensions.materials.csr.datamodel import Aging, Oven
-from dashpot.extensions.materials.csr.law import F0_TIME, HOUR, NEVER, YEAR, AgingLaw
+from dashpot.extensions.materials.csr.law import F0_TIME, HOUR, MAX_LIFETIME, YEAR, AgingLaw
 from dashpot.extensions.materials.csr.life_table import (
     find_extrapolation_limit,
     format_life,
@@ -222,7 +222,7 @@ def _compute_life_band(
     law: AgingLaw, kelvin: FloatArray, part: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the life at temperatures and both ends of its 95 % interval, h."""
-    life = np.array([min(law.life(value, part), NEVER) for value in kelvin.tolist()]) / HOUR
+    life = np.array([min(law.life(value, part), MAX_LIFETIME) for value in kelvin.tolist()]) / HOUR
     errors = np.array([
         law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained=part))
         for value in kelvin.tolist()
@@ -234,7 +234,7 @@ def _compute_life_band(
 def _compute_oven_life(law: AgingLaw, oven: Oven, part: float) -> float:
     """Return the life in an oven by the rate of its own readings, s."""
     oven_law = replace(law, chemical=-float(np.log(oven.rate)), activation=0.0)
-    return min(oven_law.life(oven.temperature, part), NEVER)
+    return min(oven_law.life(oven.temperature, part), MAX_LIFETIME)
 
 
 def _mark_use(aging: Aging, part: float, temperature: float) -> list[Mark]:

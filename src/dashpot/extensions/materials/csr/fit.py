@@ -15,16 +15,21 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.datamodel.checks import caution_checks
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr import checks
 from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, Oven
-from dashpot.extensions.materials.csr.law import BOUND, THOUSAND_HOURS, AgingLaw, retained_fraction
+from dashpot.extensions.materials.csr.law import (
+    ONE_SIDED_QUANTILE,
+    THOUSAND_HOURS,
+    AgingLaw,
+    retained_fraction,
+)
 from dashpot.extensions.materials.csr.preprocess import Readings, collect_readings
 from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score, white_noise
 from dashpot.numerics.least_squares import Parameter, Problem, Rows, require_optimum
-from dashpot.solids.shift_laws import GAS
+from dashpot.solids.shift_laws import GAS_CONSTANT
 
 USUAL_OVEN, WORST_OVEN = 1.0, 30.0
 """Standard deviation of an oven's temperature, K: the usual one, and the largest accepted."""
@@ -72,7 +77,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
     ovens = read.ovens(uncertainty)
     orders: dict[str, float] = {}
     law, strain = _limit_rate(uncertainty, ovens[-1]), None
-    if ovens[-1].significance >= checks.LEAST_SIGNIFICANCE:
+    if ovens[-1].significance >= checks.MIN_SIGNIFICANCE:
         is_oven_stated = machine.oven is not None
         law, orders, strain = _fit_arrhenius(
             read, uncertainty, ovens, (sd, drift), is_oven_stated=is_oven_stated
@@ -89,7 +94,7 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
             strain = max(strain, curvature or 0.0)
     aging = Aging(
         law, ovens, float(read.time.max()), tuple(orders.items()),
-        float(np.sqrt(uncertainty.noises[0].power)), sd, (), sources_of(records),
+        float(np.sqrt(uncertainty.noises[0].power)), sd, (), list_sources(records),
     )  # fmt: skip
     checked_checks = checks.run_checks(aging, read, uncertainty, strain, drift=drift)
     return replace(aging, checks=(*checked_checks, *caution_checks(aging.sources)))
@@ -157,7 +162,7 @@ def _limit_rate(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
     """Return the law without chemical aging, with its upper limit by the hottest oven."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = uncertainty.covariance[0, 0]
-    fastest = max(hottest.rate, 0.0) + BOUND * hottest.rate_error
+    fastest = max(hottest.rate, 0.0) + ONE_SIDED_QUANTILE * hottest.rate_error
     return AgingLaw(
         float(uncertainty.optimum.theta[0]), -float(np.log(fastest)), 0.0, 1.0, hottest.temperature,
         covariance, uncertainty.quantile(), bound_alone=True,
@@ -183,11 +188,16 @@ def _fit_arrhenius(
         float(1 / np.mean(1 / kelvin)),
         len(ovens) if has_several_ovens and sd else 0,
     )
-    inverse_kelvin_difference = (1 / kelvin - 1 / mean_inverse_kelvin) / GAS
+    inverse_kelvin_difference = (1 / kelvin - 1 / mean_inverse_kelvin) / GAS_CONSTANT
 
     def rates(theta: FloatArray) -> tuple[FloatArray, float]:
         oven_temperature = kelvin + sd * theta[4 : 4 + oven_count] if oven_count else kelvin
-        slope = _ENERGY_UNIT * theta[2] * (1 / oven_temperature - 1 / mean_inverse_kelvin) / GAS
+        slope = (
+            _ENERGY_UNIT
+            * theta[2]
+            * (1 / oven_temperature - 1 / mean_inverse_kelvin)
+            / GAS_CONSTANT
+        )
         return np.exp(-theta[1] - slope), float(np.exp(theta[3]))
 
     fastest = max(oven.rate for oven in ovens)

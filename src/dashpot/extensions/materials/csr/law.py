@@ -20,19 +20,19 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import EqualByValue, FloatArray
 from dashpot.base.units import parse_quantity
 from dashpot.numerics.inference.covariance_estimate import propagate_covariance
-from dashpot.solids.shift_laws import GAS
+from dashpot.solids.shift_laws import GAS_CONSTANT
 
 F0_TIME = 1800.0
 """Time of F0 after the compression, s."""
-NEVER = 1e12
+MAX_LIFETIME = 1e12
 """Longest lifetime that is computed, s: thirty thousand years."""
-BOUND = 1.645
+ONE_SIDED_QUANTILE = 1.645
 """Standard errors of a limit to one side, 95 %."""
 HOUR = parse_quantity("1h", "time")
 THOUSAND_HOURS = parse_quantity("1000h", "time")
 """Time in which the drift of a load cell is stated, s."""
 YEAR = parse_quantity("8766h", "time")
-_STEPS = np.array([1e-4, 1e-3, 10.0, 1e-4])
+_DERIVATIVE_STEPS = np.array([1e-4, 1e-3, 10.0, 1e-4])
 """Steps of physical, chemical, activation and ln exponent in a derivative."""
 
 
@@ -86,7 +86,7 @@ class AgingLaw(EqualByValue):
 
     def tau(self, temperature: float) -> float:
         """Return time of the chemical factor at a temperature, s."""
-        inverse_kelvin_difference = (1 / temperature - 1 / self.reference) / GAS
+        inverse_kelvin_difference = (1 / temperature - 1 / self.reference) / GAS_CONSTANT
         return float(np.exp(self.chemical + self.activation * inverse_kelvin_difference))
 
     def compute_retention(self, temperature: float, time: float) -> float:
@@ -96,18 +96,18 @@ class AgingLaw(EqualByValue):
 
     def life(self, temperature: float, retained: float) -> float:
         """Return the time at which F/F0 has fallen to a part, s; infinite if never."""
-        low, high = np.log(F0_TIME), np.log(NEVER)
-        if self.compute_retention(temperature, NEVER) > retained:
+        low, high = np.log(F0_TIME), np.log(MAX_LIFETIME)
+        if self.compute_retention(temperature, MAX_LIFETIME) > retained:
             return float("inf")
         while high - low > 1e-9:
-            middle = (low + high) / 2
-            is_above = self.compute_retention(temperature, float(np.exp(middle))) > retained
-            low, high = (middle, high) if is_above else (low, middle)
+            midpoint = (low + high) / 2
+            is_above = self.compute_retention(temperature, float(np.exp(midpoint))) > retained
+            low, high = (midpoint, high) if is_above else (low, midpoint)
         return float(np.exp((low + high) / 2))
 
     def compute_log_life(self, temperature: float, retained: float) -> float:
-        """Return the ln of the life to a part of F0, s, or of `NEVER` where that is less."""
-        return math.log(min(self.life(temperature, retained), NEVER))
+        """Return the ln of the life to a part of F0, s, or of `MAX_LIFETIME` where that is less."""
+        return math.log(min(self.life(temperature, retained), MAX_LIFETIME))
 
     def apply_activation(self, activation: float, reference: float) -> AgingLaw:
         """Return the law with another activation energy, J/mol, about a temperature, K."""
@@ -120,14 +120,14 @@ class AgingLaw(EqualByValue):
 
     def lower_limit(self) -> AgingLaw:
         """Return the law of the limit, with the largest plausible physical loss."""
-        return replace(self, physical=self.physical + BOUND * self.errors[0])
+        return replace(self, physical=self.physical + ONE_SIDED_QUANTILE * self.errors[0])
 
     def error_of(self, evaluate: Callable[[AgingLaw], float]) -> float:
         """Return the standard error of a function of the law by the delta method."""
         G = np.zeros((1, 4))
         for i in np.flatnonzero(np.diag(self.covariance)).tolist():
-            lower, up = (self._shift_parameter(i, sign * _STEPS[i]) for sign in (-1, 1))
-            G[0, i] = (evaluate(up) - evaluate(lower)) / (2 * _STEPS[i])
+            lower, up = (self._shift_parameter(i, sign * _DERIVATIVE_STEPS[i]) for sign in (-1, 1))
+            G[0, i] = (evaluate(up) - evaluate(lower)) / (2 * _DERIVATIVE_STEPS[i])
         return float(np.sqrt(propagate_covariance(self.covariance, G)[0, 0]))
 
     def _shift_parameter(self, index: int, step: float) -> AgingLaw:

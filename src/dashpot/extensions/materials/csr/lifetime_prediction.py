@@ -28,7 +28,7 @@ from dashpot.extensions.materials.csr.checks import (
 )
 from dashpot.extensions.materials.csr.datamodel import Aging, CSRTest, format_fact_clause
 from dashpot.extensions.materials.csr.fit import fit_aging
-from dashpot.extensions.materials.csr.law import F0_TIME, NEVER, AgingLaw
+from dashpot.extensions.materials.csr.law import F0_TIME, MAX_LIFETIME, AgingLaw
 from dashpot.extensions.materials.csr.preprocess import ONE_OVEN
 
 LOWER = 65e3
@@ -86,7 +86,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def interval_note(self) -> str:
-        """Sentence on what the intervals leave out beyond the ovens; else empty."""
+        """Note on errors that the intervals do not include; else ""."""
         if not any(check.failed and check.name in _EXTRAPOLATION for check in self.checks):
             return ""
         return (
@@ -172,7 +172,7 @@ def predict_aging(
 
 
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
-    """Return the widest standard error of the answers, over each; None where none is estimated."""
+    """Return the largest standard error of the answers, relative; None without errors."""
     errors = [
         reported_value.error / reported_value.value
         for question in questions
@@ -322,14 +322,14 @@ def _parse_end(text: str) -> tuple[float, float]:
             f"--end {text}: expected a part of the force with its sign, 50%, or a time with its "
             "unit, 1000h"
         ) from None
-    if not F0_TIME < time <= NEVER:
+    if not F0_TIME < time <= MAX_LIFETIME:
         raise DataError(f"--end {text}: expected more than 30 min, and at most 30,000 years")
     return math.nan, time
 
 
 def _compute_question_time(law: AgingLaw, temperature: float, part: float, time: float) -> float:
     """Return the latest time of a requested end, s."""
-    return min(law.life(temperature, part), NEVER) if math.isnan(time) else time
+    return min(law.life(temperature, part), MAX_LIFETIME) if math.isnan(time) else time
 
 
 def _report_end(aging: Aging, temperature: float, part: float, time: float) -> list[ReportedValue]:
@@ -352,7 +352,7 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
         ]
     words = f"time until F/F0 is {format_quantity(part, '%', 'g')}"
     if law.bound_alone or math.isinf(law.life(temperature, part)):
-        shortest_life = min(law.lower_limit().life(temperature, part), NEVER)
+        shortest_life = min(law.lower_limit().life(temperature, part), MAX_LIFETIME)
         return [ReportedValue("life", math.nan, shortest_life, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda aging_law: math.log(aging_law.life(temperature, part)))
     life = law.life(temperature, part)

@@ -152,7 +152,7 @@ def _make_life_sections(
         return ()
     coldest = format_temperature(aging.ovens[0].temperature)
     energy = format_quantity(LOWER, "kJ/mol", "g")
-    head = ("temperature", "life", "from", "to", f"if Ea is {energy} below {coldest}", "verdict")
+    header = ("temperature", "life", "from", "to", f"if Ea is {energy} below {coldest}", "verdict")
     rows = tuple(
         (
             format_temperature(life_row.temperature),
@@ -180,5 +180,7 @@ def _make_life_sections(
     )
     row_classes = tuple("" if life_row.use == "use" else "doubt" for life_row in life_rows)
     return (
-        CollapsibleSection("Life at other temperatures", line, TextTable(head, rows, row_classes)),
+        CollapsibleSection(
+            "Life at other temperatures", line, TextTable(header, rows, row_classes)
+        ),
     )

@@ -17,7 +17,7 @@ EARLIEST = 600.0
 """Earliest time of F0 after the compression, s: before, half of its decay is to come."""
 ONE_OVEN = 2.0
 """Temperature difference within which specimens are in one oven, K."""
-_FEWEST = 3
+_MIN_COUNT = 3
 """Least number of readings of a specimen."""
 
 
@@ -119,10 +119,10 @@ def _refuse(
         _, lot, number = cells[:, begins].tolist()
         source = tests[lot].source
         name = f"{source.file}, specimen {number}" if source else f"specimen {number}"
-        if count < _FEWEST:
+        if count < _MIN_COUNT:
             raise DataError(
-                f"{name} was read {count} times in one oven; at least {_FEWEST} readings show how "
-                "it ages. Give each specimen its own number, or leave this one out"
+                f"{name} was read {count} times in one oven; at least {_MIN_COUNT} readings show "
+                "how it ages. Give each specimen its own number, or leave this one out"
             )
         if time[begins] < EARLIEST:
             raise DataError(

@@ -102,8 +102,8 @@ def read_csr(
             )
         file = replace(opened_file, options=force_columns or opened_file.options)
         temperature_role = file.column("temperature")
-        roles_wanted = channels.chosen(file, ["time", "force"])
-        channels_chosen = channels.with_units(
+        roles_wanted = channels.select_columns(file, ["time", "force"])
+        channels_chosen = channels.add_units(
             file, [*roles_wanted, *([temperature_role] if temperature_role else [])]
         )
         loaded_columns = channels.load_test(file, channels_chosen, 1)

@@ -65,7 +65,7 @@ def is_ratio(column: Column) -> bool:
 def _find_clock(
     table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
 ) -> ReadOptions | None:
-    """Return the options with a clock of hours or more; None where there is no such clock."""
+    """Return the options with a clock of hours or more; None without one."""
     time_columns = {
         str(i + 1) for i, value in score_columns(table, "time", options).items() if value >= 1.5
     }

@@ -68,11 +68,11 @@ class DropTest(EqualByValue, HasSummary):
                 "an impact is a force, or the acceleration of the mass. Give one of them"
             )
         steps = np.diff(self.time)
-        worst = int(np.argmax(np.abs(steps - self.step)))
-        if abs(steps[worst] - self.step) > 0.2 * self.step:
+        index = int(np.argmax(np.abs(steps - self.step)))
+        if abs(steps[index] - self.step) > 0.2 * self.step:
             raise DataError(
-                f"an impact needs even sampling, and the step after t = {self.time[worst]:.9g} s "
-                f"is {steps[worst]:.6g} s where {self.step:.6g} s is usual. Cut the record there"
+                f"an impact needs even sampling, and the step after t = {self.time[index]:.9g} s "
+                f"is {steps[index]:.6g} s where {self.step:.6g} s is usual. Cut the record there"
             )
 
     @property

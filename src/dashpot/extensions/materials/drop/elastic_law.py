@@ -16,7 +16,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 
 POWERS = np.arange(1.0, 4.0)
-LEAST_SD = 0.01
+MIN_SD = 0.01
 """Least relative standard deviation of a tangent by a load deflection test."""
 _KNOT_COUNT = 17
 
@@ -54,7 +54,7 @@ class ElasticLawPrior(EqualByValue):
         law = length_ratio * law
         knots, tangent = np.asarray(law.knots), np.asarray(law.tangents)
         error = law.stiffness * np.asarray(law.ratio_se or np.zeros(len(knots)))
-        min_sd = LEAST_SD * np.maximum(tangent, LEAST_SD * tangent.max())
+        min_sd = MIN_SD * np.maximum(tangent, MIN_SD * tangent.max())
         sd = np.maximum(error, min_sd) * np.sqrt(max(len(knots) / len(POWERS), 1.0))
         return cls(law, POWERS * knots[:, None] ** (POWERS - 1) / sd[:, None])
 

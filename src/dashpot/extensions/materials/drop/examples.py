@@ -33,11 +33,11 @@ def _simulate_record() -> str:
         )
     all_forces = np.concatenate(force)
     rows = (f"{1e-4 * i:.4f},{item:.5g}" for i, item in enumerate(all_forces.tolist()))
-    head = [
+    header = [
         f"# {byline('simulated slams')}",
         "# simulated: slams of 200 g on 100 mm of seal, at 0.3, 0.45 and 0.6 m/s",
     ]
-    return "\n".join([*head, "time [s],force [N]", *rows, ""])
+    return "\n".join([*header, "time [s],force [N]", *rows, ""])
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType(

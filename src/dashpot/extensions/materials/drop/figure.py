@@ -10,7 +10,7 @@ from dashpot.extensions.materials.drop.prediction import DropPrediction
 from dashpot.plot.picture import DATA_ON_FIT, FIT, FIT_BAND, PREDICTED, Line, Panel, Picture, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
 
-_MOST_IMPACTS = 6
+_MAX_IMPACTS = 6
 """Largest number of impacts in a figure."""
 
 
@@ -24,7 +24,7 @@ def draw_drop_fit(drop_fit: DropFit, *, stamp: str = "") -> Picture:
         Origin of the figure; by default the files.
     """
     panels = []
-    for hit in drop_fit.hits[:_MOST_IMPACTS]:
+    for hit in drop_fit.hits[:_MAX_IMPACTS]:
         ms = convert_to_unit(hit.time, "ms")
         top = 1.08 * float(hit.measured.max())
         marks = (

@@ -22,7 +22,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.number_format import format_count
-from dashpot.base.provenance import Step, sources_of
+from dashpot.base.provenance import Step, list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.checks import caution_checks
@@ -132,7 +132,7 @@ def _parse_approaches(
 
 
 def _compute_length_ratio(records: Sequence[DropTest], fit: Fit | None) -> float:
-    """Return the length of the tested specimen over that of the one whose law is known."""
+    """Return the length of the specimen over that of the specimen with the known law."""
     length = next((record.specimen.length for record in records if record.specimen.length), None)
     reference_length = None if fit is None else fit.specimen.length
     return length / reference_length if length and reference_length else 1.0
@@ -177,7 +177,7 @@ class _FittedImpacts:
         return DropFit(
             frequency, tuple(reported), self.impacts, problem.mass,
             self._build_specimen_fit(checks),
-            checks, sources_of(self.records),
+            checks, list_sources(self.records),
         )  # fmt: skip
 
     @property
@@ -304,7 +304,7 @@ class _FittedImpacts:
             ),
             checks.air_escapes(float(speeds.max())),
             checks.specimen_length_given(is_given=self.records[0].specimen.length is not None),
-            *caution_checks(sources_of(self.records)),
+            *caution_checks(list_sources(self.records)),
         )
 
     def _check_relaxation_agreement(self, value: float, sd: float) -> list[Check]:
@@ -368,6 +368,6 @@ class _FittedImpacts:
         return build_fit(
             SolidEstimate(model, estimate),
             Evidence((band_start, 2 / (np.pi * min(contact_times))), checks=checks),
-            Provenance("slam", sources_of(self.records), (step,), self.records[0].specimen),
+            Provenance("slam", list_sources(self.records), (step,), self.records[0].specimen),
             elastic_law=replace(law, ratio_se=tuple(ratio_se.tolist())),
         )

@@ -23,9 +23,9 @@ STEPS = 240
 """Time steps in a contact, for an error of 3e-5 of the largest force."""
 _DIFFERENCE_STEP = 1e-3
 """Step of a central difference, in scales of the parameter."""
-_LEAST_ARM_SD = 1e-4
+_MIN_ARM_SD = 1e-4
 """Least relative standard deviation of an arm of the relaxation test."""
-_MOST_STEPS, _LEAST_DECREASE, _LEAST_STEP = 40, 1e-6, 1e-4
+_MAX_STEPS, _MIN_DECREASE, _MIN_STEP = 40, 1e-6, 1e-4
 _USUAL_RESTITUTION = 0.95
 _STARTING_ARMS = ((0.1, 0.25), (0.5, 0.25), (0.5, 0.06))
 """Fast arms from which the search begins: g, and tau in contact times."""
@@ -72,7 +72,7 @@ class RelaxationPrior:
         G[arms:, 1 + arms :] = np.eye(arms)
         scale = np.concatenate((g, np.ones(arms)))
         eigenvalues, eigenvectors = np.linalg.eigh((G @ covariance @ G.T) / np.outer(scale, scale))
-        sd = np.sqrt(np.maximum(eigenvalues, _LEAST_ARM_SD**2))
+        sd = np.sqrt(np.maximum(eigenvalues, _MIN_ARM_SD**2))
         return cls(g, tau, eigenvectors.T / sd[:, None] / scale, fit)
 
     @property
@@ -354,9 +354,9 @@ class DropProblem:
         starts = [values for _, values in candidates[:_STARTS_FOLLOWED]]
         return problem.solve(
             starts,
-            max_steps=_MOST_STEPS,
-            step_tolerance=_LEAST_STEP,
-            cost_tolerance=_LEAST_DECREASE,
+            max_steps=_MAX_STEPS,
+            step_tolerance=_MIN_STEP,
+            cost_tolerance=_MIN_DECREASE,
         )
 
     @property

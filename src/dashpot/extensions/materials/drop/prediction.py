@@ -23,7 +23,7 @@ from dashpot.extensions.materials.drop.motion import ImpactMotion, simulate_impa
 from dashpot.fitting.prediction_bounds import off_by_error
 from dashpot.solids.elastic import ElasticLaw
 
-_STRAIGHT = 1e-3
+_DEFAULT_DEPTH = 1e-3
 """Depth of the linear law of a model without one, m; any value will do."""
 
 
@@ -145,7 +145,7 @@ def predict_drop(
         )
     parallel_fit = fit if seals == 1 else fit.in_parallel(seals)
     elastic_law = parallel_fit.elastic_law
-    law = elastic_law or ElasticLaw.linear(max(parallel_fit.model.k_inf, 1e-9), _STRAIGHT)
+    law = elastic_law or ElasticLaw.linear(max(parallel_fit.model.k_inf, 1e-9), _DEFAULT_DEPTH)
     models = [parallel_fit.model, *(model.maxwell for model in off_by_error(parallel_fit))]
     motions = simulate_impacts(
         models, law, mass=kg, speed=approach.speed, acceleration=approach.pull

@@ -10,11 +10,11 @@ from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.base.errors import DataError
 from dashpot.extensions.materials.drop.datamodel import DropTest
 
-_LEAST_IMPACT_FORCE, _FOOT_FORCE = 0.05, 0.15
+_MIN_IMPACT_FORCE, _FOOT_FORCE = 0.05, 0.15
 """Over the largest force: of another impact, and below which a flank is replaced by a line."""
-_LEAST_SIGNAL_TO_NOISE = 6.0
+_MIN_SIGNAL_TO_NOISE = 6.0
 """Ratio of force to noise below which no force is an impact."""
-_LEAST_SAMPLES = 12
+_MIN_SAMPLES = 12
 """Least number of samples of an impact."""
 _MARGIN = 0.6
 """Time before and after a contact that is fitted too, in contact times."""
@@ -68,7 +68,7 @@ def find_impacts(test: DropTest, mass: float, name: str) -> list[RecordedImpact]
     force = _compute_contact_force(signal)
     noise = _estimate_noise(force)
     peak = float(force.max())
-    if not peak > 2 * _LEAST_SIGNAL_TO_NOISE * noise:
+    if not peak > 2 * _MIN_SIGNAL_TO_NOISE * noise:
         raise DataError(
             f"{name}: no impact stands out of the scatter: the largest force is {peak:.3g} N, the "
             f"scatter {noise:.3g} N. Cut the record about the impacts, or use a stiffer sensor"
@@ -76,12 +76,12 @@ def find_impacts(test: DropTest, mass: float, name: str) -> list[RecordedImpact]
     impacts: list[RecordedImpact] = []
     contacts = _find_contacts(
         force,
-        max(_LEAST_IMPACT_FORCE * peak, _LEAST_SIGNAL_TO_NOISE * noise),
-        _LEAST_SIGNAL_TO_NOISE * noise,
+        max(_MIN_IMPACT_FORCE * peak, _MIN_SIGNAL_TO_NOISE * noise),
+        _MIN_SIGNAL_TO_NOISE * noise,
     )
     if not contacts:
         raise DataError(
-            f"{name}: the longest push has fewer than {_LEAST_SAMPLES} samples. Sample faster"
+            f"{name}: the longest push has fewer than {_MIN_SAMPLES} samples. Sample faster"
         )
     acceleration = (
         None
@@ -136,7 +136,7 @@ def _find_contacts(force: FloatArray, threshold: float, least_foot: float) -> li
             runs[-1] = (runs[-1][0], last)
         else:
             runs.append((first, last))
-    long_runs = [run for run in runs if run[1] - run[0] + 1 >= _LEAST_SAMPLES]
+    long_runs = [run for run in runs if run[1] - run[0] + 1 >= _MIN_SAMPLES]
     return [_extend_to_zero_force(force, first, last, least_foot) for first, last in long_runs]
 
 

@@ -46,8 +46,8 @@ def read_drop_test(
                 "no force and no acceleration is recognised. Name the column of one, such as "
                 f"--column force=NAME; the columns are {list_columns(file.table.columns)}"
             )
-        ticks = channels.chosen(file, channels.add_time_role(file))
-        channels_chosen = channels.with_units(file, [*ticks, *signal_columns])
+        ticks = channels.select_columns(file, channels.add_time_role(file))
+        channels_chosen = channels.add_units(file, [*ticks, *signal_columns])
         channels.refuse_other_rate(file)
         rows, gaps = channels.select_complete_rows(
             channels.load_test(file, channels_chosen, min_count=16)

@@ -26,7 +26,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.extensions.materials.drop.elastic_law import POWERS
 from dashpot.extensions.materials.drop.least_squares_problem import DropProblem
 from dashpot.extensions.materials.drop.motion import Masses, integrate_impact
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.numerics.least_squares import Optimum
 from dashpot.solids.moving_plate import EvenStep
 
@@ -38,9 +38,9 @@ _ADDITIONAL_TAU = 1 / 15
 """Relaxation time of an additional arm, in lengths of a contact."""
 _DIFFERENCE_STEP = 1e-3
 """Step of a difference, over each force."""
-_LEAST_ROWS = 30.0
+_MIN_ROWS = 30.0
 """Least number of independent rows before first contact and after release."""
-_LEAST_ORTHOGONAL_PART = 1e-6
+_MIN_ORTHOGONAL_PART = 1e-6
 """Part of a column below which it lies in the columns of the fit."""
 
 
@@ -65,7 +65,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
     # the relaxation time of an arm with g = 0 has no effect
     size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
     basis, weight, _ = np.linalg.svd(J / size, full_matrices=False)
-    basis = basis[:, weight > _LEAST_ORTHOGONAL_PART * weight[0]]
+    basis = basis[:, weight > _MIN_ORTHOGONAL_PART * weight[0]]
     flights = _Flights.from_residual(problem, theta, optimum.residual)
     deviation = np.sqrt(flights.noise_correlation_factor)
     scores = {}
@@ -81,7 +81,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
         )
         orthogonal_column = column - basis @ (basis.T @ column)
         size = float(np.linalg.norm(orthogonal_column))
-        if size > _LEAST_ORTHOGONAL_PART * np.linalg.norm(column):
+        if size > _MIN_ORTHOGONAL_PART * np.linalg.norm(column):
             scores[name] = float(orthogonal_column @ optimum.all_residuals / size / deviation)
     if (variance_increase := flights.variance_increase) is not None:
         scores["a sensor or mass that keeps vibrating"] = max(variance_increase, 0.0)
@@ -93,7 +93,7 @@ def _compute_additional_forces(
 ) -> dict[str, FloatArray]:
     """Return additional forces of a specimen along its motions, shape (steps + 1, impacts), N."""
     depth, largest = x.max(), relaxed_force.max()
-    share = x / depth
+    ratio = x / depth
     friction, arm = np.zeros_like(x), np.zeros_like(x)
     contact = median(np.array([hit.contact for hit in problem.impacts]))
     steps = EvenStep.from_ratio(np.array(problem.step / (_ADDITIONAL_TAU * contact)))
@@ -110,8 +110,8 @@ def _compute_additional_forces(
         arm[i] = steps.end(arm[i - 1], force_step)
     return {
         "friction": friction,
-        "an elastic law steeper than a cubic": largest * share**_POWER,
-        "a contact at an angle": largest * share * np.exp(-share / _TILT_DEPTH),
+        "an elastic law steeper than a cubic": largest * ratio**_POWER,
+        "a contact at an angle": largest * ratio * np.exp(-ratio / _TILT_DEPTH),
         "one more arm": arm,
     }
 
@@ -168,13 +168,13 @@ class _Flights(NamedTuple):
     @property
     def noise_correlation_factor(self) -> float:
         """Factor of the variance for correlated noise, before first contact."""
-        return noise_of(self.before).kappa if len(self.before) else 1.0
+        return estimate_noise(self.before).kappa if len(self.before) else 1.0
 
     @property
     def variance_increase(self) -> float | None:
         """Increase of the log variance after release, in standard errors; None if rows are few."""
         n = np.array([len(self.before), len(self.after)]) / self.noise_correlation_factor
-        if n.min() < _LEAST_ROWS:
+        if n.min() < _MIN_ROWS:
             return None
         return float(
             np.log(np.mean(self.after**2) / np.mean(self.before**2)) / np.sqrt((2 / n).sum())

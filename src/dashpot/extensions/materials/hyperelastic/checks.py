@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     HyperelasticOptimum,
@@ -55,7 +55,7 @@ def run_checks(
 ) -> tuple[Check, ...]:
     """Return every check of a hyperelastic law."""
     shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
-    worst = int(np.argmax(fit.residuals))
+    worst_index = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
     through = list(fit.curves) if foam else shaped
     flexible = compute_best_stable_misfit(through, fit.law.poisson)
@@ -70,8 +70,8 @@ def run_checks(
     softer = [curve.softer for curve in fit.curves if curve.softer is not None]
     return (
         law_residual_small(
-            fit.residuals[worst],
-            _get_curve_name(fit.curves[worst]),
+            fit.residuals[worst_index],
+            _get_curve_name(fit.curves[worst_index]),
             best_stable_misfit,
         ),
         no_better_law(selected.rms, flexible),
@@ -542,7 +542,7 @@ def _is_motion_of_machine(curve: ElasticCurve) -> bool:
     return any(
         column.startswith(("strain", "stretch"))
         and ("displacement" in column.casefold() or MACHINE_NAME.search(column))
-        for source in sources_of([curve])
+        for source in list_sources([curve])
         for column in source.columns
     )
 

@@ -17,7 +17,7 @@ from dashpot.base.arrays import (
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import format_count
-from dashpot.base.provenance import Source, describe_record_source, sources_of
+from dashpot.base.provenance import Source, describe_record_source, list_sources
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays
 from dashpot.base.serialisation import Key, Serialisable
@@ -25,9 +25,9 @@ from dashpot.extensions.materials.hyperelastic.strain_energy import Hyperelastic
 from dashpot.extensions.materials.options import Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-LEAST_ROWS = 4
-MOST_STRETCH = 20.0
-MOST_POISSON = 0.6
+MIN_ROWS = 4
+MAX_STRETCH = 20.0
+MAX_POISSON = 0.6
 """Largest measured Poisson's ratio: 0.5, and the error of a tape or a camera."""
 
 
@@ -82,11 +82,11 @@ class StressStrainTest(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, stretch="strain", stress="stress", time="time")
-        hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
+        hold_measured(self, "stretch", "stress", "time", minimum=MIN_ROWS)
         if self.poisson is not None:
             self._refuse_sideways(self.poisson)
         low, high = float(self.stretch.min()), float(self.stretch.max())
-        if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):
+        if not (low > 1 / MAX_STRETCH and high < MAX_STRETCH):
             raise DataError(
                 f"the stretch runs from {low:.4g} to {high:.4g}; expected lengths over the length "
                 "at rest, above 0 and 1 at rest: is it a strain, in per cent, or the other sign?"
@@ -101,10 +101,10 @@ class StressStrainTest(EqualByValue, HasSummary):
                 f"a strain sideways gives Poisson's ratio of a uniaxial test, and this one is "
                 f"{self.mode}; leave it out"
             )
-        if not 0 <= ratio <= MOST_POISSON:
+        if not 0 <= ratio <= MAX_POISSON:
             raise DataError(
                 f"the strain sideways shows a Poisson's ratio of {ratio:.3g}; expected 0 to "
-                f"{MOST_POISSON:g}. Check its unit and its sign: it grows where the specimen is "
+                f"{MAX_POISSON:g}. Check its unit and its sign: it grows where the specimen is "
                 "pressed, and falls where it is pulled"
             )
 
@@ -235,7 +235,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
-        return sources_of(self.curves)
+        return list_sources(self.curves)
 
     @property
     def _headline(self) -> str:

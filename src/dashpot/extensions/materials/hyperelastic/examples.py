@@ -24,8 +24,8 @@ def _make_curve_writer(mode: Mode, max_stretch: float, seed: int) -> Callable[[]
         stress = convert_to_unit(_RUBBER.nominal(mode, x), "MPa")
         stress += 0.005 * stress.max() * np.random.default_rng(seed).standard_normal(len(x))
         rows = (f"{100 * (a - 1):.5g},{b:.5g}" for a, b in zip(x, stress, strict=True))
-        head = [f"# {byline(f'simulated {mode} test')}", "# simulated"]
-        return "\n".join([*head, "strain [%],nominal stress [MPa]", *rows, ""])
+        header = [f"# {byline(f'simulated {mode} test')}", "# simulated"]
+        return "\n".join([*header, "strain [%],nominal stress [MPa]", *rows, ""])
 
     return render_file
 

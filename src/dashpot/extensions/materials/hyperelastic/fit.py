@@ -41,7 +41,7 @@ from dashpot.numerics.inference.covariance_estimate import estimate, score
 from dashpot.numerics.least_squares import solve_ordinary
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-MOST_TERMS = 3
+MAX_TERMS = 3
 FOAM_POISSON = 0.45
 """Poisson's ratio below which a strain sideways shows a foam: rubber has 0.499, and a tape errs."""
 _TERM_GAIN = 0.95
@@ -173,7 +173,7 @@ def _fit_power_laws(
     if terms != "auto":
         return [fit_power_law(rows, terms, kind, poisson)]
     optima = [fit_power_law(rows, count, kind, poisson) for count in (1, 2)]
-    while len(optima) < MOST_TERMS and optima[-1].rms < _TERM_GAIN * optima[-2].rms:
+    while len(optima) < MAX_TERMS and optima[-1].rms < _TERM_GAIN * optima[-2].rms:
         optima.append(fit_power_law(rows, len(optima) + 1, kind, poisson))
     return optima
 
@@ -192,8 +192,8 @@ def _refuse_choices(
             "a volumetric test alone gives no law of shape; expected a uniaxial, equibiaxial or "
             "planar one beside it"
         )
-    if terms != "auto" and not 1 <= terms <= MOST_TERMS:
-        raise FitError(f"terms = {terms}; expected 1 to {MOST_TERMS}, or 'auto'")
+    if terms != "auto" and not 1 <= terms <= MAX_TERMS:
+        raise FitError(f"terms = {terms}; expected 1 to {MAX_TERMS}, or 'auto'")
     if poisson is not None and not foam:
         raise FitError(
             f"Poisson's ratio belongs to a foam, and {law} keeps its volume; leave it out, or ask "

@@ -27,7 +27,7 @@ VERIFIED = (
     "verified: CalculiX (ccx) runs such a card in dashpot's tests; one element has the stress of "
     "the law within 1e-3"
 )
-_MOST_TERMS = 6
+_MAX_TERMS = 6
 """Largest number of viscoelastic terms in *MAT_077."""
 _NO_SWELLING = 1e-6
 """In place of beta = 0, by which *MAT_HILL_FOAM divides."""
@@ -296,7 +296,7 @@ _OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu
 
 
 def _write_ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
-    """Return the name of a law of the invariants, its constants, and what to say of them."""
+    """Return name and constants of a law of the invariants, and notes."""
     kind, ratio = card.fit.law.kind, card.ratio
     incompressible = 2 / (ratio * card.bulk)
     values = [ratio * c for c in card.constants]
@@ -346,8 +346,8 @@ def _write_lsdyna(card: _Card) -> Body:
     density = units.density(card.density or 0.0)
     G = units.stress(law.shear_modulus)
     shear = [(card.ratio * g * G, 1 / tau) for g, tau in card.prony]
-    if len(shear) > _MOST_TERMS:
-        raise ExportError(f"*MAT_077 takes {_MOST_TERMS} terms of relaxation, found {len(shear)}")
+    if len(shear) > _MAX_TERMS:
+        raise ExportError(f"*MAT_077 takes {_MAX_TERMS} terms of relaxation, found {len(shear)}")
     if law.kind == "hyperfoam":
         return _write_hill_foam(card, density)
     K = card.bulk

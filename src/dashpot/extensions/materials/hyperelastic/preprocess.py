@@ -13,13 +13,13 @@ from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, St
 from dashpot.extensions.materials.strokes import Stroke, find_strokes
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-MOST_POINTS = 100
+MAX_POINTS = 100
 """Largest number of points of one curve: neighbours in stretch are averaged."""
 _WHOLE_SHARE = 0.95
 """Part of the largest strain that a loading must reach to be chosen."""
 _BOTH_SHARE = 0.1
 """Part of the largest strain from which a record shows tension and compression both."""
-_SCATTERED = 4
+_MIN_STROKE_SAMPLES = 4
 """Samples of a stroke below which rows are points in no order."""
 
 
@@ -84,7 +84,7 @@ def _choose_loading(stretch: FloatArray, stress: FloatArray, cycle: int | None) 
         return _LoadingRows(np.argsort(stretch, kind="stable"), None, None)
     strain_size = np.sign(largest_strain) * strain
     strokes = find_strokes(strain_size, resolution=0.0)
-    if len(stretch) < _SCATTERED * len(strokes):
+    if len(stretch) < _MIN_STROKE_SAMPLES * len(strokes):
         return _LoadingRows(np.argsort(strain_size, kind="stable"), None, None)
     loadings = _find_loadings(strain_size, strokes)
     if cycle is not None and cycle > len(loadings):
@@ -146,9 +146,9 @@ def _average_points(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArra
     """Return the points by stretch; of many, the means over even parts of their range."""
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]
-    if len(x) <= MOST_POINTS:
+    if len(x) <= MAX_POINTS:
         return x, y
-    edges = np.linspace(x[0], x[-1], MOST_POINTS + 1)[1:-1]
+    edges = np.linspace(x[0], x[-1], MAX_POINTS + 1)[1:-1]
     firsts = np.unique(np.concatenate(([0], np.searchsorted(x, edges))))
     counts = np.diff(np.append(firsts, len(x)))
     return np.add.reduceat(x, firsts) / counts, np.add.reduceat(y, firsts) / counts

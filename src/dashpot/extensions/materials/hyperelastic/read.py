@@ -231,7 +231,7 @@ _ELONGATED: tuple[Role, Role] = ("strain", "stretch")
 
 
 def _is_true(file: OpenedFile, channel: Channel, text: str) -> tuple[bool, bool, str]:
-    """Whether a column is over what is, not what was at rest; whether that was said; and why."""
+    """Return whether a stress or strain is true or nominal; whether the file says so; and why."""
     column = file.table.columns[channel.index]
     name = format_column(file.table.columns, channel.index)
     if text != "auto":

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dashpot.base.checks import Finding, criterion
 from dashpot.reading.readers.size_checks import make_unit_advice
 
-LEAST_STRAIN = 0.05
+MIN_STRAIN = 0.05
 
 
 @criterion(
-    "greatest strain", ">=", LEAST_STRAIN, "our choice: nonlinearity shows above it", grade="stop"
+    "greatest strain", ">=", MIN_STRAIN, "our choice: nonlinearity shows above it", grade="stop"
 )
 def strain_of_a_rubber(strain: float, unit: str) -> Finding:
     """The strain is large enough to determine a hyperelastic law."""

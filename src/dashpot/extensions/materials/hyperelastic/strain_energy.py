@@ -44,9 +44,9 @@ POWERS: MappingProxyType[ElasticKind, tuple[tuple[int, int], ...]] = MappingProx
     "neo-hooke": ((1, 0),), "mooney-rivlin": ((1, 0), (0, 1)), "yeoh": ((1, 0), (2, 0), (3, 0)),
 })  # fmt: skip
 """Exponents of I1 - 3 and I2 - 3 for each constant of a law of the invariants."""
-FARTHEST = 10.0
+MAX_STRETCH = 10.0
 """Stretch, or one over it, to which stability is sought."""
-_SCAN = 600
+_SCAN_POINTS = 600
 
 
 class Path(NamedTuple):
@@ -191,7 +191,7 @@ class Hyperelastic:
 
     @property
     def bulk_modulus(self) -> float | None:
-        """Bulk modulus at rest, Pa; None for a rubber of which it is not known."""
+        """Bulk modulus at rest, Pa; None if it is unknown."""
         if self.kind != "hyperfoam":
             return self.bulk
         v = self.poisson
@@ -242,7 +242,7 @@ class Hyperelastic:
         return np.asarray(2 * (by_first * first + by_second * second) / x)
 
     def tangent(self, mode: Mode, stretch: npt.ArrayLike) -> FloatArray:
-        """Derivative of the nominal stress by the stretch, Pa: what small vibration about it feels."""  # noqa: E501
+        """Derivative of the nominal stress by the stretch, Pa, as for small vibration about it."""
         x = np.asarray(stretch, dtype=float)
         if mode == "volumetric" and self.kind != "hyperfoam":
             return np.full_like(x, self._require_bulk())
@@ -277,15 +277,15 @@ class Hyperelastic:
         return np.asarray(np.linalg.eigvalsh(H)[..., 0] / abs(self.shear_modulus or 1.0))
 
     def stable_range(self, mode: Mode) -> tuple[float | None, float | None]:
-        """The first stretches below and above 1 at which Drucker's condition fails; None for none.
+        """The first stretches below and above 1 at which Drucker's condition fails, or None.
 
         Sought from a tenth to ten times the length.
         """
         return self._first_unstable(mode, -1.0), self._first_unstable(mode, 1.0)
 
     def _first_unstable(self, mode: Mode, sign: float) -> float | None:
-        # the path itself sits between 1 / FARTHEST and FARTHEST in the imposed direction
-        e = sign * np.linspace(0.0, math.log(FARTHEST), _SCAN)
+        # the path itself sits between 1 / MAX_STRETCH and MAX_STRETCH in the imposed direction
+        e = sign * np.linspace(0.0, math.log(MAX_STRETCH), _SCAN_POINTS)
         failed = np.flatnonzero(self.drucker(mode, np.exp(e)) <= 0)
         if not failed.size:
             return None
@@ -294,11 +294,11 @@ class Hyperelastic:
             return 1.0
         stable_strain, outside = float(e[high - 1]), float(e[high])
         for _ in range(40):
-            middle = 0.5 * (stable_strain + outside)
-            if self.drucker(mode, math.exp(middle)) > 0:
-                stable_strain = middle
+            midpoint = 0.5 * (stable_strain + outside)
+            if self.drucker(mode, math.exp(midpoint)) > 0:
+                stable_strain = midpoint
             else:
-                outside = middle
+                outside = midpoint
         return math.exp(outside)
 
     # -- the energy and its derivatives ---------------------------------------------------------

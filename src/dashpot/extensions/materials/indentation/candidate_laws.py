@@ -26,7 +26,7 @@ from dashpot.extensions.materials.indentation.collision import (
     scale_collision,
 )
 from dashpot.extensions.materials.indentation.contact_law import (
-    SPHERE,
+    SPHERE_EXPONENT,
     ContactLaw,
     RelaxingContact,
     ViscousContact,
@@ -131,16 +131,18 @@ LAWS = MappingProxyType(
             A * unit, 1.0),
             ((0.1, 0.5),),
         ),
-        "hertz": Law(SPHERE, partial(integrate_viscous_contact, SPHERE, 0.0), lambda k,
-        _: ViscousContact(k)),
+        "hertz": Law(
+            SPHERE_EXPONENT, partial(integrate_viscous_contact, SPHERE_EXPONENT, 0.0),
+            lambda k, _: ViscousContact(k)
+        ),
         "hertz-kelvin-voigt": Law(
-            SPHERE, partial(integrate_viscous_contact, SPHERE), lambda k, unit,
-            A: ViscousContact(k, A * unit),
+            SPHERE_EXPONENT, partial(integrate_viscous_contact, SPHERE_EXPONENT),
+            lambda k, unit, A: ViscousContact(k, A * unit),
             ((0.05, 0.3),),
         ),
         "hertz-maxwell": Law(
-            SPHERE, integrate_relaxing_contact, lambda k, unit, g, tau: RelaxingContact(k, g,
-            tau * unit),
+            SPHERE_EXPONENT, integrate_relaxing_contact,
+            lambda k, unit, g, tau: RelaxingContact(k, g, tau * unit),
             (tuple(0.02 * 2.0**np.arange(7)), tuple(2.0**np.arange(-3, 4))), _compute_arm,
         ),
     }

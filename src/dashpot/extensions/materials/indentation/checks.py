@@ -22,7 +22,7 @@ FOLLOWED = 1.5
 LOST = 0.02
 SMALL_RESIDUAL = 2e-3
 """Part of the push that may be left of a record without noise."""
-_NOISELESS = 1e-4
+_NOISELESS_SHARE = 1e-4
 """Part of the push below which what is left in flight is no noise."""
 _UNKNOWN = 100.0
 """A factor beyond which not even the size of a number is known."""
@@ -45,7 +45,7 @@ def run_checks(
         float(time_since_touch[-1] / T - 1),
     )
     size = float(np.ptp(fit.modelled)) or 1.0
-    scarce = fit.noise < _NOISELESS * size
+    scarce = fit.noise < _NOISELESS_SHARE * size
     relative = fit.residual * size / fit.noise if not scarce else None
     stated_velocity = test.indenter.stated_velocity
     names = [
@@ -119,7 +119,7 @@ def _compute_force_ratio(fit: IndentationFit, test: IndentationTest) -> float | 
 def _noise_correlation_fraction(fit: IndentationFit, step: float) -> float | None:
     """Return the correlation time of the noise in flight, over the length of the contact."""
     residual = (fit.measured - fit.modelled)[fit.time < 0]
-    if len(residual) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
+    if len(residual) < 24 or fit.noise < _NOISELESS_SHARE * float(np.ptp(fit.modelled)):
         return None
     residual = residual - residual.mean()
     rough = float(np.sum(np.diff(residual) ** 2) / np.sum(residual**2))  # 2 where it is white

@@ -29,11 +29,11 @@ _STEP, _RELAXING_STEP = 0.03, 0.05
 a model that relaxes to 3e-6, its force to 1e-5 of the largest."""
 _SAMPLES_PER_STEP = 6
 """Samples of a step."""
-_MOST_ROUNDS = 30
+_MAX_ROUNDS = 30
 """Iterations in the search for the end of a contact."""
-_REMEMBERED = 1024
+_CACHE_SIZE = 1024
 """Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
-_LONGEST = 300.0
+_MAX_LENGTH = 300.0
 """Longest contact, in lengths of a Hertzian one."""
 
 State: TypeAlias = tuple[float, ...]
@@ -154,17 +154,18 @@ def scale_collision(
 
 def _find_peak(t: FloatArray, y: FloatArray) -> float:
     """Return the maximum of the parabola through the largest sample and its neighbours."""
-    top = int(y.argmax())
-    if top in {0, len(y) - 1}:
-        return float(y[top])
-    time_from_peak = t[top - 1 : top + 2] - t[top]
+    peak_index = int(y.argmax())
+    if peak_index in {0, len(y) - 1}:
+        return float(y[peak_index])
+    time_from_peak = t[peak_index - 1 : peak_index + 2] - t[peak_index]
     (a, b, c) = np.linalg.solve(
-        np.stack((time_from_peak**2, time_from_peak, np.ones(3)), axis=1), y[top - 1 : top + 2]
+        np.stack((time_from_peak**2, time_from_peak, np.ones(3)), axis=1),
+        y[peak_index - 1 : peak_index + 2],
     )
-    return float(c - b**2 / (4 * a)) if a < 0 else float(y[top])
+    return float(c - b**2 / (4 * a)) if a < 0 else float(y[peak_index])
 
 
-@lru_cache(maxsize=_REMEMBERED)
+@lru_cache(maxsize=_CACHE_SIZE)
 def integrate_viscous_contact(n: float, A: float, acceleration: float = 0.0) -> Shape:
     r"""Return the motion where the force follows from displacement and velocity.
 
@@ -193,7 +194,7 @@ def integrate_viscous_contact(n: float, A: float, acceleration: float = 0.0) -> 
     return Shape(t, x, v, F)
 
 
-@lru_cache(maxsize=_REMEMBERED)
+@lru_cache(maxsize=_CACHE_SIZE)
 def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) -> Shape:
     r"""Return Ting's contact: loading with a state of the arm, unloading at the size it once had.
 
@@ -272,9 +273,9 @@ def _integrate_contact(
 
     states, rates, previous_condition, condition = [start], [rate(*start)], 0.0, 1.0
     while condition > 0:
-        if max(states[-1][0], len(states) * step) > _LONGEST:
+        if max(states[-1][0], len(states) * step) > _MAX_LENGTH:
             raise DataError(
-                f"the body is still in contact after {_LONGEST:g} times the time of a lossless "
+                f"the body is still in contact after {_MAX_LENGTH:g} times the time of a lossless "
                 "one: it is not let go; expected less damping or less pull"
             )
         states.append(compute_next_state(states[-1], rates[-1], step))
@@ -282,7 +283,7 @@ def _integrate_contact(
         previous_condition, condition = condition, end_condition(*states[-1])
     # the last step ends where the function is zero: false position, its stale end halved
     low, high, part = 0.0, step, 0.0
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         part = high - condition * (high - low) / (condition - previous_condition)
         states[-1] = compute_next_state(states[-2], rates[-2], part)
         value = end_condition(*states[-1])

@@ -28,7 +28,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive
 
-SPHERE = 1.5
+SPHERE_EXPONENT = 1.5
 """Exponent of a sphere on a half-space."""
 
 
@@ -48,13 +48,13 @@ class ViscousContact:
 
     k: float
     viscous_time: float = 0.0
-    exponent: float = SPHERE
+    exponent: float = SPHERE_EXPONENT
 
     def __post_init__(self) -> None:
         require_positive(k=self.k, expected="a finite number above 0")
         if not 0 <= self.viscous_time < np.inf:
             raise DataError(f"viscous_time = {self.viscous_time!r} s; expected 0 or more")
-        if self.exponent not in {1.0, SPHERE}:
+        if self.exponent not in {1.0, SPHERE_EXPONENT}:
             raise DataError(f"exponent = {self.exponent!r}; expected 1 or 1.5")
 
     @property
@@ -88,7 +88,7 @@ class RelaxingContact:
     g: float
     tau: float
 
-    exponent = SPHERE
+    exponent = SPHERE_EXPONENT
 
     def __post_init__(self) -> None:
         require_positive(k=self.k, tau=self.tau, expected="a finite number above 0")

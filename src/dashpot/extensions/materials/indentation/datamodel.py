@@ -84,11 +84,11 @@ class IndentationTest(EqualByValue, HasSummary):
         convert_arrays_to_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
         hold_measured(self, "time", "signal", "force", minimum=16)
         steps = np.diff(self.time)
-        worst = int(np.argmax(np.abs(steps - self.step)))
-        if abs(steps[worst] - self.step) > 0.2 * self.step:
+        index = int(np.argmax(np.abs(steps - self.step)))
+        if abs(steps[index] - self.step) > 0.2 * self.step:
             raise DataError(
-                f"a contact needs even sampling, but the step after t = {self.time[worst]:.9g} s "
-                f"is {steps[worst]:.6g} s where {self.step:.6g} s is usual; cut the record there"
+                f"a contact needs even sampling, but the step after t = {self.time[index]:.9g} s "
+                f"is {steps[index]:.6g} s where {self.step:.6g} s is usual; cut the record there"
             )
 
     @property

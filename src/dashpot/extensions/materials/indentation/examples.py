@@ -26,8 +26,12 @@ def _simulate_hit() -> str:
         len(time)
     )
     rows = (f"{t:.5f},{a:.5g}" for t, a in zip(time, -interpolated, strict=True))
-    head = [f"# {byline('simulated indentation')}", "# simulated", "# indenter of 5 g, radius 5 mm"]
-    return "\n".join([*head, "time [s],acceleration [m/s^2]", *rows, ""])
+    header = [
+        f"# {byline('simulated indentation')}",
+        "# simulated",
+        "# indenter of 5 g, radius 5 mm",
+    ]
+    return "\n".join([*header, "time [s],acceleration [m/s^2]", *rows, ""])
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType(

@@ -22,7 +22,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.option_fields import require_choice
-from dashpot.base.provenance import sources_of
+from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import get_display_unit
 from dashpot.base.value_ranges import SIZES
@@ -46,7 +46,7 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationFit, I
 from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
 from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
-from dashpot.numerics.inference.correlated_noise import noise_of
+from dashpot.numerics.inference.correlated_noise import estimate_noise
 from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
@@ -56,9 +56,9 @@ _VELOCITY_OFFSET = 3e-3
 """Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
 _AT_TOUCH = 0.29
 """Standard deviation of a time that is known to lie between two samples, in their distance."""
-_TOUCHES = (0.0, -2.0, -1.0, 1.0, 2.0)
+_CONTACT_SHIFTS = (0.0, -2.0, -1.0, 1.0, 2.0)
 """Shifts at which the contact time is searched, in samples."""
-_CLIPPED = 3
+_MIN_CLIPPED_SAMPLES = 3
 """Samples at one and the same extreme that a sensor at its limit leaves."""
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
@@ -70,7 +70,7 @@ _TIME = 2
 _SAME_VALLEY = 0.05
 """Difference of every parameter below which two valleys are one."""
 _LEVEL = 0.95
-_ENDS = 1.02
+_MAX_QUANTILE_FACTOR = 1.02
 """Factor on a quantile beyond which a slice of a profile is outside."""
 _TIME_RANGE = 0.8
 """Search range of the contact time about its start, in contact times."""
@@ -79,7 +79,7 @@ _STARTS = 4
 """Number of descents, from the best entries of a table."""
 _NEAR_STEPS, _ROUGHLY = 3, 1e-3
 """Steps that the others take beside one of a table, and what they may leave."""
-_DECIDED = 10.0
+_DECISIVE_BIC = 10.0
 """Difference of BIC beyond which another law is out (Kass and Raftery 1995: very strong)."""
 
 
@@ -223,7 +223,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     size = float(np.ptp(best.model)) or 1.0
     touch_time = best.touch
     close_laws = [
-        item for item in candidates[1:] if scores[item.name] - scores[best.name] < _DECIDED
+        item for item in candidates[1:] if scores[item.name] - scores[best.name] < _DECISIVE_BIC
     ]
     other_laws = [(item.name, _make_contact_facts(window, item)) for item in close_laws]
     fitted = IndentationFit(
@@ -240,7 +240,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         clipped=window.clipped,
         other_laws=other_laws,
     )
-    return replace(fitted, checks=(*checked_checks, *caution_checks(sources_of([test]))))
+    return replace(fitted, checks=(*checked_checks, *caution_checks(list_sources([test]))))
 
 
 def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | None) -> None:
@@ -283,10 +283,10 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
     """Return which samples are at the limit of the sensor: equal and largest in a row."""
     if signal_name in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
-    at = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
+    index = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
     clipped = np.zeros(len(signal), dtype=bool)
-    if len(at) >= _CLIPPED and at[-1] - at[0] < 2 * len(at):
-        clipped[at[0] : at[-1] + 1] = True
+    if len(index) >= _MIN_CLIPPED_SAMPLES and index[-1] - index[0] < 2 * len(index):
+        clipped[index[0] : index[-1] + 1] = True
     return clipped
 
 
@@ -344,7 +344,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     best = min(optima, key=lambda optimum: optimum.cost)
     if len(law.starts) == 1:
         # where the force jumps, or rises as a root, a touch between two other samples is a valley
-        extra = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
+        extra = np.outer(_CONTACT_SHIFTS, np.eye(len(best.theta))[-1]) * window.test.step
         refined = full_problem.solve(
             [*best.theta + extra], max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
         )
@@ -354,12 +354,12 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
 
 def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
-    padded = np.pad(cost, 1, constant_values=np.inf)
+    padded_values = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
     beaten = np.zeros(cost.shape, dtype=bool)
     for axis in range(cost.ndim):
         for direction in (-1, 1):
-            beaten |= np.roll(padded, direction, axis)[inner] < cost
+            beaten |= np.roll(padded_values, direction, axis)[inner] < cost
     order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 
@@ -372,7 +372,7 @@ def _estimate_law_errors(
     signal = window.sample_collision(hit, float(best.theta[-1]))
     model = signal.value
     count = len(best.residual)
-    noise = noise_of(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
+    noise = estimate_noise(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
@@ -412,7 +412,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
     derived = [
         (root, uncertainty.derive_quantity(numbers))
         for root, uncertainty in slices
-        if root <= _ENDS * widest
+        if root <= _MAX_QUANTILE_FACTOR * widest
     ]
 
     def ends(level: float) -> tuple[FloatArray, FloatArray]:
@@ -420,7 +420,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
         quantile = optimum.estimate.quantile(level)
         group = []
         for root, compute_values in derived:
-            if root > _ENDS * quantile:
+            if root > _MAX_QUANTILE_FACTOR * quantile:
                 continue
             part = (
                 compute_values.standard_error

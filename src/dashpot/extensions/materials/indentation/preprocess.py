@@ -16,11 +16,11 @@ _CONTACT_RATIO = 25.0
 """Peak over scatter at which a contact stands out."""
 _OTHER_CONTACT_SHARE = 0.1
 """Part of the largest push that makes another contact."""
-_FOOT = 0.25
+_WIDTH_LEVEL = 0.25
 """Part of the push at which its width is taken."""
 _FOOT_WIDTH = 0.84
 """Width of a half sine at that height, over its whole width."""
-_FEWEST = 6
+_MIN_COUNT = 6
 
 
 class ContactInterval(NamedTuple):
@@ -57,24 +57,24 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     rest_level = min((median(push), median(push[:tenth]), median(push[-tenth:])), key=abs)
     sign = 1.0 if push.max() - rest_level >= rest_level - push.min() else -1.0
     push = sign * (push - rest_level)
-    top = int(push.argmax())
+    peak_index = int(push.argmax())
     scatter = 1.4826 * median(np.abs(push))
-    if not push[top] > 5 * scatter:
+    if not push[peak_index] > 5 * scatter:
         raise DataError(
             f"no contact stands out of the scatter of the {test.of}: its largest change is "
-            f"{push[top]:.3g}, its scatter {scatter:.3g}; cut the record about the contact, or "
-            "record it with less noise"
+            f"{push[peak_index]:.3g}, its scatter {scatter:.3g}; cut the record about the contact, "
+            "or record it with less noise"
         )
-    runs = _find_runs(push > _FOOT * push[top])
-    start, end = next(run for run in runs if run[0] <= top < run[1])
+    runs = _find_runs(push > _WIDTH_LEVEL * push[peak_index])
+    start, end = next(run for run in runs if run[0] <= peak_index < run[1])
     width_ratio = max((end - start) - 0.5 * width, 2.0) * test.step / _FOOT_WIDTH
-    if end - start < _FEWEST:
+    if end - start < _MIN_COUNT:
         raise DataError(
             f"the contact has {end - start} samples above a quarter of its peak; expected "
-            f"{_FEWEST} or more: sample {8 * _FEWEST / max(end - start, 1):.0f} times as fast"
+            f"{_MIN_COUNT} or more: sample {8 * _MIN_COUNT / max(end - start, 1):.0f} times as fast"
         )
     middle = test.time[0] + 0.5 * (start + end - 1) * test.step
-    level = max(_OTHER_CONTACT_SHARE * push[top], 8 * scatter)
+    level = max(_OTHER_CONTACT_SHARE * push[peak_index], 8 * scatter)
     other_runs = [run for run in _find_runs(push > level) if run[1] - run[0] >= 3]
     gap = 0.5 * width_ratio / test.step
     return ContactInterval(
@@ -112,8 +112,8 @@ def _compute_push(test: IndentationTest) -> tuple[FloatArray, int]:
 def _apply_moving_average(values: FloatArray, width: int) -> FloatArray:
     if width < 2:
         return values
-    padded = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
-    return np.convolve(padded, np.full(width, 1 / width), mode="valid")
+    padded_values = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
+    return np.convolve(padded_values, np.full(width, 1 / width), mode="valid")
 
 
 def _find_runs(mask: np.ndarray) -> list[tuple[int, int]]:

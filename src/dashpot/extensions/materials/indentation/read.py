@@ -49,8 +49,8 @@ def read_indentation(
             if assignment and quantity != "force" and assignment.index != motion.index
             else []
         )
-        ticks = channels.chosen(file, channels.add_time_role(file))
-        channels_chosen = channels.with_units(file, [*ticks, motion, *forces])
+        ticks = channels.select_columns(file, channels.add_time_role(file))
+        channels_chosen = channels.add_units(file, [*ticks, motion, *forces])
         channels.refuse_other_rate(file)
         rows, gaps = channels.select_complete_rows(
             channels.load_test(file, channels_chosen, min_count=16)

@@ -31,7 +31,7 @@ def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -
 
 
 def get_density(form: FormData) -> float | None:
-    """Return the density that was typed, kg/m^3; None if none was.
+    """Return the density of the form, kg/m^3; None if it is empty.
 
     Raises
     ------

@@ -30,8 +30,8 @@ def _simulate_rod() -> str:
     draw = np.random.default_rng(1).standard_normal
     T = T * (1 + 0.005 * (draw(len(T)) + 1j * draw(len(T))))
     rows = zip(frequency, np.abs(T), np.degrees(np.angle(T)), np.full(len(T), 0.9999), strict=True)
-    head = "frequency [Hz],transmissibility magnitude [g/g],phase [deg],coherence"
-    lines = [f"# {byline('simulated transmissibility')}", "# simulated", head]
+    header = "frequency [Hz],transmissibility magnitude [g/g],phase [deg],coherence"
+    lines = [f"# {byline('simulated transmissibility')}", "# simulated", header]
     return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
 
 

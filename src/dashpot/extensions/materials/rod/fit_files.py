@@ -136,7 +136,7 @@ class Rod(HasVerdict, Serialisable):
 
     @property
     def band(self) -> tuple[float, float] | None:
-        """Band in which the modulus is known, Hz; None without one."""
+        """Band in which the modulus is determined, Hz; None without one."""
         return self.modulus.band if self.modulus.usable.any() else None
 
 

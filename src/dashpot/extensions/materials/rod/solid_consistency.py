@@ -23,7 +23,7 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 
 _PER_DECADE, _BEYOND = 12, 30.0
 """Relaxation times of a decade, and factor of their range beyond the lines."""
-_FEW = 8
+_MIN_LINES = 8
 
 
 def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float | None:
@@ -37,7 +37,7 @@ def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float
         Relative standard deviation of either part of each.
     """
     f, E = lines.frequency, lines.modulus
-    if len(f) < _FEW or not (scatter > 0).all():
+    if len(f) < _MIN_LINES or not (scatter > 0).all():
         return None
     omega = 2 * np.pi * f
     slowest, fastest = 1 / omega[0] * _BEYOND, 1 / omega[-1] / _BEYOND

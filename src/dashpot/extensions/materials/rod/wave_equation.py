@@ -41,9 +41,9 @@ from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
 from dashpot.extensions.materials.rod.solid_consistency import compute_single_model_misfit
 from dashpot.solids.part_geometry import Block, Disc
 
-_ROUNDS = 50
-_CLOSE = 1e-13
-_NEIGHBOURS = 11
+_MAX_ITERATIONS = 50
+_CONVERGENCE_TOLERANCE = 1e-13
+_NEIGHBOUR_LINES = 11
 """Lines over which the scatter is averaged where the FRF comes without."""
 _MEDIAN_LINES = 3
 """Lines that make a median."""
@@ -331,10 +331,10 @@ def _estimate_scatter(lines: ComplexArray) -> FloatArray:
 
     The mean over a few neighbours; of fewer lines than that it is not known, 0.
     """
-    if len(lines) < 2 * _NEIGHBOURS:
+    if len(lines) < 2 * _NEIGHBOUR_LINES:
         return np.zeros(len(lines))
     rough = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
-    kernel = np.ones(_NEIGHBOURS)
+    kernel = np.ones(_NEIGHBOUR_LINES)
     mean = np.convolve(rough, kernel, "same") / np.convolve(np.ones_like(rough), kernel, "same")
     return np.sqrt(np.pad(mean, 1, mode="edge"))
 
@@ -410,11 +410,11 @@ def _solve_line_roots(
 
 
 def _find_root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ITERATIONS):
         value, slope, _ = equation(np.asarray(w), ratio)
         step = complex((value - y) / slope)
         w -= step * min(1.0, 0.5 * abs(w) / max(abs(step), 1e-300))
-        if abs(step) <= _CLOSE * abs(w):
+        if abs(step) <= _CONVERGENCE_TOLERANCE * abs(w):
             return w
     return complex(np.nan, np.nan)
 

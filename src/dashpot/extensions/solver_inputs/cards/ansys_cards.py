@@ -10,8 +10,8 @@ from dashpot.extensions.solver_inputs.cards.card import (
     parse_number,
     young_of_shear,
 )
-from dashpot.solids.part_geometry import RUBBER
-from dashpot.solids.shift_laws import GAS, WLF, Arrhenius, TemperatureLaw
+from dashpot.solids.part_geometry import RUBBER_POISSON_RATIO
+from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius, TemperatureLaw
 
 
 @dataclass
@@ -135,9 +135,9 @@ def _read_elasticity(number: str, material: _Material) -> tuple[float | None, fl
             pairs = values[: 2 * terms]
             shear = sum(mu * alpha for mu, alpha in zip(pairs[::2], pairs[1::2], strict=True)) / 2
         else:
-            return None, RUBBER, [f"TB,HYPER,{option} is not read: give --modulus"]
+            return None, RUBBER_POISSON_RATIO, [f"TB,HYPER,{option} is not read: give --modulus"]
         return *young_of_shear(shear, 0.0), []
-    return None, RUBBER, []
+    return None, RUBBER_POISSON_RATIO, []
 
 
 def _read_shift(number: str, material: _Material) -> tuple[TemperatureLaw | None, list[str]]:
@@ -149,7 +149,7 @@ def _read_shift(number: str, material: _Material) -> tuple[TemperatureLaw | None
             return WLF(values[1], values[2], values[0]), [note]
         if option.startswith("TN") and len(values) >= 2 and values[0] > 150:
             note = f"TB,SHIFT of material {number}: its temperatures are taken as K"
-            return Arrhenius(values[1] * GAS, values[0]), [note]
+            return Arrhenius(values[1] * GAS_CONSTANT, values[0]), [note]
         note = (
             f"TB,SHIFT,{option or '?'} of material {number} is not read; expected WLF or TN with a "
             "reference in K"

@@ -11,7 +11,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.export.unit_systems import UnitSystem
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.part_geometry import RUBBER
+from dashpot.solids.part_geometry import RUBBER_POISSON_RATIO
 from dashpot.solids.shift_laws import TemperatureLaw
 
 _CONSTANT = 1e-6
@@ -60,7 +60,7 @@ class ViscoelasticCard:
     relative: tuple[tuple[float, float], ...] = ()
     bulk: tuple[tuple[float, float], ...] = ()
     modulus: float | None = None
-    poisson: float = RUBBER
+    poisson: float = RUBBER_POISSON_RATIO
     is_long_term: bool = False
     spring: GeneralizedMaxwell | None = None
     table: FrequencyTable | None = field(default=None, compare=False)
@@ -176,5 +176,5 @@ def parse_number(text: str, location: str) -> float:
 def young_of_shear(G: float, K: float) -> tuple[float, float]:
     """Return Young's modulus and Poisson's ratio of a shear and a bulk modulus; K = 0: rubber."""
     if K <= 0:
-        return 2 * (1 + RUBBER) * G, RUBBER
+        return 2 * (1 + RUBBER_POISSON_RATIO) * G, RUBBER_POISSON_RATIO
     return 9 * K * G / (3 * K + G), (3 * K - 2 * G) / (2 * (3 * K + G))

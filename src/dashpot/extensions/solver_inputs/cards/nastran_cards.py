@@ -16,7 +16,7 @@ from dashpot.extensions.solver_inputs.cards.card import (
 )
 from dashpot.extensions.solver_inputs.cards.spring_network import Element, convert_network
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.part_geometry import RUBBER
+from dashpot.solids.part_geometry import RUBBER_POISSON_RATIO
 
 Entry = tuple[str, list[str]]
 """Name of a bulk data entry, and its fields in eights, a line after another."""
@@ -260,13 +260,13 @@ def _list_pairs(
 def _read_mat1(fields: Sequence[str] | None, entry_text: str) -> tuple[float | None, float]:
     """Return Young's modulus and Poisson's ratio of a MAT1: E, G, NU, of which two suffice."""
     if fields is None:
-        return None, RUBBER
+        return None, RUBBER_POISSON_RATIO
     E, G, nu = (
         parse_number(word, f"MAT1 of {entry_text}") if word else None
         for word in (*fields, "", "")[1:4]
     )
     if nu is None:
-        nu = E / (2 * G) - 1 if E is not None and G else RUBBER
+        nu = E / (2 * G) - 1 if E is not None and G else RUBBER_POISSON_RATIO
     if E is None and G is not None:
         E = 2 * (1 + nu) * G
     return E, nu

@@ -26,7 +26,7 @@ STIFFNESS, LOSS_FACTOR = 0.1, 0.3
 
 _SINGULAR = 1e-14
 _PER_DECADE = 20
-_BEYOND = 100.0
+_BAND_MARGIN = 100.0
 """The band is sought so far, as a factor, beyond the fastest arm."""
 
 
@@ -57,7 +57,7 @@ class TestableArm(Serialisable):
 def find_testable_arms(
     model: GeneralizedMaxwell, test: Bench
 ) -> tuple[tuple[TestableArm, ...], tuple[float, float] | None]:
-    """Return each arm with what a test could have determined of it, and the band of such a test.
+    """Return the arms that a test could have determined, and the band of such a test.
 
     In the band, Hz, |K| would be known to 10 % and the loss factor to 30 %; None if nowhere.
     """
@@ -78,7 +78,7 @@ def find_testable_arms(
 
 
 def _compute_covariance(model: GeneralizedMaxwell, test: Bench) -> FloatArray:
-    """Return the bound of k_inf, k, ln tau, offset and drift; huge where nothing is known."""
+    """Return the bound of k_inf, k, ln tau, offset and drift; huge if undetermined."""
     columns = test.sensitivity(model)
     count = max(round(test.baseline * test.rate), 1)
     rest = -np.arange(count, 0, -1) / test.rate
@@ -102,7 +102,7 @@ def _find_known_band(
     Below the inverse of the hold nothing is known, whatever the arms of the card.
     """
     low = 1 / (2 * np.pi * hold_time)
-    high = 1 / (2 * np.pi * min(model.tau)) * _BEYOND
+    high = 1 / (2 * np.pi * min(model.tau)) * _BAND_MARGIN
     if high <= low:
         return None
     count = int(np.ceil(np.log10(high / low) * _PER_DECADE)) + 1

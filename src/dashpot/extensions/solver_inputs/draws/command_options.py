@@ -29,7 +29,7 @@ def list_groups() -> list[list[CommandOption]]:
 def export_requested_draws(
     target: str, fit: object, output: str, choices: Mapping[str, Any]
 ) -> CommandResult | None:
-    """Write the solver inputs of draws, or return None where none are asked for.
+    """Write the solver inputs of draws; return None if none are requested.
 
     Raises
     ------

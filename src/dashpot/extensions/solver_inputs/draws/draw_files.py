@@ -204,7 +204,7 @@ def format_index(
     arms = rows[0][2].model.arms
     has_arm = any(draw is not None and draw.arm is not None for _, draw, *_ in rows)
     stiffness, time = units.stiffness_word, units.words[2]
-    head = [
+    header = [
         "draw", "file", f"peak [{units.frequency_word}]", "damping_ratio [1]", "peak_change [%]",
         "damping_change [%]", f"k_inf [{stiffness}]",
         *(f"{name}_{j} [{unit}]" for j in range(1, arms + 1)
@@ -214,7 +214,7 @@ def format_index(
     ]  # fmt: skip
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(head)
+    writer.writerow(header)
     for name, draw, fit, peak in rows:
         model, arm = fit.model, None if draw is None else draw.arm
         values: list[float | None] = [units.stiffness(model.k_inf)]

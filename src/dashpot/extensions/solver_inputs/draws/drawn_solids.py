@@ -34,7 +34,7 @@ from dashpot.extensions.solver_inputs.draws.stratified_sampling import (
 )
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.prediction_bounds import (
-    UNKNOWN,
+    UNKNOWN_SD,
     compute_covariance_root,
     get_solid_parameters,
 )
@@ -42,12 +42,12 @@ from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-_LEAST_SHARE = 0.02
+_MIN_SHARE = 0.02
 """Share of a stiffness that is left of it in every draw."""
-_BEYOND = 3.0
+_FASTEST_ARM_RATIO = 3.0
 """The fastest unresolved arm has its loss at so many times the frequency of the peak."""
-_ROUNDS = 40
-_UNSEEN = 1e-9
+_MAX_ITERATIONS = 40
+_MIN_COLUMN_SHARE = 1e-9
 """A column of which no more is left than this share is not seen at all."""
 
 
@@ -111,7 +111,7 @@ def draw_solids(
         raise DataError(
             "the fit has no covariance, so nothing can be drawn from it; fit with fewer arms"
         )
-    widest = UNKNOWN * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
+    widest = UNKNOWN_SD * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
     variance = np.diag(covariance)
     is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
     covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
@@ -145,7 +145,7 @@ def choose_unresolved_times(fit: Fit, peak: float) -> tuple[float, float] | None
     high = fit.band[1]
     if not 0 < high < peak:
         return None
-    return 1 / (2 * np.pi * _BEYOND * peak), min(1 / (2 * np.pi * high), *fit.model.tau)
+    return 1 / (2 * np.pi * _FASTEST_ARM_RATIO * peak), min(1 / (2 * np.pi * high), *fit.model.tau)
 
 
 def compute_deviance_quantile(dof: int) -> float:
@@ -192,22 +192,22 @@ class _Sensitivities:
         scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
         coefficients = np.linalg.lstsq(J / scale, a, rcond=1e-12)[0] / scale
         remainder = a - J @ coefficients
-        size = float(np.linalg.norm(remainder))
+        magnitude = float(np.linalg.norm(remainder))
         linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
         residual = target - columns[:, linear] @ mean[linear]
         follow = np.zeros(len(mean))
         follow[self.fitted] = -coefficients
         falling_indices = [i for i in linear if follow[i] < 0]
         max_stiffness = min(
-            [(1 - _LEAST_SHARE) * mean[i] / -follow[i] for i in falling_indices], default=model.k_0
+            [(1 - _MIN_SHARE) * mean[i] / -follow[i] for i in falling_indices], default=model.k_0
         )
-        if size <= _UNSEEN * float(np.linalg.norm(a)):
+        if magnitude <= _MIN_COLUMN_SHARE * float(np.linalg.norm(a)):
             k = share * max_stiffness
         else:
-            k = truncated_normal(share, float(remainder @ residual) / size**2, 1 / size)
+            k = truncated_normal(share, float(remainder @ residual) / magnitude**2, 1 / magnitude)
         k = min(k, max_stiffness, 10 * model.k_0)
         step, part = values - mean + follow * k, 1.0
-        for _ in range(_ROUNDS):
+        for _ in range(_MAX_ITERATIONS):
             solid = _build_solid(self.fit, self.names, mean, mean + part * step)
             combined = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))
             deviance = self._compute_deviance(model, combined)
@@ -238,11 +238,11 @@ class _Sensitivities:
 def _build_solid(fit: Fit, names: Sequence[str], mean: FloatArray, values: FloatArray) -> Solid:
     """Return the solid of parameters in the order of their names."""
     if isinstance(fit.solid, FractionalZener):
-        k_inf, k_0 = np.maximum(values[:2], _LEAST_SHARE * mean[:2])
+        k_inf, k_0 = np.maximum(values[:2], _MIN_SHARE * mean[:2])
         alpha = float(np.clip(values[3], 0.05, 1.0))
         return FractionalZener(float(k_0), float(k_inf), float(np.exp(values[2])), alpha)
     arms = fit.model.arms
-    k = np.maximum(values[: 1 + arms], _LEAST_SHARE * mean[: 1 + arms])
+    k = np.maximum(values[: 1 + arms], _MIN_SHARE * mean[: 1 + arms])
     tau = np.exp(np.clip(values[1 + arms : 1 + 2 * arms], -60.0, 60.0))
     order = np.argsort(tau)
     b = max(float(values[-1]), 0.0) if "b" in names else fit.model.b

@@ -26,8 +26,8 @@ def draw_standard_normal(count: int, variables: int, seed: int) -> FloatArray:
     """
     generator = np.random.default_rng(seed)
     strata = np.column_stack([generator.permutation(count) for _ in range(variables)])
-    share = (strata + generator.random((count, variables))) / count
-    normal = np.vectorize(_NORMAL.inv_cdf, otypes=[float])(np.clip(share, 1e-12, 1 - 1e-12))
+    ratio = (strata + generator.random((count, variables))) / count
+    normal = np.vectorize(_NORMAL.inv_cdf, otypes=[float])(np.clip(ratio, 1e-12, 1 - 1e-12))
     if count < _PER_VARIABLE * (variables + 1):
         return np.asarray(normal)
     normal = normal - normal.mean(axis=0)

@@ -225,7 +225,7 @@ def _find_token(form: str, description: ModelDescription, body: list[str]) -> st
 
 
 def _pack(unit: ModelUnit) -> bytes:
-    """Return the archive: the header first, where others see who wrote it, and nothing squeezed."""
+    """Return the archive, uncompressed, with the header first."""
     form, description = unit.form, unit.description
     token = unit[unit.rindex("{") : unit.rindex("}") + 1]
     sources = {"model.h": str(unit), **_find_sources(form)}

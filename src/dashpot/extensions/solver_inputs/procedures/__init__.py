@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-RIGHT = 1e-3
+MAX_RELATIVE_DIFFERENCE = 1e-3
 """Largest difference to the model, over the peak, of an answer that is called right."""
 READ_ONLY = "only read"
 
@@ -37,7 +37,7 @@ class Run(NamedTuple):
     @property
     def is_right(self) -> bool:
         """Whether the answer is that of the model."""
-        return self.deviation <= RIGHT
+        return self.deviation <= MAX_RELATIVE_DIFFERENCE
 
 
 @cache
@@ -56,7 +56,7 @@ WITH_DASHPOT = "with b"
 
 
 def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> list[str]:
-    """Return what the header of a deck says: where it was right, and where it was wrong.
+    """Return the solver procedures in which a deck was verified right or wrong.
 
     Cases of a parallel dashpot stand in the place of the others where there is one.
     """

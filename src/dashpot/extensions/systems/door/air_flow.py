@@ -15,19 +15,19 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 
-AMBIENT = 101325.0
+AMBIENT_PRESSURE = 101325.0
 """Pressure, Pa."""
-DENSITY = 1.2
+AIR_DENSITY = 1.2
 """kg/m^3, at 21 degC."""
 GAMMA = 1.4
-CHOKED = (2 / (GAMMA + 1)) ** (GAMMA / (GAMMA - 1))
-_LOG_CHOKED = np.log(CHOKED)
-_SLOPE = np.sqrt(2 * GAMMA / (GAMMA - 1) * AMBIENT * DENSITY)
+CHOKED_PRESSURE_RATIO = (2 / (GAMMA + 1)) ** (GAMMA / (GAMMA - 1))
+_LOG_CHOKED = np.log(CHOKED_PRESSURE_RATIO)
+_SLOPE = np.sqrt(2 * GAMMA / (GAMMA - 1) * AMBIENT_PRESSURE * AIR_DENSITY)
 
-_STAGE = 1 - np.sqrt(0.5)
+_IMPLICIT_STAGE = 1 - np.sqrt(0.5)
 """Stage of the stiffly stable two-stage rule of second order (Alexander 1977)."""
-_ROUNDS = 60
-_CLOSE = 1e-9
+_MAX_ITERATIONS = 60
+_CONVERGENCE_TOLERANCE = 1e-9
 
 
 def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
@@ -38,8 +38,8 @@ def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
     pressure, density : array_like
         In the chamber, Pa and kg/m^3; outside they are those of the ambient.
     """
-    log_pressure = np.log(np.asarray(pressure, dtype=float) / AMBIENT)
-    return _compute_log_flux(log_pressure, np.log(np.asarray(density, dtype=float) / DENSITY))
+    log_pressure = np.log(np.asarray(pressure, dtype=float) / AMBIENT_PRESSURE)
+    return _compute_log_flux(log_pressure, np.log(np.asarray(density, dtype=float) / AIR_DENSITY))
 
 
 def _compute_log_flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
@@ -53,18 +53,18 @@ def _compute_log_flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArra
 
 def compute_pressure(density: npt.ArrayLike, exponent: float) -> FloatArray:
     """Pa, of air of a density, kg/m^3, that was the ambient's."""
-    return np.asarray(AMBIENT * (np.asarray(density) / DENSITY) ** exponent)
+    return np.asarray(AMBIENT_PRESSURE * (np.asarray(density) / AIR_DENSITY) ** exponent)
 
 
 def compute_stored_energy(density: FloatArray, volume: FloatArray, exponent: float) -> FloatArray:
     """Return the energy that the air of a chamber would give back in expansion, J."""
     p = compute_pressure(density, exponent)
-    free_volume = volume * density / DENSITY
+    free_volume = volume * density / AIR_DENSITY
     if exponent == 1.0:
-        inner = p * volume * np.log(p / AMBIENT)
+        inner = p * volume * np.log(p / AMBIENT_PRESSURE)
     else:
-        inner = (p * volume - AMBIENT * free_volume) / (exponent - 1)
-    return np.asarray(inner - AMBIENT * (free_volume - volume))
+        inner = (p * volume - AMBIENT_PRESSURE * free_volume) / (exponent - 1)
+    return np.asarray(inner - AMBIENT_PRESSURE * (free_volume - volume))
 
 
 def compute_next_density(
@@ -90,12 +90,12 @@ def compute_next_density(
     """
     volume_before, volume_after = volumes
     mass = density * volume_before
-    inner = volume_before + _STAGE * (volume_after - volume_before)
+    inner = volume_before + _IMPLICIT_STAGE * (volume_after - volume_before)
     step = opening * seconds
-    first = _solve_implicit_step(mass, inner, _STAGE * step, exponent, density)
+    first = _solve_implicit_step(mass, inner, _IMPLICIT_STAGE * step, exponent, density)
     flow = step * mass_flux(compute_pressure(first, exponent), first)
     return _solve_implicit_step(
-        mass - (1 - _STAGE) * flow, volume_after, _STAGE * step, exponent, first
+        mass - (1 - _IMPLICIT_STAGE) * flow, volume_after, _IMPLICIT_STAGE * step, exponent, first
     )
 
 
@@ -107,26 +107,26 @@ def _solve_implicit_step(
     In z with p/p_a = 1 + z|z| the flux is all but straight, so that Newton does not feel its
     infinite slope at rest; the answer lies between rest and the chamber without its opening.
     """
-    bound = _find_density(np.maximum(mass / volume, 1e-6 * DENSITY), n)
+    bound = _find_density(np.maximum(mass / volume, 1e-6 * AIR_DENSITY), n)
     low, high = np.minimum(bound, 0.0), np.maximum(bound, 0.0)
     # where nothing flows, the bound is the answer
     z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), bound)
-    slope = np.sqrt(2 * AMBIENT * DENSITY)
-    for _ in range(_ROUNDS):
-        size = np.abs(z)
-        log_pressure = np.log1p(z * size)
-        air_mass = volume * DENSITY * np.exp(log_pressure / n)
+    slope = np.sqrt(2 * AMBIENT_PRESSURE * AIR_DENSITY)
+    for _ in range(_MAX_ITERATIONS):
+        magnitude = np.abs(z)
+        log_pressure = np.log1p(z * magnitude)
+        air_mass = volume * AIR_DENSITY * np.exp(log_pressure / n)
         miss = air_mass + step * _compute_log_flux(log_pressure, log_pressure / n) - mass
-        slope_of_balance = air_mass * (2 / n) * size / (1 + z * size) + step * slope
+        slope_of_balance = air_mass * (2 / n) * magnitude / (1 + z * magnitude) + step * slope
         z = np.minimum(
             np.maximum(z - miss / np.where(slope_of_balance > 0, slope_of_balance, np.inf), low),
             high,
         )
-        if (np.abs(miss) <= _CLOSE * mass).all():
+        if (np.abs(miss) <= _CONVERGENCE_TOLERANCE * mass).all():
             break
-    return np.asarray(DENSITY * (1 + z * np.abs(z)) ** (1 / n))
+    return np.asarray(AIR_DENSITY * (1 + z * np.abs(z)) ** (1 / n))
 
 
 def _find_density(density: FloatArray, n: float) -> FloatArray:
-    relative_pressure = (density / DENSITY) ** n - 1
+    relative_pressure = (density / AIR_DENSITY) ** n - 1
     return np.asarray(np.copysign(np.sqrt(np.abs(relative_pressure)), relative_pressure))

@@ -99,7 +99,7 @@ def open_door(
 
 
 def get_shear(choice: SealChoice, temperature: float | None) -> Shear:
-    """Return what the seal of a door answers sideways: ratios, or one metre of what was tested so.
+    """Return the sideways stiffness of the seal: ratios, or one metre of a tested seal.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def _intersect_bands(
 
 
 def add_file_to_errors(path: str | Path | Door) -> AbstractContextManager[None]:
-    """Put a file's name before what is wrong; a door that was read has none."""
+    """Context manager that adds the name of the file to an error."""
     return nullcontext() if isinstance(path, Door) else add_name_to_errors(Path(path).name)
 
 
@@ -302,7 +302,8 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
         return
     stations = line.stations(assembly.door.pitch)
     normal, *lateral_stiffnesses = (
-        direction.solid.k_inf * direction.share.sum() for direction in section.ways(stations)
+        direction.solid.k_inf * direction.share.sum()
+        for direction in section.list_directions(stations)
     )
     if normal > 0:
         yield checks.shear_stiffness_plausible(float(max(lateral_stiffnesses) / normal))
@@ -326,12 +327,12 @@ def _check_seal_line(
 
 def check_contact(compressions: FloatArray, positions: FloatArray, length: float) -> Check:
     """Return whether the seal touches at all stations, by their compressions and places, m."""
-    worst = int(compressions.argmin())
+    worst_index = int(compressions.argmin())
     return checks.seal_touches(
         float((compressions < 0).mean()),
         length=length,
-        min_compression=float(compressions[worst]),
-        position=float(positions[worst]),
+        min_compression=float(compressions[worst_index]),
+        position=float(positions[worst_index]),
         max_compression=float(compressions.max()),
     )
 

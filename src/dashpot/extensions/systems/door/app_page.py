@@ -35,7 +35,7 @@ _HEIGHT = 300.0
 
 
 def describe_file(path: Path) -> dict[str, Any]:
-    """Return what the list of files says of a door."""
+    """Return the entry of a door in the list of files."""
     return {"kind": "door", "page": "judged", "line": "a door on its seal", "mark": "good",
             "simulated": False, "long": False, "asks": [], "alone": False,
             "name": path.name}  # fmt: skip
@@ -92,7 +92,7 @@ def list_cards(result: DoorResult) -> list[AppCard]:
 def predict_open_files(
     files: Sequence[str], folder: Path, fit_test: Callable[[], Fit] | None = None
 ) -> DoorResult:
-    """Predict a door with the files that are open beside it: it names them, and none elsewhere.
+    """Predict a door with the files that it names, which must be open.
 
     Parameters
     ----------

@@ -11,9 +11,9 @@ from dashpot.base.value_ranges import SIZES
 
 NOT_THERE = 0.3
 """m, beyond which shapes are not those of this door."""
-ANOTHER = 2.0
+MAX_MASS_RATIO = 2.0
 """Ratio of masses, so too."""
-JUMP = 10.0
+MAX_CLOSING_RATIO = 10.0
 """Times the longest of the other pieces, beyond which that which closes a line skips points."""
 HELD_BY_SEAL = 0.01
 """Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
@@ -36,17 +36,17 @@ def door_modes_in_valid_band(
             "No test behind the fit of the seal has a valid band", math.inf, remedy="Test the seal."
         )
     extrapolation = {f: max(f / high, low / f) for f in seal_frequencies}
-    outside = [f for f in seal_frequencies if extrapolation[f] > 1]
+    is_outside = [f for f in seal_frequencies if extrapolation[f] > 1]
     worst = max(extrapolation.values())
-    first = [f"{f:.3g}" for f in outside[:3]]
-    frequencies_text = " and ".join(first) if len(outside) < 3 else ", ".join(first)
-    frequencies_text += " and more" if len(outside) > 3 else ""
+    first = [f"{f:.3g}" for f in is_outside[:3]]
+    frequencies_text = " and ".join(first) if len(is_outside) < 3 else ", ".join(first)
+    frequencies_text += " and more" if len(is_outside) > 3 else ""
     return Finding(
         f"All {len(seal_frequencies)} modes that the seal affects lie in the valid band of its "
         "test",
         worst,
         failure=f"The seal's damping is not known at {frequencies_text} Hz. Its test covers "
-        f"{low:.2g} to {high:.2g} Hz. {len(outside)} of {len(seal_frequencies)} modes that it "
+        f"{low:.2g} to {high:.2g} Hz. {len(is_outside)} of {len(seal_frequencies)} modes that it "
         f"affects lie outside, up to {worst:.3g} times",
         remedy="Test the seal with a hammer, or in the cold.",
     )
@@ -119,7 +119,7 @@ def shear_stiffness_plausible(ratio: float) -> Finding:
 def line_closed(length: float, value: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
     """The seal line is closed, and not by one long segment alone."""
     closing, longest = pieces[-1], max(pieces[:-1])
-    has_jump = closing > JUMP * longest
+    has_jump = closing > MAX_CLOSING_RATIO * longest
     return Finding(
         f"The seal line of {length:.4g} m is closed",
         failure=f"The seal line of {length:.4g} m is closed by a straight segment of "
@@ -186,7 +186,7 @@ def masses_agree(stated_mass: float, implied: float) -> Finding:
         implied / stated_mass,
         "The modal masses or the units of the modes are wrong, or the modes are of another door",
         "Check the mass in [door], and the units of the modes.",
-        grade="limit" if 1 / ANOTHER <= implied / stated_mass <= ANOTHER else "stop",
+        grade="limit" if 1 / MAX_MASS_RATIO <= implied / stated_mass <= MAX_MASS_RATIO else "stop",
     )
 
 

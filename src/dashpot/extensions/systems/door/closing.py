@@ -29,7 +29,7 @@ from dashpot.extensions.systems.door.closing_setup import ClosingSetup
 ELASTIC, VISCOUS = "seal, elastic", "seal, viscous"
 HINGE, CHECK, LATCH, GRAVITY = "hinge friction", "check", "latch", "gravity"
 STEPS = 200
-_FARTHEST = 1.2
+_MAX_ANGLE = 1.2
 """rad, at which a seal near the hinges is taken as pressed from the start."""
 
 
@@ -88,7 +88,7 @@ class ClosingDoor:
         """The angle at which the seal first touches, rad, 0 if it never does."""
         has_lever = self.lever > 0
         angles = self.compression[has_lever] / self.lever[has_lever]
-        return float(np.clip(angles.max(initial=0.0), 0.0, _FARTHEST))
+        return float(np.clip(angles.max(initial=0.0), 0.0, _MAX_ANGLE))
 
     @property
     def begins(self) -> float:
@@ -245,7 +245,7 @@ def simulate_closing(
     dashpot: FloatArray | None = None,
     steps: int = STEPS,
 ) -> ClosingHistory:
-    """Let doors close that differ in speed, compression of the seal and its force.
+    """Simulate closing doors that differ in speed, compression and force of the seal.
 
     Parameters
     ----------

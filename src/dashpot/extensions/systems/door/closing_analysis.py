@@ -30,10 +30,10 @@ FASTEST = 20.0
 _SIGNIFICANT = 1e-5
 _COARSE_STEPS, _COARSE_STATIONS, _COARSE_TOLERANCE = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
-_NOTHING = 1e-9
+_ZERO_SPEED = 1e-9
 """Share of the energy at 1 m/s with which a door closes by itself."""
 _TRIES = 60
-_FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
+_SPEED_FACTORS = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 
 @dataclass(frozen=True)
@@ -345,7 +345,7 @@ def _list_energy_shares(history: ClosingHistory) -> list[Share]:
 def _check_faster_doors(door: ClosingDoor, minimum: float) -> bool:
     if not np.isfinite(minimum):
         return True
-    faster_speeds = max(minimum, 1e-2) * np.array(_FASTER)
+    faster_speeds = max(minimum, 1e-2) * np.array(_SPEED_FACTORS)
     return bool(simulate_closing(door, faster_speeds, steps=_COARSE_STEPS).is_latched.all())
 
 
@@ -383,7 +383,7 @@ def find_least_speed(
     half_mass = 0.5 * door.inertia / door.edge**2
 
     def spare(energy: FloatArray) -> FloatArray:
-        speed = np.sqrt(np.maximum(energy, _NOTHING * half_mass) / half_mass)
+        speed = np.sqrt(np.maximum(energy, _ZERO_SPEED * half_mass) / half_mass)
         return simulate_closing(door, speed, steps=steps, **entries).least_kinetic_energy
 
     high, low = np.full(doors, half_mass), np.zeros(doors)
@@ -452,9 +452,9 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     load = 1 + variation.load * np.clip(random.standard_normal(count) / 3, -1, 1)
     compressions = door.compression + displacement
     reduced_door, group = _reduce_stations(door)
-    share = door.length / reduced_door.length[group]
+    ratio = door.length / reduced_door.length[group]
     groups = np.zeros((n, len(reduced_door.lever)))
-    groups[np.arange(n), group] = share
+    groups[np.arange(n), group] = ratio
     rough = find_least_speed(
         reduced_door,
         compression=compressions @ groups,
@@ -539,7 +539,7 @@ def _get_hinge_axis(door: Door, setup: ClosingSetup) -> FloatArray:
         axis_vector = np.array(door.hinges[-1].at) - np.array(door.hinges[0].at)
     else:
         raise DataError("one hinge has no axis: give axis in [closing], such as [0, 1, 0]")
-    size = float(np.linalg.norm(axis_vector))
-    if not size > 0:
+    magnitude = float(np.linalg.norm(axis_vector))
+    if not magnitude > 0:
         raise DataError("the hinges lie at one place: give axis in [closing], such as [0, 1, 0]")
-    return np.asarray(axis_vector / size)
+    return np.asarray(axis_vector / magnitude)

@@ -51,7 +51,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
 
 
 def make_energy_waterfall(closing: ClosingAnalysis) -> Panel:
-    """Return what each term takes of the energy, the largest first, and what is left."""
+    """Return the energy that each term takes, the largest first, and the rest."""
     rows = [("door", 0.0, closing.energy)]
     at = closing.energy
     for energy_term in sorted(closing.terms, key=lambda term: -abs(term.work)):
@@ -118,11 +118,11 @@ def _get_edge_path(closing: ClosingAnalysis) -> tuple[FloatArray, float]:
 def make_moments_panel(closing: ClosingAnalysis) -> Panel:
     """Return the moment of each term over the last of the way."""
     edge_distance, axis_limit = _get_edge_path(closing)
-    middle, turned_angle = (
+    midpoint, turned_angle = (
         0.5 * (edge_distance[1:] + edge_distance[:-1]),
         -np.diff(closing.march.angle),
     )
-    is_shown = np.isfinite(closing.march.kinetic[1:, 0]) & (middle <= axis_limit)
+    is_shown = np.isfinite(closing.march.kinetic[1:, 0]) & (midpoint <= axis_limit)
     marks: list[Mark] = [Rule(0.0, REF, across=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
@@ -130,7 +130,7 @@ def make_moments_panel(closing: ClosingAnalysis) -> Panel:
     for pen, (name, work) in zip(pens, closing.march.work.items(), strict=False):
         moment = (work[:, 0] / turned_angle)[is_shown]
         highest.append(moment)
-        marks.append(Line(middle[is_shown], moment, pen, name))
+        marks.append(Line(midpoint[is_shown], moment, pen, name))
     return Panel(
         Scale("edge to closed, mm", (float(edge_distance[-1]), axis_limit)),
         Scale("moment against closing, N m", compute_padded_limits(*highest)),
@@ -202,9 +202,9 @@ def _make_histogram(speed: FloatArray, limit: float | None) -> tuple[list[Area],
     for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
         if not count:
             continue
-        outside = limit is not None and (low + high) / 2 > limit
+        is_outside = limit is not None and (low + high) / 2 > limit
         # the limit is named at its line, and the axis says that they are doors
-        colour = "bad" if outside else "ref"
+        colour = "bad" if is_outside else "ref"
         gap = 0.04 * (high - low)
         bar_edges = np.array([low + gap, high - gap])
         bars.append(Area(bar_edges, np.zeros(2), np.full(2, float(count)), colour, tint=0.6))

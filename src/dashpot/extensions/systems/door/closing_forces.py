@@ -99,7 +99,7 @@ class Chambers:
         self.name, self.kind = name, kind
         self.lever, self.length, self.closed = lever, length, closed
         self.volume, self.opening = self._compute_chamber_geometry(angle)
-        self.density = np.full(self.volume.shape, air_flow.DENSITY)
+        self.density = np.full(self.volume.shape, air_flow.AIR_DENSITY)
 
     def _compute_chamber_geometry(self, angle: float) -> tuple[FloatArray, FloatArray]:
         residual = self.closed - self.lever * angle
@@ -116,7 +116,7 @@ class Chambers:
         self.density = air_flow.compute_next_density(
             self.density, (self.volume, volume), jet, seconds[:, None], self.kind.exponent
         )
-        mean = 0.5 * (previous_pressure + self.pressure) - air_flow.AMBIENT
+        mean = 0.5 * (previous_pressure + self.pressure) - air_flow.AMBIENT_PRESSURE
         work = (mean * (self.volume - volume)).sum(axis=1)
         self.volume, self.opening = volume, opening
         return np.asarray(work)
@@ -129,7 +129,7 @@ class Chambers:
     @property
     def gauge(self) -> FloatArray:
         """The highest over the ambient's, Pa, shape (doors,)."""
-        return np.asarray(self.pressure.max(axis=1) - air_flow.AMBIENT)
+        return np.asarray(self.pressure.max(axis=1) - air_flow.AMBIENT_PRESSURE)
 
     def compute_stored_energy(self) -> FloatArray:
         """Return what the air would give back, J, shape (doors,)."""

@@ -257,7 +257,7 @@ class Tolerances:
 
 @dataclass(frozen=True)
 class ClosingSetup:
-    """Resistances of a closing door besides its seal; what is None or 0 is absent.
+    """Resistances of a closing door besides its seal; None or 0 if absent.
 
     Attributes
     ----------

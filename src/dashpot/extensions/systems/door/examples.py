@@ -46,8 +46,8 @@ def _write_door_line() -> str:
         ",".join(f"{convert_to_unit(v, 'mm'):.3f}" for v in (*p, g))
         for p, g in zip(positions, gap, strict=True)
     )
-    head = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
-    return "\n".join([*head, *rows, ""])
+    header = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
+    return "\n".join([*header, *rows, ""])
 
 
 def _make_door_modes() -> str:
@@ -62,8 +62,8 @@ def _make_door_modes() -> str:
         for r, f in enumerate(modes.frequency)
         for p in range(len(positions))
     )
-    head = [f"# {byline('simulated modes')}", "# simulated, shapes of a modal mass of 1 kg"]
-    return "\n".join([*head, "mode,frequency [Hz],x [mm],y [mm],z [mm],uz", *rows, ""])
+    header = [f"# {byline('simulated modes')}", "# simulated, shapes of a modal mass of 1 kg"]
+    return "\n".join([*header, "mode,frequency [Hz],x [mm],y [mm],z [mm],uz", *rows, ""])
 
 
 def _write_door() -> str:

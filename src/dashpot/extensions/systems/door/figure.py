@@ -35,7 +35,7 @@ from dashpot.plot.plotted_data import (
 from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.plot.style import sequential
 
-MOST_MODES = 6
+MAX_MODES = 6
 """Modes that are drawn."""
 _CLASSES = 4
 """Number of classes of compression."""
@@ -53,11 +53,11 @@ _DIRECTION_COLOURS = {"out": "warm", "in": "cold"}
 """Colours of what goes out and in."""
 _INSIDE = {"out": 0.5, "in": 1.5}
 """Distance of the words from the line, in widths of a band, inwards."""
-_ROUND = 17
+_AVERAGED_STATIONS = 17
 """Places over which the direction of a band is averaged."""
 _FEW_LINES = 12
 """Lines of an FRF below which all of it is shown."""
-_HOLDS = 0.01
+_MIN_ENERGY_SHARE = 0.01
 """Share of the energy from which the seal is said to hold a mode."""
 
 
@@ -122,11 +122,11 @@ class View:
         """Return the view of a seal line."""
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
         inward = line.normal_at(line.arc_length).mean(axis=0)
-        size = float(np.linalg.norm(inward))
+        magnitude = float(np.linalg.norm(inward))
         axis_vector = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
-        outward = -inward / size if size > 0 else axis_vector
-        right = np.cross(np.eye(3)[second], outward)
-        return cls((first, second), bool(right[first] < 0), outward)
+        outward = -inward / magnitude if magnitude > 0 else axis_vector
+        right_part = np.cross(np.eye(3)[second], outward)
+        return cls((first, second), bool(right_part[first] < 0), outward)
 
     def project_points(self, vectors: FloatArray) -> FloatArray:
         """Places or motions, shape (n, 3), as they are drawn, shape (n, 2)."""
@@ -136,7 +136,7 @@ class View:
 
 
 def make_line_panel(result: DoorResult, view: View) -> Panel:
-    """Return the seal line by its compression, and what holds the door beside it."""
+    """Return the seal line by its compression, and the mounts of the door."""
     stations, line = result.stations, result.door.line
     marks: list[Mark] = []
     drawn_points = [np.zeros((0, 2))]
@@ -228,7 +228,7 @@ def make_compression_panel(result: DoorResult) -> Panel:
 
 
 def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
-    """Return how the line moves in each of the first modes; nothing is drawn that is not known.
+    """Return the motion of the line in each of the first modes.
 
     Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
     goes in; in its plane as the line itself, moved.
@@ -255,7 +255,7 @@ def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
     projected = view.project_points(positions)
     low, high = projected.min(axis=0) - 1.3 * size, projected.max(axis=0) + 1.3 * size
     panels = []
-    for number, mode in enumerate(result.modes[:MOST_MODES], start=1):
+    for number, mode in enumerate(result.modes[:MAX_MODES], start=1):
         motion = _extract_real_motion(rows @ mode.mode.shape)
         normal_motion = motion @ view.outward
         plane_motion = motion - np.outer(normal_motion, view.outward)
@@ -338,12 +338,16 @@ def _compute_outward_normals(rest_points: FloatArray) -> FloatArray:
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     outward_sum = float(np.sum(normal * (rest_points - rest_points.mean(axis=0))))
     # round a corner it turns slowly, or a band inside it would fold
-    kernel = np.ones(_ROUND) / _ROUND
-    padded = np.concatenate([normal[-_ROUND - 1 : -1], normal, normal[1 : _ROUND + 1]])
+    kernel = np.ones(_AVERAGED_STATIONS) / _AVERAGED_STATIONS
+    padded_values = np.concatenate(
+        [normal[-_AVERAGED_STATIONS - 1 : -1], normal, normal[1 : _AVERAGED_STATIONS + 1]]
+    )
     if not np.allclose(rest_points[0], rest_points[-1]):
-        padded = np.pad(normal, ((_ROUND, _ROUND), (0, 0)), mode="edge")
-    smoothed = np.column_stack([np.convolve(item, kernel, mode="same") for item in padded.T])
-    smoothed = smoothed[_ROUND:-_ROUND]
+        padded_values = np.pad(
+            normal, ((_AVERAGED_STATIONS, _AVERAGED_STATIONS), (0, 0)), mode="edge"
+        )
+    smoothed = np.column_stack([np.convolve(item, kernel, mode="same") for item in padded_values.T])
+    smoothed = smoothed[_AVERAGED_STATIONS:-_AVERAGED_STATIONS]
     return np.asarray(smoothed if outward_sum > 0 else -smoothed)
 
 
@@ -359,7 +363,7 @@ def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> 
     seal_modes = [
         (number, mode.mode.frequency)
         for number, mode in enumerate(result.modes, start=1)
-        if mode.share(SEAL) >= _HOLDS
+        if mode.share(SEAL) >= _MIN_ENERGY_SHARE
     ]
     f = sealed.frequency
     full_range = shown_range = float(f[0]), float(f[-1])
@@ -381,7 +385,7 @@ def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> 
             "fit",
             bold=True,
         )
-        for number, hz in seal_modes[:MOST_MODES]
+        for number, hz in seal_modes[:MAX_MODES]
     ]
     words = "with the seal"
     lines = [

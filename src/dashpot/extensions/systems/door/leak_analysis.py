@@ -17,7 +17,7 @@ from dashpot.solids.elastic import ElasticLaw
 
 DRAWS = 2000
 SEED = 1997
-_LEAST_SHARE = 0.02
+_MIN_SHARE = 0.02
 """Smallest drawn value, as a fraction of the mean."""
 
 
@@ -187,11 +187,11 @@ def find_leak(
     z = random.standard_normal((7, DRAWS))
     drawn_gaps = setup.gap_sd * z[0]
     drawn_stiffness = _draw_split_normal(compute_relaxed_stiffness(fit), z[1])
-    drawn_stiffness = drawn_stiffness * np.maximum(1 + setup.force_sd * z[2], _LEAST_SHARE)
-    drawn_lips = np.maximum(setup.lip + setup.lip_sd * z[3], _LEAST_SHARE * setup.lip)
+    drawn_stiffness = drawn_stiffness * np.maximum(1 + setup.force_sd * z[2], _MIN_SHARE)
+    drawn_lips = np.maximum(setup.lip + setup.lip_sd * z[3], _MIN_SHARE * setup.lip)
     drawn_coefficients = np.maximum(
         setup.pressure_coefficient + setup.pressure_coefficient_sd * z[4],
-        _LEAST_SHARE * setup.pressure_coefficient,
+        _MIN_SHARE * setup.pressure_coefficient,
     )
     drawn_retention = np.clip(_draw_split_normal(case.retained, z[5]), 0.0, 1.0)
     laws = _draw_laws(section, z[6])

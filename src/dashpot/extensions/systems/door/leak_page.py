@@ -85,7 +85,7 @@ def _make_lights(result: LeakResult) -> list[Light]:
 
 
 def _make_state_table(result: LeakResult) -> TextTable:
-    head = ("state", "which is", "N/m", "Pa", "km/h", "from", "to", "at, m", "limit")
+    header = ("state", "which is", "N/m", "Pa", "km/h", "from", "to", "at, m", "limit")
     rows = []
     for state, words in zip(result.states, describe_states(result), strict=True):
         i = state.weakest
@@ -94,11 +94,11 @@ def _make_state_table(result: LeakResult) -> TextTable:
             state.name, words, f"{state.force[i]:.4g}", f"{state.pressure[i]:.4g}", *speeds,
             f"{result.arc_length[i]:.3f}", result.limit_verdicts.get(state.name, ""),
         ))  # fmt: skip
-    return TextTable(head, tuple(rows))
+    return TextTable(header, tuple(rows))
 
 
 def _make_station_table(result: LeakResult, indices: range) -> TextTable:
-    head = ("along, m", "compression, mm", *(f"{state.name}, km/h" for state in result.states))
+    header = ("along, m", "compression, mm", *(f"{state.name}, km/h" for state in result.states))
     rows = tuple(
         (
             f"{result.arc_length[i]:.3f}",
@@ -107,4 +107,4 @@ def _make_station_table(result: LeakResult, indices: range) -> TextTable:
         )
         for i in indices
     )
-    return TextTable(head, rows)
+    return TextTable(header, rows)

@@ -117,12 +117,12 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     def csv(self) -> str:
         """Return the stations as a table."""
         columns = self._table_columns
-        head = ",".join(
+        header = ",".join(
             '"' + f"{name} [{unit}]".replace('"', '""') + '"' for name, (_, unit) in columns.items()
         )
         rows = zip(*(values for values, _ in columns.values()), strict=True)
         lines = (",".join(f"{value:.9g}" for value in row) for row in rows)
-        return "\n".join((head, *lines)) + "\n"
+        return "\n".join((header, *lines)) + "\n"
 
     @property
     def _headline(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_nonnegative, require_positive
-from dashpot.extensions.systems.door.air_flow import AMBIENT
+from dashpot.extensions.systems.door.air_flow import AMBIENT_PRESSURE
 
 GAS_CONSTANT = 287.05
 """Gas constant of dry air, J/(kg K)."""
@@ -13,7 +13,7 @@ STANDARD_TEMPERATURE = 293.15
 """Temperature of the air where a state gives none, K."""
 NEW_STATE = "new"
 """The state of the door as its file describes it."""
-_MOST_ERROR = 0.5
+_MAX_ERROR = 0.5
 """Standard error over its quantity, at most."""
 _WIDEST_LIP = 0.2
 """m; no lip of a seal is wider."""
@@ -23,7 +23,7 @@ _HIGHEST_COEFFICIENT = 5.0
 
 def compute_air_density(temperature: float) -> float:
     r"""Return the density of air of :math:`p_a` = 1013.25 hPa, :math:`p_a/(R T)`, kg/m^3."""
-    return AMBIENT / (GAS_CONSTANT * temperature)
+    return AMBIENT_PRESSURE / (GAS_CONSTANT * temperature)
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class LeakState:
 
 @dataclass(frozen=True)
 class LeakSetup:
-    """Pressure on the seal, and what is known of it.
+    """Pressure on the seal, and the properties of its lip.
 
     Attributes
     ----------
@@ -144,14 +144,14 @@ class LeakSetup:
                 f"{_HIGHEST_COEFFICIENT:g}: is the unit mm?"
             )
         for name in ("lip", "pressure_coefficient"):
-            if getattr(self, f"{name}_sd") > _MOST_ERROR * getattr(self, name):
+            if getattr(self, f"{name}_sd") > _MAX_ERROR * getattr(self, name):
                 raise DataError(
-                    f"{name}_sd is more than {100 * _MOST_ERROR:.0f} % of {name}; expected a "
+                    f"{name}_sd is more than {100 * _MAX_ERROR:.0f} % of {name}; expected a "
                     "smaller standard error"
                 )
-        if self.force_sd > _MOST_ERROR:
+        if self.force_sd > _MAX_ERROR:
             raise DataError(
-                f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MOST_ERROR:.0f} %"
+                f"force_sd = {100 * self.force_sd:g} %; expected at most {100 * _MAX_ERROR:.0f} %"
             )
         names = [NEW_STATE, *(state.name for state in self.states)]
         repeated_names = [name for name in names if names.count(name) > 1]

@@ -18,11 +18,11 @@ _STATES = 1200
 """Largest first-order form; beyond it the nonlinear eigenproblem is faster."""
 _LOSSLESS = 1e-9
 """Loss factor of rounding."""
-_SIDEWAYS, _LOOSE = 0.1, 1e-12
+_FREE_STIFFNESS_SHARE, _ROUNDING_SHARE = 0.1, 1e-12
 """Share of a stiffness below which a motion is free, and of the largest that is rounding."""
 _COARSE_PITCHES = 8
 """Pitches between stations that show what is free; they need not show how stiff it is."""
-_LEAST_SIMILARITY = 0.5
+_MIN_SIMILARITY = 0.5
 """Least similarity of a mode with seal and one without."""
 
 
@@ -85,10 +85,10 @@ def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
         similarities = [
             compute_similarity(mode.shape, other.shape, M) for other in modes_without_seal
         ]
-        best = int(np.argmax(similarities)) if similarities else -1
+        best_index = int(np.argmax(similarities)) if similarities else -1
         nearest_frequency = (
-            modes_without_seal[best].frequency
-            if similarities and similarities[best] >= _LEAST_SIMILARITY
+            modes_without_seal[best_index].frequency
+            if similarities and similarities[best_index] >= _MIN_SIMILARITY
             else None
         )
         modes.append(DoorMode(mode, energy_shares(system, mode), nearest_frequency))
@@ -161,9 +161,9 @@ def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
         for item in (assembly, restrained_assembly)
     )
     size, axes = np.linalg.eigh(K_1)
-    is_restrained = size > _LOOSE * size.max(initial=0.0)
+    is_restrained = size > _ROUNDING_SHARE * size.max(initial=0.0)
     scaled = axes[:, is_restrained] / np.sqrt(size[is_restrained])
-    count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _SIDEWAYS).sum())
+    count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _FREE_STIFFNESS_SHARE).sum())
     if not count:
         return 0, None
     modes = find_oscillations(assembly.system())

@@ -21,7 +21,7 @@ from dashpot.extensions.systems.door.closing_figure import (
 )
 from dashpot.extensions.systems.door.closing_result import ClosingResult
 from dashpot.extensions.systems.door.figure import (
-    MOST_MODES,
+    MAX_MODES,
     View,
     make_compression_panel,
     make_frf_panel,
@@ -49,7 +49,7 @@ _MODES = frozenset(
     {"door_modes_in_valid_band", "modes_suffice", "mode_shapes_cover_points", "masses_agree"}
 )
 _CLOSING = frozenset({"closing_in_valid_band", "faster_closings_latch"})
-_HOLDS = 0.01
+_MIN_ENERGY_SHARE = 0.01
 """Share of the energy from which the seal is said to hold a mode."""
 _ROWS = 12
 """Modes in the table; all stand in the document."""
@@ -217,7 +217,7 @@ def _format_line_note(result: DoorResult | None, closed: ClosingResult | None) -
 
 def _select_seal_modes(result: DoorResult) -> list[DoorMode]:
     """Return the modes that the seal holds."""
-    return [mode for mode in result.modes if mode.share(SEAL) >= _HOLDS]
+    return [mode for mode in result.modes if mode.share(SEAL) >= _MIN_ENERGY_SHARE]
 
 
 def make_mode_table(result: DoorResult) -> ModesTable:
@@ -285,7 +285,7 @@ def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
             _make_share_bars({share.name: share.loss for share in mode.shares}, colours),
             f"{100 * lossy:.1f}",
             "" if math.isnan(excess) else "inside" if excess <= 1 else f"×{excess:.3g}",
-            marked=mode.share(SEAL) >= _HOLDS and excess > 1,
+            marked=mode.share(SEAL) >= _MIN_ENERGY_SHARE and excess > 1,
         )
 
 
@@ -383,7 +383,7 @@ def _format_line_facts(result: DoorResult) -> str:
 def _make_share_table(result: DoorResult) -> TextTable:
     parts = list(_choose_colours(result.modes))
     rows = []
-    for number, mode in enumerate(result.modes[: 2 * MOST_MODES], start=1):
+    for number, mode in enumerate(result.modes[: 2 * MAX_MODES], start=1):
         total_loss = sum(share.loss for share in mode.shares) or 1.0
         by_name = {share.name: share for share in mode.shares}
         cells = [f"{100 * by_name[name].energy:.2f}" if name in by_name else "" for name in parts]
@@ -392,8 +392,8 @@ def _make_share_table(result: DoorResult) -> TextTable:
             for name in parts
         ]
         rows.append((f"{number}: {round_to_error(mode.mode.frequency, digits=4)} Hz", *cells))
-    head = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
-    return TextTable(head, tuple(rows))
+    header = ("mode", *(f"{name}, energy" for name in parts), *(f"{name}, loss" for name in parts))
+    return TextTable(header, tuple(rows))
 
 
 def _make_term_table(closed: ClosingResult) -> TextTable:

@@ -62,15 +62,15 @@ _RANGE_SD, _NODES, _DEGREE = 5.0, 11, 4
 """Standard deviations on both sides at which a quantity is computed, how often, and the degree of
 the polynomial of its logarithm."""
 _DRAWS, _FACTORS = 4000, 4001
-_MOST_MODES = 6
+_MAX_MODES = 6
 """Modes that are listed at most, if no limit names a higher one."""
-_MOST_STIFFNESS_RATIO = 1.5
+_MAX_STIFFNESS_RATIO = 1.5
 """Ratio of the stiffness of a lot and of the fit beyond which they are other seals."""
-LEAST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 """Share of the cars below which the distribution is not known."""
-LEAST_SD = 1e-6
+MIN_SD = 1e-6
 """Relative standard deviation below which the seal does not move a quantity."""
-_LEAST_SPECIMENS = 4
+_MIN_SPECIMENS = 4
 """Specimens of a lot of which a scatter is taken."""
 CLOSING = "closing"
 _LIMIT = re.compile(r"\s*(?:mode\s*(\d+)|closing)\s*(<=|>=|<|>)\s*(\S.*?)\s*", re.IGNORECASE)
@@ -237,7 +237,7 @@ class DoorPopulation(HasVerdict, Serialisable):
         reported_values = []
         for quantity in self.quantities:
             # of a mode that moves no seal nothing is left but rounding
-            scatters = quantity.between_sd > LEAST_SD
+            scatters = quantity.between_sd > MIN_SD
             reported_values.append(
                 ReportedValue(
                     quantity.name.replace(" ", "_"),
@@ -288,8 +288,8 @@ def format_share(share: float | None) -> str:
     """Return a share of the cars in per cent; one that no lot could show is below a limit."""
     if share is None:
         return ""
-    if share < LEAST_SHARE:
-        return f"below {100 * LEAST_SHARE:g}"
+    if share < MIN_SHARE:
+        return f"below {100 * MIN_SHARE:g}"
     return round_to_error(100 * share, digits=2)
 
 
@@ -395,7 +395,7 @@ def predict_population(
         by_name = {limit.quantity: limit for limit in door_limits}
         shown_quantities = [
             quantity for i, quantity in enumerate(quantities)
-            if i < _MOST_MODES or quantity[0] in by_name or quantity[0] == CLOSING
+            if i < _MAX_MODES or quantity[0] in by_name or quantity[0] == CLOSING
         ]  # fmt: skip
         distributions = tuple(
             describe_quantity(
@@ -449,13 +449,13 @@ def _read_spread(lot: Any, fit: Fit) -> SpecimenSpread:
     if read is None:
         raise DataError("lots are not read by this installation. State the scatter: --spread 4%")
     summary = read(lot)
-    if summary["specimens"] < _LEAST_SPECIMENS:
+    if summary["specimens"] < _MIN_SPECIMENS:
         raise DataError(
-            f"the lot has {summary['specimens']} seals; at least {_LEAST_SPECIMENS} show how they "
+            f"the lot has {summary['specimens']} seals; at least {_MIN_SPECIMENS} show how they "
             "scatter. Test more, or state the scatter: --spread 4%"
         )
     mean = summary["mean"] - math.log(_find_end_stiffness(fit)[0])
-    if abs(mean) > math.log(_MOST_STIFFNESS_RATIO):
+    if abs(mean) > math.log(_MAX_STIFFNESS_RATIO):
         raise DataError(
             f"the seals of the lot are {math.exp(mean):.3g} times as stiff as the fit of the door. "
             "Use a fit of one of them, of the same length"
@@ -507,9 +507,12 @@ def _follow_modes(
                     -1.0 if k in assigned else compute_similarity(shape, other.shape, M)
                     for k, other in enumerate(modes_there)
                 ]
-                best = int(np.argmax(similarities))
-                assigned.add(best)
-                frequency[j, i], shapes[j] = modes_there[best].frequency, modes_there[best].shape
+                best_index = int(np.argmax(similarities))
+                assigned.add(best_index)
+                frequency[j, i], shapes[j] = (
+                    modes_there[best_index].frequency,
+                    modes_there[best_index].shape,
+                )
     return [
         (f"mode {j + 1}", frequency[j], door_mode.share(SEAL)) for j, door_mode in enumerate(modes)
     ]
@@ -551,12 +554,12 @@ def describe_quantity(
     seal_share : float, optional
         Share of the seal in the energy of the mode.
     """
-    middle, half_range = float(u.mean()), float(np.ptp(u)) / 2
+    mean_value, half_range = float(u.mean()), float(np.ptp(u)) / 2
     polynomial = np.polynomial.Polynomial.fit(u, np.log(values), _DEGREE)
     slope = float(polynomial.deriv()(specimen_spread.mean))
 
     def evaluate(point: float | FloatArray) -> FloatArray:
-        return np.exp(polynomial(np.clip(point, middle - half_range, middle + half_range)))
+        return np.exp(polynomial(np.clip(point, mean_value - half_range, mean_value + half_range)))
 
     value = float(evaluate(specimen_spread.mean))
     interval = evaluate(
@@ -571,7 +574,7 @@ def describe_quantity(
     )  # fmt: skip
     if limit is None:
         return quantity
-    dense = np.linspace(middle - half_range, middle + half_range, _FACTORS)
+    dense = np.linspace(mean_value - half_range, mean_value + half_range, _FACTORS)
     is_beyond = evaluate(dense) > limit.value if limit.is_upper else evaluate(dense) < limit.value
     edges = np.flatnonzero(np.diff(is_beyond))
     share = _make_share_function(dense, is_beyond, edges)

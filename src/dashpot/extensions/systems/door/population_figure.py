@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.extensions.systems.door.population import (
-    LEAST_SD,
+    MIN_SD,
     DoorPopulation,
     DoorQuantity,
     format_limit,
@@ -16,7 +16,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 from dashpot.report.first_screen import Light, Row
 from dashpot.report.result_page import Group, KindPage, Topic, group, make_indicators
 
-_MOST_PANELS, _PANEL_WIDTHS, _POINTS = 4, 4.0, 241
+_MAX_PANELS, _PANEL_WIDTHS, _POINTS = 4, 4.0, 241
 """Panels at most, standard deviations to both sides, points of a curve."""
 
 
@@ -32,11 +32,9 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
     quantities = [
         quantity
         for quantity in population.quantities
-        if quantity.limit or quantity.between_sd > LEAST_SD
+        if quantity.limit or quantity.between_sd > MIN_SD
     ] or list(population.quantities)
-    shown_quantities = sorted(quantities, key=lambda quantity: quantity.limit is None)[
-        :_MOST_PANELS
-    ]
+    shown_quantities = sorted(quantities, key=lambda quantity: quantity.limit is None)[:_MAX_PANELS]
     panels = [_draw_quantity(quantity, population.spread.mean) for quantity in shown_quantities]
     caption = (
         "Distribution over the cars: in each panel the density of a quantity, 95 % of the cars "
@@ -63,7 +61,7 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
     scattered = {
         quantity.name.replace(" ", "_")
         for quantity in population.quantities
-        if quantity.between_sd > LEAST_SD
+        if quantity.between_sd > MIN_SD
     }
     other_values = tuple(
         reported_value for reported_value in population.facts if reported_value.name in scattered

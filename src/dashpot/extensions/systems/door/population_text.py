@@ -5,7 +5,7 @@ from __future__ import annotations
 from dashpot.base.number_format import round_to_error
 from dashpot.base.units import format_quantity
 from dashpot.extensions.systems.door.population import (
-    LEAST_SD,
+    MIN_SD,
     DoorPopulation,
     DoorQuantity,
     format_limit,
@@ -19,9 +19,9 @@ _SHARES = ("", "share of the cars", "95 % interval")
 
 def render_population(population: DoorPopulation) -> Text:
     """Return the range of each quantity over the cars, and the share beyond each limit."""
-    scattered = [quantity for quantity in population.quantities if quantity.between_sd > LEAST_SD]
+    scattered = [quantity for quantity in population.quantities if quantity.between_sd > MIN_SD]
     constant_quantities = [
-        quantity for quantity in population.quantities if quantity.between_sd <= LEAST_SD
+        quantity for quantity in population.quantities if quantity.between_sd <= MIN_SD
     ]
     lines = table([_HEAD, *map(_format_range, scattered)])
     if constant_quantities:

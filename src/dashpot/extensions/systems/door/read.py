@@ -29,9 +29,9 @@ from dashpot.extensions.systems.door.read_closing import read_closing
 from dashpot.extensions.systems.door.read_leak import read_leak_setup
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
-from dashpot.reading.toml import Section, Vector, tables_of
+from dashpot.reading.toml import Section, Vector, read_tables
 
-LARGEST = SIZES["door"].hard[1]
+MAX_SIZE = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
 LIGHTEST, HEAVIEST = 0.05, 500.0
 """kg, of a door: from that of a glove box to a gate's."""
@@ -49,7 +49,7 @@ def read_door(path: str | Path) -> Door:
     ReadError
         If the file is not TOML, or a table lacks a key, has one too many, or says what cannot be.
     """
-    raw, tables = tables_of(path)
+    raw, tables = read_tables(path)
     for name in tables:
         if name not in {*_TABLES, "closing", "leak"}:
             text = ", ".join(f"[{table}]" for table in (*_TABLES, "closing", "leak"))
@@ -74,9 +74,9 @@ def read_door(path: str | Path) -> Door:
     return Door(**results)
 
 
-_MOST_PARTS = 200
+_MAX_PARTS = 200
 """Hinges, bumpers, joints or points of one kind: no door has more."""
-_MOST_POINTS = 20_000
+_MAX_POINTS = 20_000
 """Largest number of points and stations of a seal line: one each millimetre of the longest."""
 
 
@@ -95,14 +95,14 @@ class _TableLocation:
         rows = [entries] if isinstance(entries, Mapping) else entries
         if not isinstance(rows, list):
             raise ReadError(f"{self.where}: expected tables, such as [[{self.where[:-1]}]]")
-        if len(rows) > _MOST_PARTS:
-            raise ReadError(f"{self.where}: {len(rows)} tables; expected at most {_MOST_PARTS}")
+        if len(rows) > _MAX_PARTS:
+            raise ReadError(f"{self.where}: {len(rows)} tables; expected at most {_MAX_PARTS}")
         return [
             Section(f"{self.where} {i}", row, known_keys) for i, row in enumerate(rows, start=1)
         ]
 
     def path(self, word: str | None) -> str:
-        """Return a file beside the door's own, or below; a door of others opens nothing else."""
+        """Return the path of a file in the folder of the door or below; refuse any other."""
         if not word:
             return ""
         path = self.folder / word
@@ -216,7 +216,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
     )  # fmt: skip
     section.needs("fit", "points")
     points, columns = _read_point_columns(location, section)
-    normal_columns = [columns[name] for name in _NORMAL if name in columns]
+    normal_columns = [columns[name] for name in _NORMAL_KEYS if name in columns]
     normal = normal_columns if len(normal_columns) == 3 else section.direction("normal") or _Z
     normals = np.broadcast_to(np.transpose(normal), points.shape)
     compressions = _read_compression(section, columns, len(points))
@@ -230,10 +230,10 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
     if tilt is not None:
         normals = _tilt_normals(section, normals, points[order], tilt)
     line = SealLine(points[order], compressions, normal=normals, joints=joints)
-    if line.length > LARGEST:
+    if line.length > MAX_SIZE:
         raise ReadError(
             f"{section.where}: the seal line is {line.length:.4g} m long; expected at most "
-            f"{LARGEST:g} m: is the unit of its points mm?"
+            f"{MAX_SIZE:g} m: is the unit of its points mm?"
         )
     choice = SealChoice(
         location.path(section.word("fit")),
@@ -265,7 +265,11 @@ def _read_point_columns(
     return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
 
 
-_PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny", "nz")
+_POSITION_KEYS, _COMPRESSION_KEYS, _NORMAL_KEYS = (
+    ("x", "y", "z"),
+    ("gap", "compression"),
+    ("nx", "ny", "nz"),
+)
 
 
 def _read_line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
@@ -273,32 +277,32 @@ def _read_line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, 
     with channels.open_file(path, None) as file:
         resolved_columns, loaded_columns = read_named_columns(
             file,
-            (*_PLACE, *_PRESSED, *_NORMAL),
-            required=[(axis,) for axis in _PLACE],
+            (*_POSITION_KEYS, *_COMPRESSION_KEYS, *_NORMAL_KEYS),
+            required=[(axis,) for axis in _POSITION_KEYS],
             hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
         )
-        missing = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
-        if missing.size:
+        missing_indices = np.flatnonzero(~np.isfinite(loaded_columns.values).all(axis=1))
+        if missing_indices.size:
             raise ReadError(
                 "a seal line has no gaps, and a number is missing at "
-                f"{loaded_columns.format_row_position(missing[0])}; "
+                f"{loaded_columns.format_row_position(missing_indices[0])}; "
                 "expected one in every row. Write it, or take the row out"
             )
         columns = dict(zip(resolved_columns, loaded_columns.values.T, strict=True))
-        for name in resolved_columns.keys() - {*_NORMAL}:
+        for name in resolved_columns.keys() - {*_NORMAL_KEYS}:
             advice = "add unit to [seal] of the door"
             columns[name] = convert_column_to_si(
                 resolved_columns[name], columns[name], "length", unit, advice
             )
-    points = np.stack([columns.pop(axis) for axis in _PLACE], axis=1)
+    points = np.stack([columns.pop(axis) for axis in _POSITION_KEYS], axis=1)
     _refuse_more(Path(path).name, len(points), "points")
     return points, columns
 
 
 def _refuse_more(location: str, count: float, noun: str) -> None:
     """Refuse more of a seal line than any door has."""
-    if count > _MOST_POINTS:
-        raise ReadError(f"{location}: {count:.0f} {noun}; expected at most {_MOST_POINTS}")
+    if count > _MAX_POINTS:
+        raise ReadError(f"{location}: {count:.0f} {noun}; expected at most {_MAX_POINTS}")
 
 
 def _read_compression(
@@ -308,7 +312,7 @@ def _read_compression(
     given_keys = [name for name in ("compression", "gap") if name in section.entries]
     if len(given_keys) > 1:
         raise ReadError(f"{section.where}: compression and gap say the same; keep one")
-    names = [*filter(columns.__contains__, _PRESSED), *given_keys]
+    names = [*filter(columns.__contains__, _COMPRESSION_KEYS), *given_keys]
     if len(names) > 1:
         raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
     if not names:
@@ -326,7 +330,7 @@ def _read_compression(
             )
         values = height - values
     max_depth = float(np.abs(values).max())
-    if max_depth > LARGEST / 100:
+    if max_depth > MAX_SIZE / 100:
         raise ReadError(f"{section.where}: {name} makes a compression of {max_depth:g} m: in mm?")
     return np.broadcast_to(values, count)
 
@@ -350,7 +354,7 @@ def _read_shear(location: _TableLocation, entries: Any) -> ShearChoice:
 
 
 def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | None:
-    """Return what rubs sideways beside the arms."""
+    """Return the sideways friction of the seal."""
     if entries is None:
         return None
     row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
@@ -361,7 +365,7 @@ def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | Non
     return LineFriction(mu, friction_across, friction_along)
 
 
-_STEEP = np.radians(80.0)
+_MAX_NORMAL_ANGLE = np.radians(80.0)
 """Beyond it a seal is pressed along its door, not on it."""
 
 
@@ -369,10 +373,10 @@ def _tilt_normals(
     section: Section, normals: FloatArray, points: FloatArray, tilt: float
 ) -> FloatArray:
     """Normals of the pieces, leant outwards of the line by an angle, rad."""
-    if not abs(tilt) <= _STEEP:
+    if not abs(tilt) <= _MAX_NORMAL_ANGLE:
         raise ReadError(
             f"{section.where}: tilt = {np.degrees(tilt):.4g} deg; expected at most "
-            f"{np.degrees(_STEEP):.0f} deg either way"
+            f"{np.degrees(_MAX_NORMAL_ANGLE):.0f} deg either way"
         )
     runs = np.diff(points, axis=0)
     mean_normals = normals[1:] + normals[:-1]
@@ -454,10 +458,10 @@ def _read_size(section: Section, name: str) -> float | None:
 def _refuse_implausible(section: Section, name: str, lengths: Vector) -> Vector:
     """Refuse lengths that no door has: most often millimetres that are called metres."""
     max_length = max(map(abs, lengths))
-    if max_length > LARGEST:
+    if max_length > MAX_SIZE:
         raise ReadError(
-            f"{section.where}: {name} reaches {max_length:g} m; expected at most {LARGEST:g} m: is "
-            "the unit mm?"
+            f"{section.where}: {name} reaches {max_length:g} m; expected at most {MAX_SIZE:g} m: "
+            "is the unit mm?"
         )
     return lengths
 

@@ -24,13 +24,13 @@ from dashpot.extensions.systems.door.closing_setup import (
 from dashpot.reading.toml import Section
 
 T = TypeVar("T")
-_AIR = ("discharge", "process")
+_AIR_KEYS = ("discharge", "process")
 
 
 def read_closing(
     location: str, entries: Any, width: float | None = None, height: float | None = None
 ) -> ClosingSetup:
-    """Return what a table says.
+    """Return the closing setup of a table.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def read_closing(
     )  # fmt: skip
 
     def sub(make: Callable[[Section], T], name: str, *known_keys: str) -> T | None:
-        """Return what a table within makes, if it stands there."""
+        """Return the value built from a subtable, if there is one."""
         table = section.entries.get(name)
         return (
             None if table is None else make(Section(f"{location[:-1]}.{name}]", table, known_keys))
@@ -70,10 +70,16 @@ def read_closing(
         section.direction("gravity"),
         sub(_check, "check", "angle", "moment"),
         sub(partial(_read_latch, width), "latch", "travel", "force", "lever", "beyond"),
-        sub(_read_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
-        sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR),
+        sub(_read_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR_KEYS),
+        sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR_KEYS),
         sub(
-            partial(_read_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR
+            partial(_read_cabin, width, area),
+            "cabin",
+            "volume",
+            "area",
+            "lever",
+            "opening",
+            *_AIR_KEYS,
         ),
         sub(_read_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
     )

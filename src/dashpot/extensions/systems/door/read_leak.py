@@ -17,7 +17,7 @@ _STATE_KEYS = (
     "name", "gap", "time", "temperature", "retained", "retained_sd", "aging", "aging_time",
     "aging_temperature", "density",
 )  # fmt: skip
-_MOST_STATES = 50
+_MAX_STATES = 50
 """States; nobody compares more."""
 
 
@@ -41,8 +41,8 @@ def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], st
     table.needs("lip")
     rows = table.entries.get("state", [])
     rows = [rows] if isinstance(rows, dict) else rows
-    if not isinstance(rows, list) or len(rows) > _MOST_STATES:
-        raise ReadError(f"{location}: expected at most {_MOST_STATES} tables [[leak.state]]")
+    if not isinstance(rows, list) or len(rows) > _MAX_STATES:
+        raise ReadError(f"{location}: expected at most {_MAX_STATES} tables [[leak.state]]")
     states = tuple(
         _read_state(Section(f"{location[:-1]}.state] {i}", row, _STATE_KEYS), i, path)
         for i, row in enumerate(rows, start=1)

@@ -14,9 +14,9 @@ from dashpot.extensions.systems.free_modes import FreeModes
 from dashpot.reading.readers import channels
 from dashpot.reading.table import Column
 
-_NEEDED = ("mode", "frequency", "x", "y", "z")
+_REQUIRED_COLUMNS = ("mode", "frequency", "x", "y", "z")
 _SHAPE = ("ux", "uy", "uz")
-_MORE = ("damping ratio", "modal mass")
+_OPTIONAL_COLUMNS = ("damping ratio", "modal mass")
 
 
 def read_modes(
@@ -51,10 +51,10 @@ def read_modes(
     with channels.open_file(path, None) as file:
         resolved_columns, loaded_columns = read_named_columns(
             file,
-            (*_NEEDED, *_SHAPE, *_MORE),
-            required=[*((name,) for name in _NEEDED), _SHAPE],
-            hint=f"modes are a table of {', '.join(_NEEDED)} and ux, uy, uz, or a UFF file with "
-            "dataset 55",
+            (*_REQUIRED_COLUMNS, *_SHAPE, *_OPTIONAL_COLUMNS),
+            required=[*((name,) for name in _REQUIRED_COLUMNS), _SHAPE],
+            hint=f"modes are a table of {', '.join(_REQUIRED_COLUMNS)} and ux, uy, uz, or a UFF "
+            "file with dataset 55",
         )
         columns = dict(zip(resolved_columns, loaded_columns.values.T, strict=True))
 
@@ -116,7 +116,7 @@ def _sort_rows_by_mode(
 def _get_modal_masses(
     resolved_columns: dict[str, Column], columns: dict[str, FloatArray], stated_mass: float | None
 ) -> FloatArray:
-    """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
+    """Return the modal mass of each row, kg: as stated, as in the file, or 1 kg."""
     rows = len(columns["mode"])
     if stated_mass is not None or "modal mass" not in columns:
         mass = np.full(rows, 1.0 if stated_mass is None else stated_mass)

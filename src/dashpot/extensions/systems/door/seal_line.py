@@ -15,7 +15,7 @@ from dashpot.base.value_ranges import require_nonnegative
 from dashpot.datamodel.seal_line import SealSection, Stations
 from dashpot.registry import require_handler
 
-CLOSED = 1e-6
+CLOSURE_TOLERANCE = 1e-6
 """Part of its length by which the ends of a line may lie apart, and it is closed."""
 _CORNER_COSINE = np.cos(np.radians(30.0))
 """Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
@@ -107,7 +107,7 @@ class SealLine(EqualByValue):
     def is_closed(self) -> bool:
         """Whether its last point is its first."""
         norm = float(np.linalg.norm(self.points[0] - self.points[-1]))
-        return norm <= CLOSED * self.length
+        return norm <= CLOSURE_TOLERANCE * self.length
 
     @property
     def arc_length(self) -> FloatArray:
@@ -117,7 +117,7 @@ class SealLine(EqualByValue):
     def normal_at(self, along: FloatArray) -> FloatArray:
         """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
         if len(self.normal) < len(self.points):
-            return np.asarray(self.normal[self._piece(along)])
+            return np.asarray(self.normal[self._find_piece(along)])
         field = np.stack(
             [np.interp(along, self.arc_length, item) for item in self.normal.T], axis=-1
         )
@@ -146,10 +146,10 @@ class SealLine(EqualByValue):
                 f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "
                 "fits on it"
             )
-        middle, cell = _divide_cells(self._breaks(2 * requested_pitch), 2 * requested_pitch)
+        middle, cell = _divide_cells(self._list_breaks(2 * requested_pitch), 2 * requested_pitch)
         positions = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
         normal = self.normal_at(positions)
-        runs = np.diff(self.points, axis=0)[self._piece(positions)]
+        runs = np.diff(self.points, axis=0)[self._find_piece(positions)]
         tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
         compressions = self.compression
         return Stations(
@@ -176,13 +176,13 @@ class SealLine(EqualByValue):
         """
         return require_handler("mounts", self)(self, body, pitch, ground=ground)
 
-    def _piece(self, arc_length: FloatArray) -> IndexArray:
+    def _find_piece(self, arc_length: FloatArray) -> IndexArray:
         """Return the index of the piece in which a point lies."""
         return np.clip(
             np.searchsorted(self.arc_length, arc_length, "right") - 1, 0, len(self.points) - 2
         )
 
-    def _breaks(self, cell: float) -> FloatArray:
+    def _list_breaks(self, cell: float) -> FloatArray:
         """Return where no cell may reach across, from end to end, m; points of a curve are none."""
         runs, lengths = np.diff(self.points, axis=0), _compute_lengths(self.points)
         tangents = runs / lengths[:, None]
@@ -190,18 +190,20 @@ class SealLine(EqualByValue):
         is_long = np.maximum(lengths[1:], lengths[:-1]) >= cell
         corners = self.arc_length[1:-1][is_bend | is_long]
         joint_ends = [end for first, last, _ in self._joints() for end in (first, last)]
-        inner_breaks = [end for end in (*joint_ends, *self._touching()) if 0 < end < self.length]
+        inner_breaks = [
+            end for end in (*joint_ends, *self._contact_edges()) if 0 < end < self.length
+        ]
         return np.unique(np.concatenate(([0.0, self.length], corners, inner_breaks)))
 
-    def _touching(self) -> list[float]:
+    def _contact_edges(self) -> list[float]:
         """Return where the seal begins or ends to touch, m along the line."""
         if self.compression is None:
             return []
         first, last = self.compression[:-1], self.compression[1:]
         crossed = np.flatnonzero(first * last < 0)
-        share = first[crossed] / (first - last)[crossed]
+        ratio = first[crossed] / (first - last)[crossed]
         values: list[float] = (
-            self.arc_length[crossed] + share * _compute_lengths(self.points)[crossed]
+            self.arc_length[crossed] + ratio * _compute_lengths(self.points)[crossed]
         ).tolist()
         return values
 
@@ -247,7 +249,7 @@ def _validate_points(value: npt.ArrayLike) -> FloatArray:
         raise DataError(
             f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
         )
-    crossing = _find_first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
+    crossing = _find_first_crossing(points, nearer_than=CLOSURE_TOLERANCE * float(steps.sum()))
     if crossing is not None:
         raise DataError(
             f"the seal line crosses itself: its segment from point {crossing[0]} meets the one "
@@ -271,7 +273,7 @@ def _validate_normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
         raise DataError("the normal of the seal line has no direction")
     normal /= size[:, None]
     cosine = np.einsum("ij,ij->i", normal[1:], normal[:-1])
-    if (cosine < -CLOSED).any():
+    if (cosine < -CLOSURE_TOLERANCE).any():
         row = int(np.argmin(cosine))
         raise DataError(
             f"the normals of points {row} and {row + 1} of the seal line stand "
@@ -340,5 +342,5 @@ def _compute_distance(first: FloatArray, second: FloatArray) -> float:
 
 def _from_piece(point: FloatArray, piece: FloatArray) -> float:
     vector = piece[1] - piece[0]
-    share = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
-    return float(np.linalg.norm(point - piece[0] - share * vector))
+    ratio = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
+    return float(np.linalg.norm(point - piece[0] - ratio * vector))

@@ -11,14 +11,14 @@ from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.text_output.layout import Text, table
 from dashpot.text_output.results import format_rounded, hertz
 
-_MOST_MODES = 9
+_MAX_MODES = 9
 """Number of modes that are listed."""
 _ROUNDING = 1e-9
 """Damping that is rounding, %."""
 
 
 def door(result: DoorResult, *, every: bool = False) -> Text:
-    """Return the seal line, the modes with what shares them, and what a shaken base does.
+    """Return the seal line, the modes with their energy shares, and the response to a base.
 
     Of many modes those of which the seal has most; `every` shows what each part has of them.
     """
@@ -27,7 +27,7 @@ def door(result: DoorResult, *, every: bool = False) -> Text:
         return Text([*lines, f"  no mode in {hertz(result.band)}", *_format_shaken(result)])
     parts = list(dict.fromkeys(share.name for mode in result.modes for share in mode.shares))
     numbers = range(len(result.modes))
-    first = sorted(sorted(numbers, key=lambda i: -result.modes[i].share(SEAL))[:_MOST_MODES])
+    first = sorted(sorted(numbers, key=lambda i: -result.modes[i].share(SEAL))[:_MAX_MODES])
     lines += table(_make_mode_rows(result, first, parts if every else []))
     if len(first) < len(numbers):
         lines.append(f"  {len(numbers) - len(first)} more modes, of which the seal has less")
@@ -81,7 +81,7 @@ def _format_share(value: float) -> str:
 
 
 def _format_damping(value: float) -> str:
-    """Return a damping; what is rounding is none."""
+    """Return a damping ratio as text; rounding counts as none."""
     return format_rounded(value, digits=3) if value > _ROUNDING else "0"
 
 
