@@ -32,7 +32,9 @@ class Rig:
     `window` is the time constant of an exponential window, s, 0 for none; with `on_force` the
     hammer carries it, too. `force_window`, s, after which the force is zero. `cable` is a stiffness
     over that of the seals at the resonance, with the loss factor `cable_loss`. `step` is that of
-    the number format over the noise.
+    the number format over the noise. `taps`, in samples, is the half-length of an anti-alias filter
+    of linear phase at .8 of the Nyquist frequency, which rings before a pulse and after. `pulse` is
+    the range of widths of the pulses, s.
     """
 
     window: float = 0.0
@@ -47,6 +49,8 @@ class Rig:
     pretrigger: float = 0.1
     hits: int = 5
     noise: float = 1.0
+    taps: int = 0
+    pulse: tuple[float, float] = (12e-3, 22e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +117,7 @@ def strike_block(
     rows = []
     for block in force:
         pure = simulate_response((A, b, A[1], 1 / mass), block, 1 / rig.rate / _FINE)
-        rows.append((block[::_FINE], pure[::_FINE]))
+        rows.append(tuple(_filter_aliases(channel, rig.taps)[::_FINE] for channel in (block, pure)))
     time, hammer, acceleration = _analyse_blocks(random, rig, rows, clock[::_FINE])
     truth = {
         "seal": seal, "mass": mass, "seals": 2, "omega": there,
@@ -121,6 +125,15 @@ def strike_block(
         "pole": _ringing_pole(mass, there, 2 * spring, 2 * dashpot, 2 * np.asarray(k), tau),
     }  # fmt: skip
     return HammerRecord(f"{seal.solid.name}, {seed}", time, hammer, acceleration, truth)
+
+
+def _filter_aliases(channel, taps: int):
+    """A windowed sinc of linear phase, its delay taken off; as it is without taps."""
+    if not taps:
+        return channel
+    place = np.arange(-taps * _FINE, taps * _FINE + 1)
+    kernel = np.sinc(0.8 * place / _FINE) * np.hamming(len(place))
+    return np.convolve(channel, kernel / kernel.sum(), "same")
 
 
 def _stiffness(spring, dashpot, k, tau, omega):
@@ -144,7 +157,7 @@ def _pulses(random, rig: Rig):
     clock = np.arange(round(rig.length * rig.rate * _FINE)) / rig.rate / _FINE
     force = []
     for _ in range(rig.hits):
-        width, high = random.uniform(12e-3, 22e-3), random.uniform(2.0, 5.0)
+        width, high = random.uniform(*rig.pulse), random.uniform(2.0, 5.0)
         start = rig.pretrigger + random.uniform(0.0, 0.02)
         force.append(high * np.sin(pi * np.clip((clock - start) / width, 0, 1)) ** 2)
     return force, clock
@@ -179,6 +192,7 @@ KINDS: Mapping[str, str] = {
     "window stated": "the same, and the header says so",
     "window, coarse channels": "the same, rounded to .05 to 4 times the noise",
     "force window": "the force is zero .03 to .3 s after the trigger",
+    "anti-alias filter": "250 to 320 Hz; a filter of linear phase rings before a pulse of 4 ms",
     "cable": "1 to 3 % of the stiffness of the seals, loss factor .5",
 }
 """What is done to a hammer test, by name."""
@@ -201,6 +215,9 @@ def struck_rig(kind: str, seed: int) -> tuple[HammerRecord, str]:
         changes["noise"] = 1.0
     if kind == "force window":
         changes["force_window"] = float(random.uniform(0.03, 0.3))
+    if kind == "anti-alias filter":
+        changes["rate"] = float(random.choice([250, 256, 300, 320]))
+        changes["taps"], changes["pulse"] = int(random.integers(10, 40)), (3e-3, 6e-3)
     if kind == "cable":
         changes["cable"] = float(random.uniform(0.01, 0.03))
     record = strike_block(seed, Rig(**changes))

@@ -320,21 +320,21 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
         return Finding(
             "The noise before the pulse is not seen, so that an exponential window would not be"
         )
-    if not window.is_stated and not window.evident:
+    if not window.is_known and not window.evident:
         return Finding(
             "The file states an exponential window and not its decay, and the noise shows none",
             reason="Its decay would count as damping",
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
             always_fails=True,
         )
-    if not window.is_stated and not np.isfinite(window.seen_rate):
+    if not window.is_known and not np.isfinite(window.seen_rate):
         return Finding(
             "The noise decays as under an exponential window, too fast to show how fast",
             reason="The decay of the window counts as damping",
             remedy=Remedy("Give its time constant.", "window-decay"),
             always_fails=True,
         )
-    if not window.is_stated:
+    if not window.is_known:
         decay_text = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
         return Finding(
             f"The noise decays as under an exponential window of {1 / window.seen_rate:.3g} s, and "
@@ -343,6 +343,8 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
             remedy=Remedy("Check the setting of the analyser.", "window-decay"),
             always_fails=True,
         )
+    if window.rate <= 0:
+        return Finding("The record carries no exponential window, as stated")
     origin = "as stated" if window.stated and window.sd == 0 else "by its noise"
     message = f"The record carries a window of {1 / window.rate:.3g} s {origin}"
     if main is None:

@@ -54,6 +54,8 @@ _DECISIVE_DEVIANCE = 30.0
 """Fall of the deviance by which a slower decay is evident, too."""
 _SLOW_DECAY_RATIO = 0.8
 """Ratio of the scatters that it then must have."""
+_MAX_FLOOR_RATIO = 4.0
+"""Variance at the end, over what window and rounding leave of it, above which there is a floor."""
 _DECAY_RANGE = (0.02, 60.0)
 """Decays that are sought, times the length of the block."""
 _CONTRADICTION_SE = 4.0
@@ -77,7 +79,7 @@ class ExponentialWindow(NamedTuple):
         Scatter of the responses at the end over that before the pulse; nan where it is not seen.
     seen_rate : float
         a by the scatter, 1/s; nan where it shows none.
-    is_stated : bool
+    is_known : bool
         a is known: stated and not contradicted, or seen.
     from_start : bool
         It begins with the record, not with the pulse: of a window that the force lacks.
@@ -90,7 +92,7 @@ class ExponentialWindow(NamedTuple):
     on_force: bool = True
     ratio: float = float("nan")
     seen_rate: float = float("nan")
-    is_stated: bool = True
+    is_known: bool = True
     from_start: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
@@ -195,7 +197,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     ratio = max((decay.ratio for decay in all_scatter), default=float("nan"))
     if stated_rate is None and not windowed_scatter:
         # one is stated, and neither its decay nor a trace of it
-        return ExponentialWindow(stated=bool(rates), ratio=ratio, is_stated=not rates)
+        return ExponentialWindow(stated=bool(rates), ratio=ratio, is_known=not rates)
     if not windowed_scatter:
         return ExponentialWindow(stated_rate or 0.0, stated=True, ratio=ratio)
     rate, sd = _fit_decay_rate(windowed_scatter)
@@ -210,7 +212,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     if stated_rate is None:
         return window
     separate = abs(stated_rate - rate) > _CONTRADICTION_SE * sd + 0.1 * rate
-    return window._replace(rate=stated_rate, sd=0.0, stated=True, is_stated=not separate)
+    return window._replace(rate=stated_rate, sd=0.0, stated=True, is_known=not separate)
 
 
 def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
@@ -382,16 +384,31 @@ def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
 
 def _is_windowed(decay: ScatterDecay) -> bool:
     """Return whether the noise of a channel decays: by half, or by less beyond any chance."""
-    if decay.ratio < EVIDENT_SHARE:
-        return True
     if decay.ratio > _SLOW_DECAY_RATIO:
         return False
     noise_segments = _select_noise_segments(decay)
-    if len(noise_segments.time) < _MIN_STRETCHES:
-        return False
-    rates = np.geomspace(0.1, 3.0, 12) / noise_segments.time[-1]
-    lowest_deviance = min(noise_segments.deviance(float(rate)) for rate in rates)
-    return bool(noise_segments.deviance(0.0) - lowest_deviance > _DECISIVE_DEVIANCE)
+    has_many_stretches = len(noise_segments.time) >= _MIN_STRETCHES
+    if decay.ratio >= EVIDENT_SHARE:
+        if not has_many_stretches:
+            return False
+        rates = np.geomspace(0.1, 3.0, 12) / noise_segments.time[-1]
+        lowest_deviance = min(noise_segments.deviance(float(rate)) for rate in rates)
+        if noise_segments.deviance(0.0) - lowest_deviance <= _DECISIVE_DEVIANCE:
+            return False
+    return not (has_many_stretches and _has_noise_floor(decay))
+
+
+def _has_noise_floor(decay: ScatterDecay) -> bool:
+    """Return whether the noise ends on a floor above what a window and rounding would leave of it.
+
+    What rings before and after a pulse (a filter of linear phase, a response that the high-pass
+    lets through) falls to the noise of the channel, and a window takes that with it.
+    """
+    rate, _ = _fit_decay_rate([decay])
+    end_time = float(np.median(decay.time[-max(len(decay.time) // 6, 1) :]))
+    falls_to = float(np.exp(-2 * rate * (end_time - decay.time[0])))
+    expected = falls_to * decay.variance[0] + _LINEAR_LIMIT * decay.rounding
+    return bool(decay.ratio**2 * decay.variance[0] > _MAX_FLOOR_RATIO * expected)
 
 
 def _begins_with_record(scatter_decays: Sequence[ScatterDecay], rate: float) -> bool:
