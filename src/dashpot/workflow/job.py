@@ -389,7 +389,11 @@ def replace_paths(job: J, replace_path: Callable[[str], str]) -> J:
 # Options of tests at several temperatures: one alone, or all, shifted to one.
 
 
-_TYPED_SHIFTS = {value.removesuffix("/T_r"): value for value in get_choice_values(VerticalAsked)}
+_TYPED_SHIFTS = {
+    word: value
+    for value in get_choice_values(VerticalAsked)
+    for word in (value.removesuffix("/T_r"), value)
+}
 """Options for the shift of the moduli by the words that a user types."""
 
 

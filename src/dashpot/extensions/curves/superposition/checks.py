@@ -223,7 +223,7 @@ def vertical_shift_determined(vertical: str, margin: float, difference: float) -
         "They trade with the horizontal shifts, so neither can be used; this is a diagnostic"
         if is_free
         else "The data hardly separate the two rules",
-        Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
+        Remedy("Choose one: T/T_r for rubber, 1 below the glass transition.", "vertical", "T/T_r"),
         always_passes=not is_free and difference < _NEGLIGIBLE_DECADES,
         always_fails=is_free,
     )

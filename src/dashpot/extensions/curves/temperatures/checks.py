@@ -78,24 +78,35 @@ def thermorheologically_simple(
     "<=",
     SAME_SHIFT,
     "our choice",
-    other_grade="or 3 standard errors, if that is more",
+    other_grade="or 3 standard errors, if that is more; a note where a rule was stated",
 )
 def shifts_independent_of_vertical_rule(
-    difference: float | None, se: float = 0.0, *, alternative: str = "with another b_T"
+    difference: float | None,
+    se: float = 0.0,
+    *,
+    alternative: str = "with another b_T",
+    is_stated: bool = False,
 ) -> Finding:
     """A rule for b_T that explains the tests as well gives the same shifts.
 
     Arms at even distances in log tau, shifted by one distance and by a factor of b_T, are nearly
-    the same arms: tests then cannot tell the two apart.
+    the same arms, and of a power law the two are the same: tests then cannot tell them apart.
     """
     if difference is None:
-        return Finding("No stated rule for b_T explains the tests as well as a free one")
+        return Finding("No other rule for b_T explains the tests as well")
     return Finding(
         f"One model explains the tests as well {alternative}",
         difference,
-        "The tests alone do not determine the shift, nor a prediction at another temperature",
-        Remedy("State the rule of b_T, or test at a temperature between.", "vertical", "1"),
+        "The shift rests on the rule that was stated"
+        if is_stated
+        else "The tests alone do not determine the shift, nor a prediction at another temperature",
+        Remedy(
+            "State the rule of b_T that the material follows: rubber elasticity gives T/T_r.",
+            "vertical",
+            "T/T_r",
+        ),
         limit=max(SAME_SHIFT, SAME_SHIFT_ERRORS * se),
+        grade="note" if is_stated else None,
     )
 
 
@@ -127,7 +138,11 @@ def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
         f"{100 * np.expm1(log_deviations[worst_index]):+.2g} % from "
         "rubber elasticity",
         abs(log_deviations[worst_index]),
-        remedy="Check specimen, depth, length and temperature.",
+        remedy=Remedy(
+            "Check specimen, depth, length and temperature, or state rubber elasticity.",
+            "vertical",
+            "T/T_r",
+        ),
     )
 
 

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.option_fields import RampLawOption, Vertical
+from dashpot.base.errors import FitError
+from dashpot.base.option_fields import RampLawOption, Vertical, require_choice
 from dashpot.base.units import celsius
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -76,7 +77,7 @@ from dashpot.fitting.valid_band import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import Solution, solve
-from dashpot.numerics.inference.model_order import Shortage, chi2_sf
+from dashpot.numerics.inference.model_order import Shortage, chi2_sf, is_significant_fall
 from dashpot.preprocessing.checks import check_records
 
 
@@ -111,6 +112,7 @@ _MAX_TEST_ARMS = 6
 
 def fit_records(records: Sequence[RampHold], options: FitOptions, reference: int) -> Fit:
     """Fit one temperature-dependent solid to ramps and holds, as :func:`fit_thermal`."""
+    require_choice("vertical", options.vertical, Vertical, FitError)
     tests = [_fit_single_test(record, options.law, thorough=options.thorough) for record in records]
     return fit_thermal(tests, options, reference)
 
@@ -190,14 +192,10 @@ def fit_thermal(
         further = replace(options, arms="auto", max_arms=arms + EXTRA_ARMS)
         larger_optimum = optimum(tests, further, reference)
         checks += (_arms_enough(best, larger_optimum),)
-    if options.vertical == "free" and result.temperatures is not None:
+    if result.temperatures is not None:
         checks += (_compare_vertical_rules(tests, options, reference, best, result.temperatures),)
     evidence = replace(result.evidence, band=band, end_of_hold=end, checks=checks, band_error=error)
     return replace(result, evidence=evidence)
-
-
-_AS_WELL_BIC = 10.0
-"""A model is as good as another if its BIC is no larger by more: Kass and Raftery (1995)."""
 
 
 def _compare_vertical_rules(
@@ -207,12 +205,19 @@ def _compare_vertical_rules(
     best: ThermalOptimum,
     shifts: TemperatureShifts,
 ) -> Check:
-    """Return the check that rules of b_T which explain the tests as well give the same shifts."""
+    """Return the check that rules of b_T which explain the tests as well give the same shifts.
+
+    A rule does where its chi-square is no larger than chance allows for the factors that it fixes,
+    however many arms it takes: a smooth spectrum has no number of arms that BIC could count.
+    """
     found: dict[float, str] = {}
     rules: tuple[Vertical, ...] = ("1", "T/T_r")
     for rule in rules:
+        if rule == options.vertical:
+            continue
         other = optimum(tests, replace(options, vertical=rule), reference)
-        if _get_bic(other) > _get_bic(best) + _AS_WELL_BIC:
+        fall = other.point.chi_square - best.point.chi_square
+        if is_significant_fall(fall, len(shifts.shifts) - 1):
             continue
         change = np.abs(other.point.log_a - best.point.log_a) / np.log(10.0)
         i = int(np.argmax(change))
@@ -220,19 +225,13 @@ def _compare_vertical_rules(
         text = "log10 a_T = {:.3g} in place of {:.3g}".format(*values)
         at_temperature = f"at {celsius(shifts.shifts[i].temperature)}"
         found[float(change[i])] = f"with b_T = {rule} and {text} {at_temperature}"
+    is_stated = options.vertical != "free"
     if not found:
-        return checks.shifts_independent_of_vertical_rule(None)
+        return checks.shifts_independent_of_vertical_rule(None, is_stated=is_stated)
     difference, alternative = max(found.items())
     se = max(shift.se for shift in shifts.shifts)
-    return checks.shifts_independent_of_vertical_rule(difference, se, alternative=alternative)
-
-
-def _get_bic(optimum: ThermalOptimum) -> float:
-    """Return the BIC of the number of arms that was selected."""
-    return next(
-        candidate.bic
-        for candidate in optimum.candidates
-        if candidate.point.order == optimum.point.order
+    return checks.shifts_independent_of_vertical_rule(
+        difference, se, alternative=alternative, is_stated=is_stated
     )
 
 
