@@ -216,3 +216,24 @@ def test_predict_uses_the_elastic_law_of_load_deflection_unchanged(
     law, elastic_law = document["relaxed"]["elastic_law"], document["fit"]["elastic_law"]
     assert elastic_law["tangent"] == pytest.approx(law["tangent"], rel=1e-12)
     assert document["fit"]["model"]["k_inf"] == pytest.approx(elastic_law["stiffness"], rel=1e-12)
+
+
+def test_next_line_of_a_comparison_finds_the_fitted_file(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From another folder it named a file that is not there."""
+    test, hits = JOBS["report"][1:3]
+    done = ran("fit", place / test, "-o", tmp_path / "fit.json")
+    assert done.exit_code == 0, done.output
+    monkeypatch.chdir(tmp_path)
+    block = ("--mass", "114.8g", "--seals", "2")
+    lines = {}
+    for folder in (tmp_path, place):
+        hits_path = folder / hits
+        hits_path.write_bytes((place / hits).read_bytes())
+        compared = ran("compare", tmp_path / "fit.json", hits_path, *block)
+        (lines[folder],) = [
+            line for line in compared.stderr.splitlines() if line.startswith("next: ")
+        ]
+    assert str(place / test) in lines[place]
+    assert f"FOLDER/{test}" in lines[tmp_path]

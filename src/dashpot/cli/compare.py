@@ -133,7 +133,7 @@ def _compare_prediction(
     model_option = ("--model", "auto") if fit_result.evidence.alternative is not None else ()
     next_command = ""
     if fit_result.method in get_choice_values(Method):
-        tests = [source.file for source in fit_result.source]
+        tests = [_find_test_path(source.file, (fit, *measured)) for source in fit_result.source]
         mass_option = ("--mass", mass, "--seals", f"{block.seals:g}")
         typed_options = options.get_typed_options_for(
             "fit", excluded_flags=("--mass", "--seals", "--model")
@@ -148,6 +148,12 @@ def _compare_prediction(
             remark="fits relaxation and hammer test together",
         )
     return CommandResult.from_result(agreement, next_command=next_command)
+
+
+def _find_test_path(name: str, paths: Sequence[str]) -> str:
+    """Return the path of a fitted file: here, beside the files that were given, or in FOLDER."""
+    candidates = (Path(name), *(Path(path).parent / name for path in paths))
+    return str(next((path for path in candidates if path.is_file()), Path("FOLDER", name)))
 
 
 def _compare_frfs(first: str, others: Sequence[str], arguments: dict[str, Any]) -> CommandResult:

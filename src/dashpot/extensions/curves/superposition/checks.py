@@ -72,7 +72,7 @@ def shifts_determined(
         float(error[i]),
         f"The curve at {flat} is flat and fits anywhere. So is that of a glass, of rubber at rest, "
         "and of a seal that relaxes within the ramp",
-        Remedy("Leave that temperature out, or use the law alone.", "at-temperature"),
+        "Leave that temperature out, or use the law alone.",
     )
 
 
