@@ -14,9 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.extensions.curves.superposition.isotherms import Isotherm
-from dashpot.numerics.inference.correlated_noise import white
+from dashpot.numerics.inference.correlated_noise import make_directions
 from dashpot.numerics.inference.covariance_estimate import white_noise
 from dashpot.numerics.inference.model_order import bic, deviance
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows, require_optimum
@@ -49,12 +49,15 @@ class ShiftedSpectrum:
     optimum : Optimum
         Theta the shifts that were free, ln a, then ln b; beta the spectrum, plateau and arms, >= 0;
         residuals relative, of all isotherms one after another.
+    is_loss : array, shape (m,)
+        Which residuals are of a loss.
     """
 
     ln_a: FloatArray
     ln_b: FloatArray
     ln_tau: FloatArray
     optimum: Optimum
+    is_loss: BoolArray
 
     @property
     def sse(self) -> float:
@@ -93,8 +96,22 @@ class ShiftedSpectrum:
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of the free shifts, natural logarithms."""
-        return white(self.optimum.projected_jacobian, self.variance)
+        r"""Covariance of the free shifts, natural logarithms.
+
+        .. math:: (J^TJ)^{-1} J^T \operatorname{diag}(\sigma_i^2) J (J^TJ)^{-1}
+
+        Storage and loss have a variance each: an instrument that measures both to 1 % of their own
+        has a scatter of the loss, over the modulus, that is a fraction of that of the storage.
+        """
+        jacobian, residual = self.optimum.projected_jacobian, self.optimum.residual
+        inflation = self.variance / max(self.sse / self.values, 1e-300)
+        variances = np.full(len(jacobian), self.variance)
+        for part in (self.is_loss, ~self.is_loss):
+            if part.any():
+                variances[: self.values][part] = inflation * float(np.mean(residual[part] ** 2))
+        information = make_directions([jacobian])
+        rows = information.columns[0].matrix
+        return information.covariance(rows.T @ (variances[:, None] * rows))
 
 
 def make_grid(
@@ -181,7 +198,10 @@ class ShiftSearch:
             step_tolerance=_SHIFT_TOLERANCE,
             cost_tolerance=_MIN_GAIN,
         )
-        return ShiftedSpectrum(*self.split_shifts(best.theta), self.ln_tau, best)
+        is_loss = np.concatenate(
+            [np.arange(len(item.value)) >= len(item.at) for item in self.isotherms]
+        )
+        return ShiftedSpectrum(*self.split_shifts(best.theta), self.ln_tau, best, is_loss)
 
 
 def fit_spectrum(
