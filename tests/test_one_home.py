@@ -68,6 +68,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         {
             "fitting/admissible_spectra.py": "a cut of a deviance, calibrated",
             "fitting/parameter_errors.py": "how deep a stored profile goes",
+            "fitting/prediction_bounds.py": "the normal quantile of its limits",
             "extensions/materials/cld/fit_files.py": "a mean of pieces, not of residuals",
             "extensions/batch/acceptance.py": "a guard band of pieces, not of residuals",
             "extensions/batch/statistics/variance_components.py": "a chart of pieces, not of residuals",

@@ -267,11 +267,11 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
         ("fit seal.csv --temperature 296.15degC", "at, 100 to 550 K"),
         (
             "fit seal.csv --length 100m",
-            "length = 100 m; expected 100 um to 50 m. Check its unit: mm or m",
+            "the length of the seal is 100 m; expected 100 um to 5 m. Check the unit of length.",
         ),
         (
             "fit seal.csv --height 12m",
-            "height = 12 m; expected 100 um to 1 m. Check its unit: mm or m",
+            "the height of the seal is 12 m; expected 100 um to 500 mm. Check the unit of height.",
         ),
         ("predict fit.json --mass 104g --seal-mass 5kg", "seals would weigh 5000 g on a mass"),
         ("fit hammer.csv --mass 104g --prior damping=2.85", "in per cent, give 0.0285"),

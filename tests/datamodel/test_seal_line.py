@@ -104,7 +104,7 @@ def test_separate_shear_stiffness_acts_wherever_the_seal_touches():
     section = SealSection(100.0 / BROAD.k_inf * BROAD, law, shear=Shear(0.5, 3 * BROAD))
     line = SealLine(DOOR[:2], [-0.002, 0.006], joints=(Joint(1.0, 0.2, 2.0),))
     stations = line.stations(0.01)
-    pressed, across, along = section.list_directions(stations)
+    pressed, across, along = section.ways(stations)
     assert across.share == pytest.approx(0.5 * pressed.share)
     touches = stations.along > 1.1 / 4
     assert along.share == pytest.approx(stations.length * stations.factor * touches)

@@ -103,7 +103,7 @@ def sketch(monkeypatch):
     everything = defaultdict(lambda: blank)
     # by its module: the attribute of the package is the verb
     monkeypatch.setattr(
-        import_module("dashpot.report.study_page"), "figures_of", lambda study: everything
+        import_module("dashpot.report.study_page"), "draw_study_figures", lambda study: everything
     )
     return lambda study: Page(html(study)).text
 

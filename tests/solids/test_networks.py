@@ -116,7 +116,7 @@ def test_kelvin_chain_without_a_spring_ends_in_a_dashpot():
 
 
 def test_creep_round_trip(paper_seal):
-    again = net.from_creep(net.compute_creep_spectrum(paper_seal))
+    again = net.from_creep(net.creep_of(paper_seal))
     assert again.k == pytest.approx(paper_seal.k, rel=1e-13)
     assert again.tau == pytest.approx(paper_seal.tau, rel=1e-13)
 

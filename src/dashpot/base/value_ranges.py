@@ -139,7 +139,7 @@ SIZES = MappingProxyType(
         "contact pressure": PlausibleRange("the mean pressure", "Pa", (0.0, 5e7), (0.0, 2e8)),
         "radius": PlausibleRange("the radius", "m", (1e-7, 0.1), (1e-9, 1.0)),
         "part": PlausibleRange("the length of the part", "m", (1e-3, 3.0), (1e-4, 30.0)),
-        "delay": PlausibleRange("the delay", "s", (1e-6, 0.1), (0.0, 1.0)),
+        "delay": PlausibleRange("the delay", "s", (1e-6, 0.1), (0.0, 10.0)),
         "door": PlausibleRange("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
         "seal length": PlausibleRange("the length of the seal", "m", (1e-3, 1.0), (1e-4, 5.0)),
         "seal height": PlausibleRange("the height of the seal", "m", (1e-3, 0.1), (1e-4, 0.5)),

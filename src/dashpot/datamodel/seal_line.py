@@ -211,7 +211,7 @@ class SealSection:
         tangent = np.ones_like(x) if self.law is None else self.law.factor(x)
         return np.where(x < 0, 0.0, tangent)
 
-    def list_directions(self, stations: Stations) -> tuple[LineDirection, ...]:
+    def ways(self, stations: Stations) -> tuple[LineDirection, ...]:
         """Return what the stations answer, each way: normal to the line, then across and along it.
 
         Raises

@@ -116,7 +116,7 @@ def make_springs(deck: Deck, line: Stations | None, shear: Shear | None = None) 
     # what is not pressed as stated is as it was tested: its secant
     law = None if line.compression is None else deck.elastic_law
     per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
-    directions = per_metre.list_directions(line)
+    directions = per_metre.ways(line)
     # of the solid in the header where it is that, else of a metre
     items = [isinstance(value, Solid) for value in (0.0, shear.across, shear.along)]
     shares = [

@@ -94,7 +94,7 @@ def from_creep(creep: CreepSpectrum) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(*relaxation_spectrum(creep))
 
 
-def compute_creep_spectrum(solid: GeneralizedMaxwell) -> CreepSpectrum:
+def creep_of(solid: GeneralizedMaxwell) -> CreepSpectrum:
     """Return the creep spectrum of a solid, exactly."""
     return creep_spectrum(solid.k_inf, solid.k, solid.tau, solid.b)
 
@@ -129,7 +129,7 @@ def series(*solids: GeneralizedMaxwell) -> GeneralizedMaxwell:
         raise DataError("series() needs at least one solid")
     if len(solids) == 1:
         return solids[0]
-    creep_solids = [compute_creep_spectrum(solid) for solid in solids]
+    creep_solids = [creep_of(solid) for solid in solids]
     return from_creep(
         CreepSpectrum(
             glass=sum(creep_solid.glass for creep_solid in creep_solids),

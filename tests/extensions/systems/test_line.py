@@ -75,7 +75,7 @@ def stiffness(seal: SealLine, pitch: float) -> np.ndarray:
     stations = seal.stations(pitch)
     return sum(
         six_by_six(stations.place, way.direction, way.solid.k_inf * way.share)
-        for way in seal.section.list_directions(stations)
+        for way in seal.section.ways(stations)
     )
 
 

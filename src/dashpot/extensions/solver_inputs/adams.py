@@ -10,7 +10,7 @@ from dashpot.base.value_ranges import require_positive
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.deck_validation import NOMINAL, target
 from dashpot.export.unit_systems import text
-from dashpot.solids.networks import compute_creep_spectrum, parallel
+from dashpot.solids.networks import creep_of, parallel
 
 FORMS = ("transfer-function", "bus")
 SUFFIX = "txt"
@@ -68,7 +68,7 @@ def adams(
         )
     time = deck.units.words[2]
     merged = parallel(deck.model)  # arms of equal time are one factor
-    lam = [value / deck.units.time for value in compute_creep_spectrum(merged).lam]
+    lam = [value / deck.units.time for value in creep_of(merged).lam]
     tau = [value / deck.units.time for value in merged.tau]
     return deck.format_text(
         "$",

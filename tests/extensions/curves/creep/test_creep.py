@@ -24,11 +24,11 @@ from dashpot.reading.readers.inspect import inspect_file
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.networks import compute_creep_spectrum, from_creep
+from dashpot.solids.networks import creep_of, from_creep
 from dashpot.workflow import fit_files
 from dashpot.workflow.json_archive import from_json, to_json
 
-T1 = compute_creep_spectrum(PAPER)
+T1 = creep_of(PAPER)
 
 
 def compute_ramp_creep(

@@ -48,7 +48,7 @@ def compute_deviations(seeds: range, folder: Path) -> np.ndarray:
     return np.array(deviations)
 
 
-def test_errors_of_shifts_count_the_scatter_of_storage_and_loss_apart(tmp_path: Path) -> None:
+def test_errors_of_shifts_count_scatter_of_storage_and_of_loss(tmp_path: Path) -> None:
     deviations = compute_deviations(range(300, 303), tmp_path)
     assert len(deviations) == 3 * (len(CELSIUS) - 1)
     assert np.sqrt(np.mean(deviations**2)) < 1.55  # 1.75 with one variance for both

@@ -237,7 +237,7 @@ def relaxing(seed, noise=0.003):
 
 
 @pytest.mark.parametrize(("distance", "later"), [(1.1e-3, 0), (4e-3, 1)])
-def test_echo_at_the_foot_of_a_contact_is_no_contact_of_its_own(distance, later):
+def test_echo_at_the_foot_of_a_contact_is_not_counted(distance, later):
     """Half sines of 1 ms: an echo within half a width of the end belongs to the contact."""
     t = np.arange(0, 20e-3, 1e-5)
     y = np.zeros_like(t)

@@ -302,8 +302,7 @@ def _check_lateral_stiffness(assembly: Assembly) -> Iterator[Check]:
         return
     stations = line.stations(assembly.door.pitch)
     normal, *lateral_stiffnesses = (
-        direction.solid.k_inf * direction.share.sum()
-        for direction in section.list_directions(stations)
+        direction.solid.k_inf * direction.share.sum() for direction in section.ways(stations)
     )
     if normal > 0:
         yield checks.shear_stiffness_plausible(float(max(lateral_stiffnesses) / normal))

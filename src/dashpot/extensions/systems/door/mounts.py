@@ -58,7 +58,7 @@ def make_line_mounts(
         )
     return tuple(
         mount
-        for direction in section.list_directions(stations)
+        for direction in section.ways(stations)
         for mount in _make_direction_mounts(
             direction, stations, (body, ground), friction_sticks=friction_sticks
         )

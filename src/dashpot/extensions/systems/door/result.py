@@ -130,7 +130,7 @@ class SealOfDoor(Serialisable):
         """Motion sideways up to which no station slips, m; None without friction."""
         slip_ratios = [
             slips[sticks > 0] / sticks[sticks > 0]
-            for direction in self.section.list_directions(self.along)
+            for direction in self.section.ways(self.along)
             if direction.friction is not None
             for sticks, slips in (direction.friction,)
         ]
@@ -138,7 +138,7 @@ class SealOfDoor(Serialisable):
         return float(all_ratios.min()) if len(all_ratios) else None
 
     def _compute_rest_stiffness(self, direction_index: int) -> float:
-        direction = self.section.list_directions(self.along)[direction_index]
+        direction = self.section.ways(self.along)[direction_index]
         return float(direction.solid.k_inf * direction.share.sum())
 
     @property
