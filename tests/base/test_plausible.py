@@ -21,7 +21,7 @@ ENDS = {
     "contact pressure": (0, 2e8), "radius": (1e-9, 1), "part": (1e-4, 30), "door": (0.02, 30),
     "seal length": (1e-4, 5), "seal height": (1e-4, 0.5), "sag": (0, 0.2), "resonance": (0.2, 2e4),
     "acceleration": (0, 1e7), "mass": (1e-9, 1e3), "density": (5, 2e4), "shear": (0, 3),
-    "delay": (0, 1),
+    "delay": (0, 10),
 }  # fmt: skip
 
 
