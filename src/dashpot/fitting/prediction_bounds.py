@@ -133,8 +133,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     r"""Return limits of the stiffness that the standard errors of a fit allow.
 
     This is the formal band: it knows nothing of arms that the fit does not have. The errors of the
-    parameters p move each value to first order, as in
-    :meth:`~dashpot.datamodel.parameter_estimate.ParameterEstimate.errors_of_vibration`:
+    parameters p move each value to first order, as they do in the errors that the fit states:
 
     .. math:: \sigma_y^2 = \frac{\partial y}{\partial p} \operatorname{cov}(p)
               \frac{\partial y}{\partial p}^T, \qquad y = K',\; K'',\; K''/K'
