@@ -149,23 +149,23 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
         Coverage.
     """
     f = _frequencies(frequency)
-    _compute_level(level)
+    _validate_level(level)
     omega = 2 * np.pi * f
     K = fit.solid.complex_stiffness(omega=omega)
     errors = _compute_stiffness_errors(fit, omega)
     loss_factor = K.imag / K.real
-    by_errors = (errors.imag - loss_factor[:, None] * errors.real) / K.real[:, None]
+    loss_factor_errors = (errors.imag - loss_factor[:, None] * errors.real) / K.real[:, None]
     quantile = t_quantile(level, np.inf)
 
-    def limits(values: FloatArray, errors: FloatArray) -> FloatArray:
+    def compute_limits(values: FloatArray, errors: FloatArray) -> FloatArray:
         width = quantile * np.sqrt((errors**2).sum(axis=1))
         return np.array([np.maximum(values - width, np.minimum(values, 0.0)), values + width])
 
     return StiffnessBounds(
         f,
-        limits(K.real, errors.real),
-        limits(K.imag, errors.imag),
-        limits(loss_factor, by_errors),
+        compute_limits(K.real, errors.real),
+        compute_limits(K.imag, errors.imag),
+        compute_limits(loss_factor, loss_factor_errors),
         f"{100 * level:g} % of the solids that the fit's own standard errors allow; arms that the "
         "fit does not have are not in it",
     )
@@ -410,7 +410,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     from dashpot.fitting.marginal_relaxation import misfits
     from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 
-    _compute_level(level)
+    _validate_level(level)
     records = ramp_holds(tests)
     if not records:
         raise DataError("no relaxation test: the unresolved arms are those that such a test misses")
@@ -497,6 +497,6 @@ def _frequencies(frequency: npt.ArrayLike) -> FloatArray:
     return f
 
 
-def _compute_level(level: float) -> None:
+def _validate_level(level: float) -> None:
     if not 0 < level < 1:
         raise DataError(f"level = {level!r}; expected a coverage between 0 and 1, such as 0.95")

@@ -132,7 +132,7 @@ def _(slider: Coulomb, solid: Solid, omega: FloatArray, amplitude: FloatArray) -
 
 _STEPS_PER_HALF_CYCLE, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
 """Steps of half a cycle, largest number of Newton iterations, and relative change when steady."""
-_BATCH_SIZE = 1e-4
+_DASHPOT_OMEGA_TAU = 1e-4
 """Product omega tau of a dashpot that is represented by an arm."""
 _TABULATED_RATIOS = np.geomspace(1e-3, 1e8, 130)
 """Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
@@ -175,7 +175,7 @@ def _march_steady_cycle(solid: GeneralizedMaxwell, omega: float, ratio: FloatArr
     dx = np.diff(X[:, None] * np.cos(theta), axis=1)
     k, tau = np.array([solid.k_inf, *solid.k]), np.array(solid.tau)
     if solid.b:  # a dashpot is an arm that relaxes at once
-        tau = np.append(tau, _BATCH_SIZE / omega)
+        tau = np.append(tau, _DASHPOT_OMEGA_TAU / omega)
         k = np.append(k, solid.b / tau[-1])
     z = np.diff(theta)[:, None] / omega / tau
     weights = np.ones((_STEPS_PER_HALF_CYCLE, 1))

@@ -30,11 +30,11 @@ MAX_MISSED = 0.15
 # of BIC: "not worth more than a bare mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)
 _EQUAL_BIC = 2.0
 # a temperature is the odd one if a law follows the others so much better, two of them to spare
-_OUTLIER_SHARE, _MIN_LEFT = 0.1, 2
+_OUTLIER_SHARE, _MIN_SPARE_SHIFTS = 0.1, 2
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
 MIN_TEMPERATURES = 3
 # C_2 less the least it can be, and C_2 beyond which WLF is a straight line in T, K
-_SHORTEST, _MAX_LENGTH = 1e-3, 1e5
+_MIN_C2_MARGIN, _MAX_C2 = 1e-3, 1e5
 # part of the largest eigenvalue of a covariance that rounding can make
 _ROUNDING = 1e-13
 
@@ -236,7 +236,7 @@ def _find_outlier_temperature(shifts: _Shifts, covariance: FloatArray) -> ShiftO
         deviance = solution.optimum.sse
         if not is_significant_fall(deviance, dof):
             return None
-        if dof < _MIN_LEFT:
+        if dof < _MIN_SPARE_SHIFTS:
             continue
         for i in range(n):
             other_indices = np.delete(np.arange(n), i)
@@ -297,7 +297,7 @@ def _fit_wlf(shifts: _Shifts) -> _SolvedLaw | None:
             -temperature_difference / denominator, (temperature_difference / denominator) ** 2
         )
 
-    range_ = Parameter(1 / _MAX_LENGTH, 1 / (min_c2 + _SHORTEST), scale=0.01)
+    range_ = Parameter(1 / _MAX_C2, 1 / (min_c2 + _MIN_C2_MARGIN), scale=0.01)
     # linear where every shift is multiplied by what it is divided by
     linear_columns = np.column_stack(
         (-shifts.log10 * temperature_difference, -temperature_difference)

@@ -17,7 +17,7 @@ from dashpot.reading.sandbox.limits import check_value_count
 Bytes: TypeAlias = NDArray[np.uint8]
 PIECE = 1 << 23
 """Bytes of records that are decoded at a time."""
-_MAX_LENGTH = 8
+_MAX_INTEGER_BYTES = 8
 """Bytes of a whole number."""
 
 
@@ -208,7 +208,7 @@ def _convert_raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> Flo
         return np.arange(first, first + len(records), dtype=float)
     size = (channel.bit + channel.bits + 7) // 8
     parts = records[:, channel.byte : channel.byte + size]
-    if parts.shape[1] < size or not 0 < size <= _MAX_LENGTH:
+    if parts.shape[1] < size or not 0 < size <= _MAX_INTEGER_BYTES:
         raise ReadError(f"'{channel.name}' stands outside its record: the file is damaged")
     order = ">" if channel.big else "<"
     aligned = channel.bit == 0 and channel.bits == 8 * size and size in {1, 2, 4, 8}

@@ -32,7 +32,7 @@ _SURE_SCORE, _LIKELY_SCORE = 2.0, 1.0
 """Scores of the name of a channel for a role of a test: sure, and likely."""
 _MAX_GAP_STEPS = 10.0
 """Steps of its clock over which nothing is interpolated: something is missing there."""
-_MIN_ROWS = 8
+_MAX_LISTED = 8
 _UNFINISHED_SIGNATURE = b"UnFinMF "
 
 
@@ -373,5 +373,7 @@ def _format_rate(ticks: FloatArray) -> str:
 
 
 def _list(names: Sequence[str]) -> str:
-    names_text = ", ".join(f"'{name}'" for name in names[:_MIN_ROWS])
-    return names_text + (f" and {len(names) - _MIN_ROWS} more" if len(names) > _MIN_ROWS else "")
+    names_text = ", ".join(f"'{name}'" for name in names[:_MAX_LISTED])
+    return names_text + (
+        f" and {len(names) - _MAX_LISTED} more" if len(names) > _MAX_LISTED else ""
+    )

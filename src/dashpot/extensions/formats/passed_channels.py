@@ -11,7 +11,7 @@ from dashpot.reading.columns.vocabulary import Role
 
 _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "strain")
 
-_MIN_ROWS = 8
+_MAX_LISTED = 8
 
 
 def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
@@ -27,9 +27,9 @@ def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[st
         reasons.setdefault((reason, has_role), []).append(f"'{name}'")
     notes: list[str] = []
     for (reason, has_role), names in reasons.items():
-        more_text = f" and {len(names) - _MIN_ROWS} more" if len(names) > _MIN_ROWS else ""
+        more_text = f" and {len(names) - _MAX_LISTED} more" if len(names) > _MAX_LISTED else ""
         hold = "hold" if len(names) > 1 else "holds"
-        note = f"{', '.join(names[:_MIN_ROWS])}{more_text} {hold} {reason}: passed over"
+        note = f"{', '.join(names[:_MAX_LISTED])}{more_text} {hold} {reason}: passed over"
         notes.append(Caution(note) if has_role else note)
     return notes
 

@@ -77,7 +77,7 @@ class ProfileTrace:
         self.trials = self.leaps = 0
         self.ended, self.without = False, np.inf
         self.goal = start
-        self._compute_goal_slopes()
+        self._clip_goal()
 
     @property
     def points(self) -> list[tuple[float, float]]:
@@ -113,10 +113,10 @@ class ProfileTrace:
             self.skipped_points = [(self.goal, deviance)]
             self.leaps += 1
         self.ended = (is_close and deviance > self.limit) or self.leaps > _MAX_LEAPS
-        self._compute_goal_slopes()
+        self._clip_goal()
         return is_close
 
-    def _compute_goal_slopes(self) -> None:
+    def _clip_goal(self) -> None:
         self.goal = min(max(self.at + self.step, self.ends[0]), self.ends[1])
         self.step = self.goal - self.at
         self.ended = self.ended or self.trials >= _MAX_POINTS or self.step == 0.0

@@ -230,7 +230,7 @@ _STEMS = MappingProxyType(
 )
 """Words that others end with."""
 _STEM_ENDINGS = frozenset(word[-2:] for word in _STEMS)
-_MAX_LENGTH = max(map(len, _STEMS))
+_MAX_STEM_LENGTH = max(map(len, _STEMS))
 _NUMBER = compile_on_use(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 
@@ -275,7 +275,7 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     if first:
         return
     # German puts the head of a compound last: Standardkraft is a force
-    for start in range(max(1, len(spelling) - _MAX_LENGTH), len(spelling)):
+    for start in range(max(1, len(spelling) - _MAX_STEM_LENGTH), len(spelling)):
         yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
     if not spelling.isascii():
         for stem, roles in _EAST.items():

@@ -117,7 +117,7 @@ def _find_part_columns(file: OpenedFile) -> dict[Role, RoleAssignment | Question
     other = _find_loss_substitute(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
-    separate = _find_both_columns(assignments) and not options.loss_factor
+    separate = _has_both_columns(assignments) and not options.loss_factor
     if options.loss or separate or other is None:
         if size and not separate:
             _require_loss_angle(file, table.columns[size.index].name)
@@ -152,7 +152,7 @@ def _refuse_equal_columns(file: OpenedFile, columns: Sequence[RoleAssignment]) -
     )
 
 
-def _find_both_columns(assignments: Mapping[Role, RoleAssignment | Question]) -> bool:
+def _has_both_columns(assignments: Mapping[Role, RoleAssignment | Question]) -> bool:
     """Return whether storage and loss are columns of their own."""
     pair = [assignments["storage"], assignments["loss"]]
     at = {assignment.index for assignment in pair if isinstance(assignment, RoleAssignment)}

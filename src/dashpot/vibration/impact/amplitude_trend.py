@@ -13,7 +13,7 @@ from dashpot.base.student_t import t_quantile
 from dashpot.datamodel.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.spectral_estimators import Spectra
 
-MIN_HITS = 3
+MAX_HITS_WITHOUT_TREND = 3
 """Hits that show no trend: a line through them leaves too little to judge it by."""
 RESONANCE_BANDWIDTHS = 4.0  # bandwidths to either side of a resonance show it
 RESONANCE_LINES = 5.0  # lines on either side of a resonance from which a single hit shows it
@@ -180,7 +180,7 @@ def fit_amplitude_trend(hits: Sequence[Hit]) -> Trend | None:
         ],
         dtype=float,
     )
-    if len(rows) <= MIN_HITS:
+    if len(rows) <= MAX_HITS_WITHOUT_TREND:
         return None
     X = MEAN_AMPLITUDE_RATIO * rows[:, 0]
     log_amplitude = np.log2(X)

@@ -406,8 +406,8 @@ def _has_noise_floor(decay: ScatterDecay) -> bool:
     """
     rate, _ = _fit_decay_rate([decay])
     end_time = float(np.median(decay.time[-max(len(decay.time) // 6, 1) :]))
-    falls_to = float(np.exp(-2 * rate * (end_time - decay.time[0])))
-    expected = falls_to * decay.variance[0] + _LINEAR_LIMIT * decay.rounding
+    window_power = float(np.exp(-2 * rate * (end_time - decay.time[0])))
+    expected = window_power * decay.variance[0] + _LINEAR_LIMIT * decay.rounding
     return bool(decay.ratio**2 * decay.variance[0] > _MAX_FLOOR_RATIO * expected)
 
 

@@ -236,7 +236,9 @@ def dynamic_stiffness(
             f, peak, stiffness.storage_sd <= STORAGE_LIMIT * np.abs(storage)
         ),
         loss_band=_find_band_around_peak(f, peak, stiffness.loss_sd <= LOSS_LIMIT * np.abs(loss)),
-        checks=_is_causal(f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass),
+        checks=_check_causality(
+            f, storage, loss, peak=peak, random=random, mass=stiffness.storage_mass
+        ),
     )
 
 
@@ -285,7 +287,7 @@ def _make_slope_weights(
     return is_near, np.asarray(weight * x / (weight @ x**2))
 
 
-def _is_causal(
+def _check_causality(
     frequency: FloatArray,
     storage: FloatArray,
     loss: FloatArray,
@@ -294,7 +296,7 @@ def _is_causal(
     random: FloatArray,
     mass: FloatArray,
 ) -> tuple[Check, ...]:
-    """Whether loss and slope of the stiffness belong together, as far as the errors can show."""
+    """Return the check that loss and slope of the stiffness belong together, within errors."""
     try:
         slope, weights = _make_slope_weights(frequency, storage, peak)
     except DataError:

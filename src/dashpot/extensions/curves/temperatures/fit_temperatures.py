@@ -210,25 +210,25 @@ def _compare_vertical_rules(
     A rule does where its chi-square is no larger than chance allows for the factors that it fixes,
     however many arms it takes: a smooth spectrum has no number of arms that BIC could count.
     """
-    found: dict[float, str] = {}
+    alternatives: dict[float, str] = {}
     rules: tuple[Vertical, ...] = ("1", "T/T_r")
     for rule in rules:
         if rule == options.vertical:
             continue
         other = optimum(tests, replace(options, vertical=rule), reference)
-        fall = other.point.chi_square - best.point.chi_square
-        if is_significant_fall(fall, len(shifts.shifts) - 1):
+        rise = other.point.chi_square - best.point.chi_square
+        if is_significant_fall(rise, len(shifts.shifts) - 1):
             continue
         change = np.abs(other.point.log_a - best.point.log_a) / np.log(10.0)
         i = int(np.argmax(change))
         values = (float(point.log_a[i] / np.log(10.0)) for point in (other.point, best.point))
         text = "log10 a_T = {:.3g} in place of {:.3g}".format(*values)
         at_temperature = f"at {celsius(shifts.shifts[i].temperature)}"
-        found[float(change[i])] = f"with b_T = {rule} and {text} {at_temperature}"
+        alternatives[float(change[i])] = f"with b_T = {rule} and {text} {at_temperature}"
     is_stated = options.vertical != "free"
-    if not found:
+    if not alternatives:
         return checks.shifts_independent_of_vertical_rule(None, is_stated=is_stated)
-    difference, alternative = max(found.items())
+    difference, alternative = max(alternatives.items())
     se = max(shift.se for shift in shifts.shifts)
     return checks.shifts_independent_of_vertical_rule(
         difference, se, alternative=alternative, is_stated=is_stated

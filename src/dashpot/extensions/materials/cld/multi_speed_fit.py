@@ -51,7 +51,7 @@ DECISIVE = 10.0
 """Decrease of BIC that a further arm needs."""
 _SIGNIFICANT_DELAY = 3.0
 """Standard errors of a delay from which on a record is taken to have one."""
-_SMALLEST, _MAX_SIZE = 1e-3, 20.0
+_MIN_G, _MAX_G = 1e-3, 20.0
 """Smallest and largest g."""
 
 
@@ -290,7 +290,7 @@ def _fit_next_arm(
     low, high = np.log(window).tolist()
     problem = Problem(
         partial(_compute_rows, records),
-        [Parameter(float(np.log(_SMALLEST)), float(np.log(_MAX_SIZE)))] * arms
+        [Parameter(float(np.log(_MIN_G)), float(np.log(_MAX_G)))] * arms
         + [Parameter(low - 1, high + 1)] * arms,
         positive=True,
     )

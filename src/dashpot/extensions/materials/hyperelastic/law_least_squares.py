@@ -42,7 +42,7 @@ EXPONENTS = (-12.0, -6.0, -3.0, -1.5, 1.5, 3.0, 6.0, 12.0, 24.0)
 """Starts of a descent."""
 SPECTRUM = np.array([-16, -12, -8, -6, -4, -3, -2, -1, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24.0])
 """Exponents of the most flexible stable law that curves are held against."""
-_MAX_SIZE = 30.0
+_MAX_EXPONENT = 30.0
 _POISSONS = (0.05, 0.2, 0.35, 0.45)
 _DESCENTS, _STEPS = 2, 40
 EXACT = 1e-9
@@ -157,7 +157,7 @@ def build_power_problem(rows: WeightedCurves, terms: int, poisson: float | None)
 
         return Rows(rows.target, _compute_columns(rows, alpha, v), slope)
 
-    parameters = [Parameter(-_MAX_SIZE, _MAX_SIZE)] * terms
+    parameters = [Parameter(-_MAX_EXPONENT, _MAX_EXPONENT)] * terms
     return Problem(
         model, parameters + [Parameter(0.0, 0.49, 0.1)] * (poisson is None), positive=True
     )

@@ -33,7 +33,7 @@ _MAX_ROUNDS = 30
 """Iterations in the search for the end of a contact."""
 _CACHE_SIZE = 1024
 """Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
-_MAX_LENGTH = 300.0
+_MAX_CONTACT_TIME = 300.0
 """Longest contact, in lengths of a Hertzian one."""
 
 State: TypeAlias = tuple[float, ...]
@@ -273,10 +273,10 @@ def _integrate_contact(
 
     states, rates, previous_condition, condition = [start], [rate(*start)], 0.0, 1.0
     while condition > 0:
-        if max(states[-1][0], len(states) * step) > _MAX_LENGTH:
+        if max(states[-1][0], len(states) * step) > _MAX_CONTACT_TIME:
             raise DataError(
-                f"the body is still in contact after {_MAX_LENGTH:g} times the time of a lossless "
-                "one: it is not let go; expected less damping or less pull"
+                f"the body is still in contact after {_MAX_CONTACT_TIME:g} times the time of a "
+                "lossless one: it is not let go; expected less damping or less pull"
             )
         states.append(compute_next_state(states[-1], rates[-1], step))
         rates.append(rate(*states[-1]))
