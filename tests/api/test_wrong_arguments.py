@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -241,3 +242,17 @@ def test_time_of_any_type_is_answered(solid: Any, method: str) -> None:
     assert function("500ms") == pytest.approx(function(0.5))
     with pytest.raises(dp.DataError, match="t is of the type NoneType"):
         function(None)
+
+
+@pytest.mark.parametrize(
+    "convert", [np.array, np.float32, np.float64, Fraction], ids=["array", "float32", "64", "ratio"]
+)
+def test_number_of_another_type_is_the_number(convert: Callable[..., Any], records: _Records):
+    """A frequency out of an array of NumPy, one of them, was a TypeError."""
+    for call, name, value in (
+        (lambda **k: dp.predict(records.fit, **k).values[0].value, "frequency", 2.0),
+        (lambda **k: dp.predict(records.fit, mass=MASS, **k).frf.value, "seals", 2.0),
+        (lambda **k: dp.predict(records.fit, seals=2, **k).frf.value, "mass", 0.125),
+        (lambda **k: dp.Specimen(**k).length, "length", 0.0625),
+    ):
+        assert np.array_equal(call(**{name: convert(value)}), call(**{name: value})), name

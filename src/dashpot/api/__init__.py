@@ -14,6 +14,7 @@ import ast
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache, wraps
 from inspect import Parameter, Signature, signature
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
@@ -190,13 +191,18 @@ def refuse_unknown_option(
 def convert_option(name: str, value: Any) -> Any:
     """Return the value of an option; one of :data:`OPTION_CLASSES` may be a mapping of its fields.
 
+    A number of another type, of NumPy or a fraction, becomes one of Python.
+
     Raises
     ------
     DataError
-        If it is anything else.
+        If one of :data:`OPTION_CLASSES` is anything else.
     """
     if value is None or name not in OPTION_CLASSES:
-        return value
+        value = value.item() if getattr(value, "ndim", None) == 0 else value
+        return (
+            float(value) if isinstance(value, Real) and not isinstance(value, Integral) else value
+        )
     kind = load_object(OPTION_CLASSES[name])
     if isinstance(value, kind):
         return value

@@ -470,7 +470,8 @@ def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
             f"{value!r} is no quantity; expected a number in SI units, or a text with a unit of "
             f"{dimension}"
         )
-    return value
+    # a fraction or a scalar of NumPy is a number as well
+    return value if value is None or type(value) in {int, float} else float(value)
 
 
 def si_fields(result: Any) -> None:
