@@ -1525,7 +1525,7 @@ IMPACT = [
     Case(
         "window_decay_determined",
         lambda x: impact.window_decay_determined(
-            ExponentialWindow(1.0, x * MODE.decay, evident=True, ratio=0.1, seen_rate=1.0), MODE
+            ExponentialWindow(1.0, x * MODE.decay, evident=True, seen_rate=1.0), MODE
         ),
         0.0999,
         0.1001,

@@ -77,9 +77,16 @@ def test_a_cable_is_as_stiff_and_lossy_as_it_says():
         (0, Rig(window=0.8, offset=0.3)),
         (2, Rig(window=0.8, rate=256.0)),
         (3, Rig(window=0.8, force_window=0.05)),
+        (2, Rig(window=0.5, pretrigger=0.004)),
+        (3, Rig(window=0.25, pretrigger=0.01, rate=512.0, length=5.0)),
+        (0, Rig(window=1.0, pretrigger=0.02, rate=256.0, offset=0.2)),
+        (2, Rig(window=1.0, pretrigger=0.02, rate=256.0, noise=0.1)),
     ],
-    ids=["0.2 s", "0.8 s", "2 s", "offset", "256 Hz", "force window too"],
-)
+    ids=[
+        "0.2 s", "0.8 s", "2 s", "offset", "256 Hz", "force window too", "8 samples before",
+        "5 samples before, fast", "5 samples before, offset", "5 samples before, little noise",
+    ],
+)  # fmt: skip
 def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
     record = strike_block(seed, rig)
     hits = dp.read(write_record(record, tmp_path))
@@ -106,6 +113,13 @@ def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
         Rig(length=2.0),
         Rig(rate=256.0, taps=20, pulse=(3e-3, 6e-3)),
         Rig(rate=300.0, taps=20, pulse=(3e-3, 6e-3)),
+        Rig(rate=512.0, pretrigger=0.01),
+        Rig(rate=256.0, pretrigger=0.01, taps=20, pulse=(3e-3, 6e-3)),
+        Rig(rate=512.0, pretrigger=0.01, noise=0.0),
+        Rig(rate=512.0, pretrigger=0.01, noise=0.0, digits=4),
+        Rig(rate=512.0, pretrigger=0.01, noise=0.1, digits=3),
+        Rig(rate=512.0, pretrigger=0.01, noise=0.0, rattle=(0.4, 1e-3)),
+        Rig(rate=512.0, pretrigger=0.01, noise=0.1, rattle=(0.35, 1e-2)),
     ],
     ids=[
         "2048 Hz",
@@ -115,6 +129,13 @@ def test_the_noise_shows_an_exponential_window(seed, rig, tmp_path):
         "short",
         "filter, 256 Hz",
         "filter, 300 Hz",
+        "5 samples before",
+        "5 samples before, filter",
+        "no noise",
+        "no noise, 4 digits",
+        "little noise, 3 digits",
+        "rattle without noise",
+        "rattle",
     ],
 )
 @pytest.mark.parametrize("seed", range(2))
@@ -149,6 +170,32 @@ def test_a_window_whose_noise_rounds_to_nothing_is_no_use(step, tmp_path):
     (check,) = [check for check in model.checks if check.name == "window_decay_determined"]
     assert check.failed
     assert "window" in check.message
+
+
+@pytest.mark.parametrize("window", [0.0, 0.5])
+@pytest.mark.parametrize("pretrigger", [0.01, 0.1])
+def test_coarse_numbers_ask_for_the_window(window, pretrigger, tmp_path):
+    """Steps of ten times the noise show neither a window nor that there is none."""
+    record = strike_block(4, Rig(window=window, pretrigger=pretrigger, step=10.0))
+    path = write_record(record, tmp_path)
+    fit = dp.fit(dp.read(path))
+    assert fit.verdict.use == "use with care"
+    (check,) = [check for check in fit.checks if check.name == "window_decay_determined"]
+    assert check.failed
+    assert check.remedy.option == "window-decay"
+    stated = dp.fit(dp.read(path, window_decay=f"{window}s"))
+    assert "window_decay_determined" not in {check.name for check in stated.checks if check.failed}
+    assert stated.modes[0].damping_ratio == pytest.approx(damping(record), rel=0.02)
+
+
+def test_modes_are_sought_above_zero_frequency(tmp_path):
+    """What is missed most may be the first line: a pole below it was not a number."""
+    rig = Rig(
+        window=0.20954697868797814, rate=250.0, length=5.114353982160589, noise=0.126824461827618,
+        pretrigger=0.13685595945599674, step=0.6264911936010873, offset=0.2, pulse=(8e-3, 16e-3),
+    )  # fmt: skip
+    modes = dp.read(write_record(strike_block(45, rig), tmp_path)).frf().modes()
+    assert all(mode.frequency > 0 for mode in modes)
 
 
 def test_frf_corrects_a_window_on_the_responses_only(tmp_path):

@@ -34,7 +34,9 @@ class Rig:
     over that of the seals at the resonance, with the loss factor `cable_loss`. `step` is that of
     the number format over the noise. `taps`, in samples, is the half-length of an anti-alias filter
     of linear phase at .8 of the Nyquist frequency, which rings before a pulse and after. `pulse` is
-    the range of widths of the pulses, s.
+    the range of widths of the pulses, s. `digits` is how many significant digits of the response
+    are written, 0 for all. `rattle` is a small part on the block that rings: its frequency over the
+    sampling rate, and its damping ratio.
     """
 
     window: float = 0.0
@@ -51,6 +53,8 @@ class Rig:
     noise: float = 1.0
     taps: int = 0
     pulse: tuple[float, float] = (12e-3, 22e-3)
+    digits: int = 0
+    rattle: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +121,8 @@ def strike_block(
     rows = []
     for block in force:
         pure = simulate_response((A, b, A[1], 1 / mass), block, 1 / rig.rate / _FINE)
+        if rig.rattle:
+            pure = pure + 0.01 * pure.max() * _ring(rig, clock, block)
         rows.append(tuple(_filter_aliases(channel, rig.taps)[::_FINE] for channel in (block, pure)))
     time, hammer, acceleration = _analyse_blocks(random, rig, rows, clock[::_FINE])
     truth = {
@@ -125,6 +131,14 @@ def strike_block(
         "pole": _ringing_pole(mass, there, 2 * spring, 2 * dashpot, 2 * np.asarray(k), tau),
     }  # fmt: skip
     return HammerRecord(f"{seal.solid.name}, {seed}", time, hammer, acceleration, truth)
+
+
+def _ring(rig: Rig, clock, block):
+    """A decaying cosine from the peak of a pulse on."""
+    frequency, ratio = rig.rattle
+    omega, time = 2 * pi * frequency * rig.rate, clock - clock[block.argmax()]
+    ring = np.exp(-ratio * omega * np.maximum(time, 0)) * np.cos(omega * time)
+    return np.where(time >= 0, ring, 0.0)
 
 
 def _filter_aliases(channel, taps: int):
@@ -177,6 +191,8 @@ def _analyse_blocks(random, rig: Rig, rows, clock):
         if rig.step:
             response = np.round(response / (0.02 * rig.step)) * 0.02 * rig.step
             hammer = np.round(hammer / (5e-3 * rig.step)) * 5e-3 * rig.step
+        if rig.digits:
+            response = np.array([float(f"{value:.{rig.digits}g}") for value in response])
         times.append(clock + i * (rig.length + 3.0))
         hammers.append(hammer)
         accelerations.append(response)

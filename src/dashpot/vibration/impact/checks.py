@@ -316,22 +316,23 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
 )
 def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Finding:
     """The time constant of an exponential window in the record is known."""
+    if window.is_hidden and not window.stated:
+        return Finding(
+            "The numbers of the responses are coarser than their noise, so that an exponential "
+            "window would not be seen",
+            reason="Its decay would count as damping",
+            remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
+            always_fails=True,
+        )
     if not (window.stated or window.evident):
         return Finding(
-            "The noise before the pulse is not seen, so that an exponential window would not be"
+            "No noise is seen behind the pulse, so that an exponential window would not be"
         )
     if not window.is_known and not window.evident:
         return Finding(
             "The file states an exponential window and not its decay, and the noise shows none",
             reason="Its decay would count as damping",
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
-            always_fails=True,
-        )
-    if not window.is_known and not np.isfinite(window.seen_rate):
-        return Finding(
-            "The noise decays as under an exponential window, too fast to show how fast",
-            reason="The decay of the window counts as damping",
-            remedy=Remedy("Give its time constant.", "window-decay"),
             always_fails=True,
         )
     if not window.is_known:

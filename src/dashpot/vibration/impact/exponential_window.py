@@ -12,7 +12,8 @@ does not decay, that of a windowed one falls as the window does, to the floor of
 
 where v is the variance of what a high-pass leaves, above all that is struck. The three are found by
 the likelihood of variances in stretches of the block, each chi-square with as many degrees of
-freedom as its samples hold.
+freedom as its samples hold. Noise, unlike what rings, is of a broad band, and unlike the last
+digits of numbers no constant part of the signal; a window takes it to the end, or to rounding.
 
 Source: W. G. Halvorsen and D. L. Brown, Sound and Vibration 11(11), 1977, for the window.
 """
@@ -23,19 +24,18 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dashpot.base import dataclass, replace
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.hits import GUARD_SAMPLES, HitBlock
 
-EVIDENT_SHARE = 0.5
-"""Scatter at the end over that before the pulse, below which a channel was windowed."""
-_MIN_QUIET_SAMPLES = 8
-"""Samples of a quarter of the quiet that is judged by itself."""
-_NOISE_RISE = 3.0
-"""Times the usual mean square beyond which a quarter of the quiet heard something."""
+_SAME_NUMBER = 1e-12
+"""Distance of two values over the range of all, up to which they are one."""
 _STRETCH_COUNT = 40
+_MIN_SAMPLES = 4
+"""Samples of a stretch."""
 _MIN_STRETCHES = 5
 _TAPS = 65
 _MIN_TAPS = 9
@@ -48,14 +48,21 @@ _WINDOW_DEVIANCE = 4.0
 """Fall of the deviance by which a window begins with the pulse."""
 _LINEAR_LIMIT = 15.0
 """The same below which rounding distorts a variance: noise of a step and more only adds to it."""
-_MIN_VARIANCE_SHARE = 1e-5
-"""Part of the variance before the pulse down to which its decay is followed."""
 _DECISIVE_DEVIANCE = 30.0
-"""Fall of the deviance by which a slower decay is evident, too."""
-_SLOW_DECAY_RATIO = 0.8
-"""Ratio of the scatters that it then must have."""
+"""Fall of the deviance by which a decay is evident."""
 _MAX_FLOOR_RATIO = 4.0
 """Variance at the end, over what window and rounding leave of it, above which there is a floor."""
+_MIN_VARIANCE_SHARE = 1e-10
+"""Part of the greatest variance down to which its decay is followed."""
+_NOISE_SHARE, _DIGIT_RATIO = 1e-4, 4.0
+"""Scatter over the power of a channel beyond which no last digits of numbers are it; and the growth
+of that ratio from the first quarter to the last."""
+_COARSE_SHARE = 1e-5
+"""Step of the numbers over the peak of a channel from which it may hide the noise of a sensor."""
+_TONAL_SHARE = 0.5
+"""Part of the scatter in a tenth of its lines above which it is what rings, and no noise."""
+_MAX_EXCESS_SCATTER = 1.5
+"""Chi-square over its freedom up to which stretches decay as one exponential does."""
 _DECAY_RANGE = (0.02, 60.0)
 """Decays that are sought, times the length of the block."""
 _CONTRADICTION_SE = 4.0
@@ -72,17 +79,19 @@ class ExponentialWindow(NamedTuple):
     stated : bool
         A file or a user gives a.
     evident : bool
-        The scatter of the responses decays.
+        The noise of the responses decays.
     on_force : bool
         The hammer's channel carries it, too.
-    ratio : float
-        Scatter of the responses at the end over that before the pulse; nan where it is not seen.
+    has_noise : bool
+        The noise of the responses is seen.
     seen_rate : float
         a by the scatter, 1/s; nan where it shows none.
     is_known : bool
         a is known: stated and not contradicted, or seen.
     from_start : bool
         It begins with the record, not with the pulse: of a window that the force lacks.
+    is_hidden : bool
+        The step of the numbers hides the noise, so that no window could be seen.
     """
 
     rate: float = 0.0
@@ -90,10 +99,11 @@ class ExponentialWindow(NamedTuple):
     stated: bool = False
     evident: bool = False
     on_force: bool = True
-    ratio: float = float("nan")
+    has_noise: bool = True
     seen_rate: float = float("nan")
     is_known: bool = True
     from_start: bool = False
+    is_hidden: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
         """Return the window that the force of a hit lacks, shape (n,); ones where it has it."""
@@ -110,12 +120,12 @@ NO_WINDOW = ExponentialWindow()
 
 @dataclass(frozen=True, eq=False)
 class ScatterDecay:
-    """Noise variance of one channel in sections of a block, averaged over hits.
+    """Noise variance of one channel in stretches of a block behind the pulse, averaged over hits.
 
     Attributes
     ----------
     time : array, shape (m,)
-        Middle of each stretch, s from the onset; the first is before it.
+        Middle of each stretch, s from the onset.
     variance : array, shape (m,)
     freedom : array, shape (m,)
         Degrees of freedom of each.
@@ -123,6 +133,9 @@ class ScatterDecay:
         Length of each, s.
     rounding : float
         Variance that the step of the number format adds.
+    is_noise : bool
+        It is neither of few frequencies, as what rings, nor a constant small part of the signal,
+        as its last digits are.
     """
 
     time: FloatArray
@@ -130,26 +143,26 @@ class ScatterDecay:
     freedom: FloatArray
     width: FloatArray
     rounding: float = 0.0
+    is_noise: bool = True
 
     def only(self, keep: BoolArray) -> ScatterDecay:
         """Return some of the stretches."""
-        return ScatterDecay(
-            self.time[keep], self.variance[keep], self.freedom[keep], self.width[keep],
-            self.rounding,
+        return replace(
+            self, time=self.time[keep], variance=self.variance[keep], freedom=self.freedom[keep],
+            width=self.width[keep],
         )  # fmt: skip
 
     @property
-    def ratio(self) -> float:
-        """Scatter at the end over that before the pulse."""
-        last = self.variance[-max(len(self.variance) // 6, 1) :]
-        return float(np.sqrt(np.median(last) / self.variance[0]))
+    def last(self) -> float:
+        """Variance at the end."""
+        return float(np.median(self.variance[-max(len(self.time) // 6, 1) :]))
 
     def deviance(self, rate: float, *, from_start: bool = True) -> float:
         r"""Deviance of the variances under a window of this decay, 1/s, at best noise and floor.
 
         .. math:: \sum_i \nu_i \left[\ln v_i + \hat v_i / v_i\right]
 
-        Not `from_start` it begins with the pulse: what lies before is 1.
+        Not `from_start` it begins with the pulse: the first stretch, before it, has the noise.
         """
         half_exponent = np.maximum(rate * self.width, 1e-9)
         # the mean over a stretch, not the value in its middle
@@ -191,23 +204,34 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     """
     rates = {test.window_rate for test in tests if test.window_rate is not None}
     stated_rate = next((rate for rate in rates if np.isfinite(rate)), None)
-    all_scatter = _scatter_of_responses(hits)
-    # a window is one of all responses: a channel alone may have heard something before the pulse
-    windowed_scatter = all_scatter if all_scatter and all(map(_is_windowed, all_scatter)) else []
-    ratio = max((decay.ratio for decay in all_scatter), default=float("nan"))
-    if stated_rate is None and not windowed_scatter:
-        # one is stated, and neither its decay nor a trace of it
-        return ExponentialWindow(stated=bool(rates), ratio=ratio, is_known=not rates)
-    if not windowed_scatter:
-        return ExponentialWindow(stated_rate or 0.0, stated=True, ratio=ratio)
-    rate, sd = _fit_decay_rate(windowed_scatter)
-    if not np.isfinite(sd):
-        return ExponentialWindow(
-            stated_rate or 0.0, 0.0, bool(rates), True, True, ratio, rate, bool(stated_rate)
+    channels = np.moveaxis(np.array([hit.acceleration for hit in hits]), 1, 0)
+    all_scatter = [decay for rows in channels if (decay := estimate_scatter_decay(rows, hits))]
+    # what rings, or rounds, down to no noise shows neither a window nor that there is none
+    all_scatter = [
+        decay
+        for decay in all_scatter
+        if (
+            decay.is_noise
+            if _decays_to_end(decay)
+            else decay.last > _MIN_ROUNDING_RATIO * decay.rounding
         )
+    ]
+    rate, sd = 0.0, np.inf
+    # a window is one of all responses
+    if all_scatter and all(map(_decays_to_end, all_scatter)):
+        rate, sd = _fit_decay_rate(all_scatter)
+    if not np.isfinite(sd):
+        if stated_rate is not None:
+            return ExponentialWindow(stated_rate, stated=True)
+        has_noise, is_hidden = bool(all_scatter), all(map(_hides_noise, channels))
+        # one is stated, and neither its decay nor a trace of it
+        return ExponentialWindow(
+            stated=bool(rates), has_noise=has_noise, is_known=not rates,
+            is_hidden=is_hidden and not has_noise,
+        )  # fmt: skip
     window = ExponentialWindow(
-        rate, sd, bool(rates), True, _on_force(hits, rate), ratio, rate,
-        from_start=_begins_with_record(windowed_scatter, rate),
+        rate, sd, bool(rates), True, _on_force(hits, rate), seen_rate=rate,
+        from_start=_begins_with_record(channels, hits, rate),
     )  # fmt: skip
     if stated_rate is None:
         return window
@@ -237,15 +261,8 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
 # -- what noise shows ------------------------------------------------------------------------------
 
 
-def _scatter_of_responses(hits: Sequence[HitBlock]) -> list[ScatterDecay]:
-    """Return the scatter of every response whose noise can be seen before the pulse."""
-    channels = range(len(hits[0].acceleration))
-    decays = [estimate_scatter_decay([hit.acceleration[i] for hit in hits], hits) for i in channels]
-    return [decay for decay in decays if decay is not None]
-
-
 def estimate_scatter_decay(
-    rows: Sequence[FloatArray], hits: Sequence[HitBlock]
+    rows: Sequence[FloatArray], hits: Sequence[HitBlock], taps: int = _TAPS
 ) -> ScatterDecay | None:
     """Return the decay of one channel's noise, from its rows in all hits; None if it is not seen.
 
@@ -254,71 +271,82 @@ def estimate_scatter_decay(
     rows : sequence of array, shape (n,)
         Rows of one channel, one for each hit.
     hits : sequence of HitBlock
+    taps : int
+        Length of the high-pass, odd.
     """
-    quiet_samples = min(hit.onset for hit in hits)
-    quiet_samples -= max(GUARD_SAMPLES, quiet_samples // 8)
-    taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
     sample_count = min(len(hit.force) - hit.missing for hit in hits)
-    if taps < _MIN_TAPS or sample_count < 4 * _STRETCH_COUNT + taps:
+    if sample_count < 4 * _STRETCH_COUNT + taps:
         return None
-    filters = _high_pass(taps)
-    squares = np.array([np.convolve(row[:sample_count], filters, "valid") ** 2 for row in rows])
-    early_power = _estimate_noise_power(squares[:, : quiet_samples - taps + 1])
-    rounding = float(np.sum(filters**2)) / 12 * _number_step(rows) ** 2
-    if not early_power > _MIN_ROUNDING_RATIO * rounding:
-        return None
+    scatter, rounding = _filter_noise(rows, sample_count, taps)
+    squares = (scatter**2).mean(axis=0)
     start = max(hit.pulse(0.01).stop for hit in hits)
-    stretches = np.array_split(np.arange(start, squares.shape[1]), _STRETCH_COUNT)
+    stretches = np.array_split(np.arange(start, len(squares)), _STRETCH_COUNT)
     if min(map(len, stretches)) < 2:
         return None
+    variance = _average_by_stretch(squares, stretches)
+    low = max(_LINEAR_LIMIT * rounding, _MIN_VARIANCE_SHARE * variance.max())
+    stop = next((i for i, value in enumerate(variance) if value < low), len(stretches))
+    # a fast decay lies within the first few: these are cut anew
+    loud = np.arange(start, stretches[stop][0] if stop < len(stretches) else len(squares))
+    is_noise = False
+    if count := min(_STRETCH_COUNT, len(loud) // _MIN_SAMPLES):
+        stretches = [*np.array_split(loud, count), *stretches[stop:]]
+        variance = _average_by_stretch(squares, stretches)
+        early, *_, late = (
+            squares[part].mean() / np.mean([row[part].var() for row in rows])
+            for part in np.array_split(loud, 4)
+        )
+        is_noise = (late > _NOISE_SHARE or late > _DIGIT_RATIO * early) and not _is_tonal(
+            scatter[:, loud], variance[:count]
+        )
     rate, onset = hits[0].rate, hits[0].onset
-    mean_times = [(stretch.mean() + (taps - 1) / 2 - onset) / rate for stretch in stretches]
-    variance = [float(squares[:, stretch].mean()) for stretch in stretches]
-    expected_spread = 2 * (0.5 - _PASS_BAND_EDGE) * len(rows)
-    time = np.array([(quiet_samples / 2 - onset) / rate, *mean_times])
-    values = np.array([early_power, *variance])
-    freedom = expected_spread * np.array([quiet_samples, *map(len, stretches)], dtype=float)
-    width = np.array([quiet_samples, *map(len, stretches)]) / rate
-    decay = ScatterDecay(time, np.maximum(values, 1e-300), freedom, width, rounding)
-    return _clip_at_noise_rise(decay)
-
-
-def _estimate_noise_power(squares: FloatArray) -> float:
-    """The mean square before the pulse: the median over hits and quarters, for what is heard there.
-
-    Of few numbers their mean.
-    """
-    quarters = [
-        quarter
-        for quarter in np.array_split(squares, 4, axis=1)
-        if quarter.shape[1] >= _MIN_QUIET_SAMPLES
-    ]
-    means = np.array([quarter.mean(axis=1) for quarter in quarters]).ravel()
-    typical_power = float(np.median(means)) if len(means) else 0.0
-    quiet_means = means[means <= _NOISE_RISE * typical_power]
-    return float(quiet_means.mean()) if len(quiet_means) else float(squares.mean())
-
-
-def _high_pass(taps: int) -> FloatArray:
-    """Return a linear-phase high-pass with its edge at .3 of the sampling rate: windowed sinc."""
-    taps_from_centre = np.arange(taps) - (taps - 1) / 2
-    low = (
-        2
-        * _PASS_BAND_EDGE
-        * np.sinc(2 * _PASS_BAND_EDGE * taps_from_centre)
-        * np.kaiser(taps, _KAISER_BETA)
+    lengths = np.array([*map(len, stretches)], dtype=float)
+    time = np.array([(s.mean() + (taps - 1) / 2 - onset) / rate for s in stretches])
+    freedom = 2 * (0.5 - _PASS_BAND_EDGE) * len(rows) * lengths
+    return _clip_at_noise_rise(
+        ScatterDecay(time, variance, freedom, lengths / rate, rounding, is_noise)
     )
-    low /= low.sum()
-    return np.asarray((taps_from_centre == 0) - low)
+
+
+def _filter_noise(
+    rows: Sequence[FloatArray], sample_count: int, taps: int
+) -> tuple[FloatArray, float]:
+    """Return what a linear-phase high-pass, a windowed sinc, leaves of rows and of rounding."""
+    places = np.arange(taps) - (taps - 1) / 2
+    low = np.sinc(2 * _PASS_BAND_EDGE * places) * np.kaiser(taps, _KAISER_BETA)
+    kernel = (places == 0) - low / low.sum()
+    scatter = np.array([np.convolve(row[:sample_count], kernel, "valid") for row in rows])
+    return scatter, float(np.sum(kernel**2)) / 12 * _number_step(rows) ** 2
+
+
+def _average_by_stretch(squares: FloatArray, stretches: Sequence[NDArray[np.int_]]) -> FloatArray:
+    """Return the mean square of each stretch."""
+    return np.maximum([squares[stretch].mean() for stretch in stretches], 1e-300)
+
+
+def _is_tonal(scatter: FloatArray, variance: FloatArray) -> bool:
+    """Return whether a tenth of the lines holds most of the scatter, freed of its decay."""
+    count = scatter.shape[1]
+    places = np.arange(count) * len(variance) // count
+    steady = (scatter / np.sqrt(variance[places]))[:, count // 4 :]
+    power = np.sort((np.abs(np.fft.rfft(steady, axis=1)) ** 2).sum(axis=0))
+    line_count = round(2 * (0.5 - _PASS_BAND_EDGE) * len(power))
+    return bool(power[-max(line_count // 10, 1) :].sum() > _TONAL_SHARE * power.sum())
 
 
 def _number_step(rows: Sequence[FloatArray]) -> float:
     """Step of the number format of a channel: the least distance of two values of a block."""
     steps = []
     for row in rows:  # each is less an offset of its own
-        differences = np.diff(np.unique(np.round(row[: len(row) // 8], 12)))
-        steps.append(float(np.quantile(differences, 0.05)) if len(differences) > 1 else np.inf)
+        differences = np.diff(np.sort(row))
+        distinct = differences[differences > _SAME_NUMBER * np.ptp(row)]
+        steps.append(float(distinct.min()) if len(distinct) else np.inf)
     return float(np.median(steps))
+
+
+def _hides_noise(rows: FloatArray) -> bool:
+    """Return whether the numbers of a channel are too coarse for the noise of a sensor."""
+    return _number_step([*rows]) > _COARSE_SHARE * float(np.abs(rows).max())
 
 
 def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
@@ -341,9 +369,15 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
 
 def _fit_decay_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
     """Return the decay that all channels share, 1/s, and its standard error."""
-    noise_segments = [_select_noise_segments(decay) for decay in scatter_decays]
-    if not noise_segments or max(len(decay.time) for decay in noise_segments) < _MIN_STRETCHES:
-        return float("nan"), np.inf
+    rate, excess_scatter, curvature = _search_decay_rate(
+        [_select_noise_segments(decay) for decay in scatter_decays]
+    )
+    sd = float(np.sqrt(2 * max(excess_scatter, 1.0) / curvature)) if curvature > 0 else np.inf
+    return rate, sd
+
+
+def _search_decay_rate(noise_segments: Sequence[ScatterDecay]) -> tuple[float, float, float]:
+    """Return the likeliest decay, chi-square over its freedom, and the deviance's curvature."""
     length = max(decay.time[-1] for decay in noise_segments)
 
     def total(rate: float) -> float:
@@ -366,56 +400,65 @@ def _fit_decay_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, floa
     # chi-square of what the model leaves, against what chance would
     freedom = sum(len(decay.time) for decay in noise_segments) - 3 * len(noise_segments)
     chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in noise_segments)
-    excess_scatter = max((lowest_deviance - chance) / max(freedom, 1), 1.0)
-    sd = float(np.sqrt(2 * excess_scatter / curvature)) if curvature > 0 else np.inf
-    return rate, sd
+    return rate, (lowest_deviance - chance) / max(freedom, 1), curvature
 
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
-    """Return the stretches that neither a high mode nor rounding drowns."""
-    low = max(_LINEAR_LIMIT * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance[0])
-    rising_indices = np.flatnonzero(decay.variance[1:] > decay.variance[0])
-    low_indices = np.flatnonzero(decay.variance[1:] < low)
-    first = 1 + (int(rising_indices[-1]) + 1 if rising_indices.size else 0)
-    segment_stop = 1 + int(low_indices[0]) if low_indices.size else len(decay.variance)
+    """Return the stretches from where the scatter decays as one exponential, down to rounding."""
+    low = max(_LINEAR_LIMIT * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance.max())
+    low_indices = np.flatnonzero(decay.variance < low)
+    stop = int(low_indices[0]) if low_indices.size else len(decay.variance)
     indices = np.arange(len(decay.variance))
-    return decay.only((indices == 0) | ((indices >= first) & (indices < segment_stop)))
+    segments = decay
+    for eighths in range(5):
+        segments = decay.only((indices >= eighths * stop // 8) & (indices < stop))
+        if len(segments.time) < _MIN_STRETCHES:
+            break
+        if _search_decay_rate([segments])[1] < _MAX_EXCESS_SCATTER:
+            break
+    return segments
 
 
-def _is_windowed(decay: ScatterDecay) -> bool:
-    """Return whether the noise of a channel decays: by half, or by less beyond any chance."""
-    if decay.ratio > _SLOW_DECAY_RATIO:
+def _decays_to_end(decay: ScatterDecay) -> bool:
+    """Return whether the second half of what is above rounding decays, too, and to no floor."""
+    segments = _select_noise_segments(decay)
+    half = segments.only(np.arange(len(segments.time)) >= len(segments.time) // 2)
+    if len(half.time) < _MIN_STRETCHES:
         return False
-    noise_segments = _select_noise_segments(decay)
-    has_many_stretches = len(noise_segments.time) >= _MIN_STRETCHES
-    if decay.ratio >= EVIDENT_SHARE:
-        if not has_many_stretches:
-            return False
-        rates = np.geomspace(0.1, 3.0, 12) / noise_segments.time[-1]
-        lowest_deviance = min(noise_segments.deviance(float(rate)) for rate in rates)
-        if noise_segments.deviance(0.0) - lowest_deviance <= _DECISIVE_DEVIANCE:
-            return False
-    return not (has_many_stretches and _has_noise_floor(decay))
+    rates = np.geomspace(0.1, 30.0, 24) / half.time[-1]
+    lowest_deviance = min(half.deviance(float(rate)) for rate in rates)
+    if half.deviance(0.0) - lowest_deviance <= _DECISIVE_DEVIANCE:
+        return False
+    # what rings before and after a pulse falls to the noise of the channel
+    rate, *_ = _search_decay_rate([segments])
+    end_time = np.median(decay.time[-max(len(decay.time) // 6, 1) :])
+    window_power = float(np.exp(-2 * rate * (end_time - segments.time[0])))
+    remainder = window_power * segments.variance[0] + _MIN_ROUNDING_RATIO * decay.rounding
+    return bool(decay.last <= _MAX_FLOOR_RATIO * remainder)
 
 
-def _has_noise_floor(decay: ScatterDecay) -> bool:
-    """Return whether the noise ends on a floor above what a window and rounding would leave of it.
-
-    What rings before and after a pulse (a filter of linear phase, a response that the high-pass
-    lets through) falls to the noise of the channel, and a window takes that with it.
-    """
-    rate, _ = _fit_decay_rate([decay])
-    end_time = float(np.median(decay.time[-max(len(decay.time) // 6, 1) :]))
-    window_power = float(np.exp(-2 * rate * (end_time - decay.time[0])))
-    expected = window_power * decay.variance[0] + _LINEAR_LIMIT * decay.rounding
-    return bool(decay.ratio**2 * decay.variance[0] > _MAX_FLOOR_RATIO * expected)
-
-
-def _begins_with_record(scatter_decays: Sequence[ScatterDecay], rate: float) -> bool:
+def _begins_with_record(channels: FloatArray, hits: Sequence[HitBlock], rate: float) -> bool:
     """Return whether the noise before the pulse decays, too, unless it clearly does not."""
-    segments = [_select_noise_segments(decay) for decay in scatter_decays]
-    deviance_if_constant = sum(decay.deviance(rate, from_start=False) for decay in segments)
-    return deviance_if_constant > sum(decay.deviance(rate) for decay in segments) - _WINDOW_DEVIANCE
+    quiet_samples = min(hit.onset for hit in hits)
+    quiet_samples -= max(GUARD_SAMPLES, quiet_samples // 8)
+    taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
+    excess = 0.0
+    for rows in channels if taps >= _MIN_TAPS else ():
+        decay = estimate_scatter_decay(rows, hits, taps)
+        if decay is None:
+            continue
+        segments = _select_noise_segments(decay)
+        quiet, _ = _filter_noise(rows, quiet_samples, taps)
+        share = quiet_samples / hits[0].rate / segments.width[0]
+        whole = replace(
+            segments,
+            time=np.append((quiet_samples / 2 - hits[0].onset) / hits[0].rate, segments.time),
+            variance=np.append(np.median((quiet**2).mean(axis=1)), segments.variance),
+            freedom=np.append(share * segments.freedom[0], segments.freedom),
+            width=np.append(share * segments.width[0], segments.width),
+        )
+        excess += whole.deviance(rate) - whole.deviance(rate, from_start=False)
+    return excess < _WINDOW_DEVIANCE
 
 
 def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
@@ -424,4 +467,5 @@ def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
     if decay is None:
         return True
     decay_index = int(np.argmin(np.abs(decay.time - 1 / rate)))
-    return bool(np.sqrt(decay.variance[decay_index] / decay.variance[0]) < (1 + np.exp(-1)) / 2)
+    window = np.exp(-rate * (decay.time[decay_index] - max(decay.time[0], 0.0)))
+    return bool(np.sqrt(decay.variance[decay_index] / decay.variance[0]) < (1 + window) / 2)

@@ -411,8 +411,7 @@ def estimate_frf(
         mass=mass,
         band=resonance_band,
     )
-    has_no_ratio = not np.isfinite(recorded.ratio) and not recorded.stated
-    if recorded.rate > 0 or not recorded.is_known or recorded.evident or has_no_ratio:
+    if recorded.rate > 0 or not recorded.is_known or recorded.evident or not recorded.has_noise:
         checks = (*checks, window_decay_determined(recorded, main_mode))
     return replace_notes(frf, checks=(*checks, *caution_checks(frf.source)))
 

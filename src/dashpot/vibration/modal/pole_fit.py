@@ -497,6 +497,7 @@ def _add_next_pole(trial: PoleTrial) -> PoleTrial:
         (r * worst_line, worst_line + i * step)
         for r in TRIAL_DAMPING_RATIOS
         for i in np.linspace(-1.5, 1.5, 7)
+        if worst_line + i * step > 0
     ]
     return _add_best_pole(trial, scans(lines, starts) + trial.ground.broad)[0]
 
