@@ -1,5 +1,7 @@
 from collections.abc import Callable
 
+from dashpot.report.study_figure import hero as hero
+
 from .figure_files import render_figure as render_figure
 from .figure_files import save as save
 from .figure_files import to_figure as to_figure
@@ -7,7 +9,6 @@ from .frf_figure import comparison as comparison
 from .frf_figure import frf as frf
 from .frf_figure import nyquist as nyquist
 from .frf_figure import resonance as resonance
-from .overview import hero as hero
 from .picture import Picture as Picture
 from .plotted_data import stamp as stamp
 from .records import columns as columns

@@ -316,21 +316,16 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
 )
 def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Finding:
     """The time constant of an exponential window in the record is known."""
-    if window.is_hidden and not window.stated:
-        return Finding(
-            "The numbers of the responses are coarser than their noise, so that an exponential "
-            "window would not be seen",
-            reason="Its decay would count as damping",
-            remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
-            always_fails=True,
-        )
-    if not (window.stated or window.evident):
+    if window.is_known and not (window.stated or window.evident):
         return Finding(
             "No noise is seen behind the pulse, so that an exponential window would not be"
         )
-    if not window.is_known and not window.evident:
+    if not (window.is_known or window.evident):
         return Finding(
-            "The file states an exponential window and not its decay, and the noise shows none",
+            "The file states an exponential window and not its decay, and the noise shows none"
+            if window.stated
+            else "The numbers of the responses are coarser than their noise, so that an "
+            "exponential window would not be seen",
             reason="Its decay would count as damping",
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
             always_fails=True,

@@ -87,11 +87,9 @@ class ExponentialWindow(NamedTuple):
     seen_rate : float
         a by the scatter, 1/s; nan where it shows none.
     is_known : bool
-        a is known: stated and not contradicted, or seen.
+        a is known: stated and not contradicted, or seen; else the step of the numbers hides it.
     from_start : bool
         It begins with the record, not with the pulse: of a window that the force lacks.
-    is_hidden : bool
-        The step of the numbers hides the noise, so that no window could be seen.
     """
 
     rate: float = 0.0
@@ -103,7 +101,6 @@ class ExponentialWindow(NamedTuple):
     seen_rate: float = float("nan")
     is_known: bool = True
     from_start: bool = False
-    is_hidden: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
         """Return the window that the force of a hit lacks, shape (n,); ones where it has it."""
@@ -157,17 +154,14 @@ class ScatterDecay:
         """Variance at the end."""
         return float(np.median(self.variance[-max(len(self.time) // 6, 1) :]))
 
-    def deviance(self, rate: float, *, from_start: bool = True) -> float:
+    def deviance(self, rate: float) -> float:
         r"""Deviance of the variances under a window of this decay, 1/s, at best noise and floor.
 
         .. math:: \sum_i \nu_i \left[\ln v_i + \hat v_i / v_i\right]
-
-        Not `from_start` it begins with the pulse: the first stretch, before it, has the noise.
         """
         half_exponent = np.maximum(rate * self.width, 1e-9)
         # the mean over a stretch, not the value in its middle
         mean = np.exp(-2 * rate * self.time) * np.sinh(half_exponent) / half_exponent
-        mean[0] = mean[0] if from_start else 1.0
         shape = np.column_stack((mean, np.ones(len(self.time))))
         model = self.variance
         for _ in range(12):
@@ -223,12 +217,12 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     if not np.isfinite(sd):
         if stated_rate is not None:
             return ExponentialWindow(stated_rate, stated=True)
-        has_noise, is_hidden = bool(all_scatter), all(map(_hides_noise, channels))
-        # one is stated, and neither its decay nor a trace of it
-        return ExponentialWindow(
-            stated=bool(rates), has_noise=has_noise, is_known=not rates,
-            is_hidden=is_hidden and not has_noise,
-        )  # fmt: skip
+        # one is stated without its decay, or could not be seen
+        is_coarse = all(
+            _number_step([*rows]) > _COARSE_SHARE * np.abs(rows).max() for rows in channels
+        )
+        is_known = not rates and (bool(all_scatter) or not is_coarse)
+        return ExponentialWindow(stated=bool(rates), has_noise=bool(all_scatter), is_known=is_known)
     window = ExponentialWindow(
         rate, sd, bool(rates), True, _on_force(hits, rate), seen_rate=rate,
         from_start=_begins_with_record(channels, hits, rate),
@@ -285,9 +279,9 @@ def estimate_scatter_decay(
         return None
     variance = _average_by_stretch(squares, stretches)
     low = max(_LINEAR_LIMIT * rounding, _MIN_VARIANCE_SHARE * variance.max())
-    stop = next((i for i, value in enumerate(variance) if value < low), len(stretches))
+    stop = int(np.argmax(np.append(variance < low, True)))
     # a fast decay lies within the first few: these are cut anew
-    loud = np.arange(start, stretches[stop][0] if stop < len(stretches) else len(squares))
+    loud = np.arange(start, start + sum(map(len, stretches[:stop])))
     is_noise = False
     if count := min(_STRETCH_COUNT, len(loud) // _MIN_SAMPLES):
         stretches = [*np.array_split(loud, count), *stretches[stop:]]
@@ -342,11 +336,6 @@ def _number_step(rows: Sequence[FloatArray]) -> float:
         distinct = differences[differences > _SAME_NUMBER * np.ptp(row)]
         steps.append(float(distinct.min()) if len(distinct) else np.inf)
     return float(np.median(steps))
-
-
-def _hides_noise(rows: FloatArray) -> bool:
-    """Return whether the numbers of a channel are too coarse for the noise of a sensor."""
-    return _number_step([*rows]) > _COARSE_SHARE * float(np.abs(rows).max())
 
 
 def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
@@ -406,8 +395,7 @@ def _search_decay_rate(noise_segments: Sequence[ScatterDecay]) -> tuple[float, f
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches from where the scatter decays as one exponential, down to rounding."""
     low = max(_LINEAR_LIMIT * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance.max())
-    low_indices = np.flatnonzero(decay.variance < low)
-    stop = int(low_indices[0]) if low_indices.size else len(decay.variance)
+    stop = int(np.argmax(np.append(decay.variance < low, True)))
     indices = np.arange(len(decay.variance))
     segments = decay
     for eighths in range(5):
@@ -448,16 +436,12 @@ def _begins_with_record(channels: FloatArray, hits: Sequence[HitBlock], rate: fl
         if decay is None:
             continue
         segments = _select_noise_segments(decay)
+        noise = segments.variance * np.exp(2 * rate * segments.time)
         quiet, _ = _filter_noise(rows, quiet_samples, taps)
-        share = quiet_samples / hits[0].rate / segments.width[0]
-        whole = replace(
-            segments,
-            time=np.append((quiet_samples / 2 - hits[0].onset) / hits[0].rate, segments.time),
-            variance=np.append(np.median((quiet**2).mean(axis=1)), segments.variance),
-            freedom=np.append(share * segments.freedom[0], segments.freedom),
-            width=np.append(share * segments.width[0], segments.width),
-        )
-        excess += whole.deviance(rate) - whole.deviance(rate, from_start=False)
+        quiet_power = np.median((quiet**2).mean(axis=1))
+        rise = np.log(quiet_power / np.average(noise, weights=segments.freedom))
+        freedom = 2 * (0.5 - _PASS_BAND_EDGE) * quiet.size
+        excess += freedom / 2 * ((rise - rate * hits[0].onset / hits[0].rate) ** 2 - rise**2)
     return excess < _WINDOW_DEVIANCE
 
 

@@ -3,60 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
 
 from dashpot.base.number_format import seals
 from dashpot.base.units import format_quantity
-from dashpot.datamodel.bounds import FRFBounds
-from dashpot.datamodel.fit import Fit
-from dashpot.datamodel.relaxation import RampHold
 from dashpot.plot import frf_figure, relaxation
 from dashpot.plot.picture import Picture
 from dashpot.plot.plotted_data import select_plot_unit, stamp
-from dashpot.vibration.comparison.comparison_result import Comparison
+from dashpot.workflow.study import Study
 
 
-class Story(Protocol):
-    """Data of a study for the overview figure."""
-
-    @property
-    def prepared(self) -> RampHold:
-        """Prepared record of the study."""
-
-    @property
-    def fit(self) -> Fit:
-        """Fit of the study."""
-
-    @property
-    def alternatives(self) -> tuple[Fit, ...]:
-        """Alternative fits of the study."""
-
-    @property
-    def seals(self) -> float:
-        """Number of seals of the study."""
-
-    @property
-    def mass(self) -> float | None:
-        """Mass of the study."""
-
-    @property
-    def comparison(self) -> Comparison | None:
-        """Comparison of the study."""
-
-    @property
-    def joint(self) -> Fit | None:
-        """Joint fit of the study."""
-
-    @property
-    def joint_comparison(self) -> Comparison | None:
-        """Comparison of the joint fit of the study."""
-
-    @property
-    def frf_band(self) -> FRFBounds | None:
-        """FRF limits of the study."""
-
-
-def hero(study: Story) -> Picture:
+def hero(study: Study) -> Picture:
     """The relaxation test with its fits on the left, the FRF with its predictions on the right.
 
     Without a comparison, the fits alone.
