@@ -292,8 +292,8 @@ class Machine(Serialisable):
         .. math:: 1/\sigma^2 = 1/s^2 + 1/(e^2 + w^2), \qquad \mu = m\,\sigma^2/(e^2 + w^2)
 
         Where they contradict each other (:meth:`drift_conflict` above 1) there is no average: the
-        drift is then 0 with :math:`\sigma = s`, and of a limit :math:`\sigma^2 = s^2 + m^2`. As free a
-        drift in the fit would replace slow arms.
+        drift is then 0 with :math:`\sigma = s`, and of a limit :math:`\sigma^2 = s^2 + m^2`.
+        As free a drift in the fit would replace slow arms.
         """
         mean, error = slope
         drift_sd = self.drift_sd(final, duration, noise)
