@@ -132,8 +132,15 @@ TESTED = TemperatureShifts(
 )
 
 
-def simple(chance: float, excess: float, slope: tuple[float, float] | None = None) -> Check:
-    return several.thermorheologically_simple(chance, excess, temperatures=3, slope=slope)
+def simple(
+    chance: float,
+    excess: float,
+    slope: tuple[float, float] | None = None,
+    enough_arms: int | None = None,
+) -> Check:
+    return several.thermorheologically_simple(
+        chance, excess, temperatures=3, slope=slope, enough_arms=enough_arms
+    )
 
 
 def b_of(departure: float) -> TemperatureShifts:

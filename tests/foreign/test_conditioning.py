@@ -180,7 +180,7 @@ def test_limits_hold_where_cycles_ended_just_before_the_record(number: int) -> N
     assert not list_missed_limits(record, result, ready.hold_time)
 
 
-def test_a_seal_that_recovers_is_said_and_no_drift_is_advised() -> None:
+def test_baseline_of_a_recovering_seal_advises_a_rest_and_no_drift() -> None:
     """That slope stated as the cell's drift moved k(T) from 6 % too high to 12 % too low."""
     record = make_conditioned_record(
         2, 41, kind="cycles", bonded=True, mullins=0.0, rest=2.0, shown=False

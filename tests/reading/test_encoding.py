@@ -17,7 +17,7 @@ ROWS = "1;2;3\n1.5;3;4\n"
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", "|"])
 @pytest.mark.parametrize("layout", ["{name} [{unit}]", "{name}/{unit}", "{name} {unit}", "{unit}"])
-def test_units_of_a_western_header_are_kept(separator: str, layout: str) -> None:
+def test_find_encoding_reads_units_of_a_western_header(separator: str, layout: str) -> None:
     """Degrees and C are the two bytes of a Chinese character; so is a sign and a separator."""
     for i, (first, second) in enumerate(product(UNITS, UNITS)):
         cells = (
@@ -31,7 +31,7 @@ def test_units_of_a_western_header_are_kept(separator: str, layout: str) -> None
 
 @pytest.mark.parametrize("unit", ["℃", "（℃）", "(N)", "（秒）", "[mm]", "/s", "μm"])
 @pytest.mark.parametrize("separator", [",", ";", "\t", "|"])
-def test_words_of_a_chinese_header_are_kept(unit: str, separator: str) -> None:
+def test_find_encoding_reads_words_of_a_chinese_header(unit: str, separator: str) -> None:
     words = ("时间", "位移", "试验力", "温度", "载荷", "横梁位移", "环境温度")
     for first, second in product(words, words):
         text = f"{first}{unit}{separator}{second}{separator}{first}(N)\n{ROWS}"

@@ -341,7 +341,7 @@ def _format_added_stiffness(candidate: Candidate) -> str:
     """
     data, point = candidate.problem.frf_data, candidate.point
     at_peak, measured = (
-        (data.seals * solid).stiffness_at(2j * np.pi * data.peak_hz).real
+        complex((data.seals * solid).stiffness_at(2j * np.pi * data.peak_hz)).real
         for solid in (point.model, point.seal_under_hammer)
     )
     if measured == at_peak:

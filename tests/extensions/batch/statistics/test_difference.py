@@ -67,7 +67,7 @@ def test_lots_without_scatter_and_lots_too_small():
 
 
 @pytest.mark.parametrize("questions", [1, 3, 8])
-def test_a_difference_is_found_where_its_interval_does_not_hold_zero(questions):
+def test_difference_is_significant_where_its_interval_excludes_zero(questions):
     """With step-down p-values they disagreed in one of ten comparisons of eight quantities."""
     rng = np.random.default_rng(5)
     found = 0
