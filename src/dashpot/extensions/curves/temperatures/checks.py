@@ -63,7 +63,7 @@ def thermorheologically_simple(
         )
         has_failed = abs(slope[0]) > MAX_SHIFT_SLOPE
     cause_text, remedy = "The arms do not shift together", Remedy("Fit each temperature alone.")
-    if enough_arms is not None and not has_failed:
+    if enough_arms is not None and chance < SIGNIFICANCE_LEVEL:
         cause_text = f"It has too few arms ({enough_arms} do), they do not shift together"
         remedy = Remedy(
             "Use more arms, and fit each temperature alone to compare.", "arms", str(enough_arms)
