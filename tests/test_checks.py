@@ -132,8 +132,29 @@ TESTED = TemperatureShifts(
 )
 
 
-def simple(chance: float, excess: float, slope: tuple[float, float] | None = None) -> Check:
-    return several.thermorheologically_simple(chance, excess, temperatures=3, slope=slope)
+def simple(
+    chance: float,
+    excess: float,
+    slope: tuple[float, float] | None = None,
+    enough_arms: int | None = None,
+) -> Check:
+    return several.thermorheologically_simple(
+        chance, excess, temperatures=3, slope=slope, enough_arms=enough_arms
+    )
+
+
+def test_misfit_of_too_few_arms_is_named_before_arms_that_shift_apart() -> None:
+    """Ten arms of a wide spectrum for seven: a loss factor 1 % off, not 31 %."""
+    few, apart = simple(1e-4, 8e-6, (0.13, 0.02), 8), simple(1e-4, 8e-6, None)
+    assert "It has too few arms (8 do), they do not shift together" in few.message
+    assert few.remedy is not None
+    assert few.remedy.command_option == "--arms 8"
+    # where no number of arms explains the tests, none is advised
+    assert "too few arms" not in apart.message
+    assert apart.remedy is not None
+    assert not apart.remedy.option
+    # nor where one model explains them and its arms shift apart
+    assert "too few arms" not in simple(0.5, 0.0, (-0.062, 0.01), 8).message
 
 
 def b_of(departure: float) -> TemperatureShifts:
@@ -981,7 +1002,9 @@ IDENTIFICATION = [
     ),
     Case(
         "cables_described",
-        lambda x: identification.cables_described(BandError((5.0, 20.0), (0.1, 0.1), (x, x)), 10.0),
+        lambda x: identification.cables_described(
+            BandError((5.0, 20.0), (0.1, 0.1), (x, x)), 10.0, 0.015
+        ),
         0.299,
         0.301,
     ),

@@ -1,5 +1,6 @@
 # signatures of the public functions whose results depend on what they are given
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, Unpack, overload
 
 from .api.fit import Arms, Elastic
@@ -20,6 +21,7 @@ from .extensions.batch.lot import Lot
 from .extensions.curves.datamodel.creep import CreepCompliance, CreepTest, LoadHold
 from .extensions.curves.datamodel.dynamic import DynamicTest
 from .extensions.curves.datamodel.modulus import RelaxationModulus
+from .extensions.dynamic_stiffness.prediction import StiffnessPrediction
 from .extensions.materials.cld.datamodel import CLDTest
 from .extensions.materials.cld.fit_files import CLDResult
 from .extensions.materials.csr.datamodel import Aging, CSRTest
@@ -34,6 +36,7 @@ from .extensions.systems.door.door_model import Door
 from .extensions.systems.door.leak_result import LeakResult
 from .extensions.systems.door.result import DoorResult
 from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from .reading.read_options import ReadOptions
 from .solids.maxwell import Solid
 from .solids.part_geometry import Block, Disc, Geometry
 from .vibration.comparison.comparison_result import Comparison as Comparison
@@ -197,6 +200,18 @@ def predict(
     record: Records = (),
     machine: Machine | None = None,
 ) -> Prediction: ...
+@overload
+def predict(
+    solid: Fit,
+    /,
+    *,
+    frequency: Quantity | Sequence[Quantity],
+    seals: float = 1.0,
+    temperature: Quantity | None = None,
+    records: Sequence[str | Path] = (),
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+) -> StiffnessPrediction: ...
 @overload
 def predict(
     solid: Fit, /, *, drop: Quantity, mass: Quantity, seals: float = 1.0

@@ -83,3 +83,8 @@ def test_wrong_keyword_is_refused_with_the_nearest(
 def test_a_fit_shows_few_public_attributes():
     fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
     assert len([name for name in dir(fit) if not name.startswith("_")]) <= 35
+
+
+def test_help_of_predict_names_the_frequencies_of_a_fit() -> None:
+    assert "frequency" in inspect.signature(dp.predict).parameters
+    assert "frequency : float or str" in (dp.predict.__doc__ or "")

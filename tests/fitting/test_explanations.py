@@ -127,6 +127,17 @@ def test_explanations_name_stiffer_seals_under_the_hammer(scale: float) -> None:
         else "softer" in get_agreement_sentence(result)
     )
     assert not any("check the mass" in check.message for check in result.checks)
+    # what lies beside them or under them does the same
+    seals = SEALS * fit_relaxation(1).model.complex_stiffness(omega=2 * np.pi * 12.0).real
+    spring = re.search(
+        r"cables beside them add at least (\S+) N/mm"
+        if scale > 1
+        else r"the table under them has at most (\S+) N/mm",
+        get_agreement_sentence(result),
+    )
+    assert spring is not None
+    expected = (scale - 1) * seals if scale > 1 else scale / (1 - scale) * seals
+    assert 1e3 * float(spring.group(1)) == pytest.approx(expected, rel=0.15)
 
 
 def test_intervals_hold_the_doubt_of_which_is_right() -> None:

@@ -117,6 +117,28 @@ def test_end_of_hold_round_trips_through_json(broad_fit: Fit) -> None:
     assert pair.stiffness_limits["k_end"][1] == 2 * broad_fit.stiffness_limits["k_end"][1]
 
 
+@pytest.mark.parametrize("kind", ["hold", "curve", "creep"])
+@pytest.mark.parametrize("shift", [-0.3, -0.02, 0.0, 0.02, 0.3])
+def test_limits_that_are_widened_lie_on_both_sides_of_the_fit(kind: str, shift: float) -> None:
+    """One of 37 creep tests had k_inf as the upper limit of itself."""
+    solid = GeneralizedMaxwell(200.0, (50.0,), (5.0,))
+    near = EndOfHold(40.0, (190.0, 210.0), (190.0, 210.0), (0.0, 210.0), k_10end=(190.0, 210.0),
+                     test_kind=kind)  # fmt: skip
+    limits = {
+        name: tuple((1 + shift) * value for value in getattr(near, name))
+        for name in ("k_end", "k_3end", "k_10end", "k_inf")
+    }
+    end = replace(near, **limits).widen_to_contain(solid)
+    for name, times in (("k_end", 1), ("k_3end", 3), ("k_10end", 10)):
+        low, high = getattr(end, name)
+        assert low < end.compute_stiffness(solid, times) < high
+        assert low <= limits[name][0]
+        assert high >= limits[name][1]
+    assert end.k_inf[1] > solid.k_inf
+    # again it changes nothing
+    assert end.widen_to_contain(solid) == end
+
+
 def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.format_with_remedy("N/m") == (

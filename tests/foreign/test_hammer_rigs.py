@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,8 @@ from kit.foreign.hammer_rigs import (
     uff_58,
     windowed_lines,
 )
+from kit.foreign.rigs import Protocol, read
+from kit.foreign.truths import Seal, Solid
 
 import dashpot as dp
 
@@ -368,6 +371,46 @@ def test_identify_of_a_valid_rig_has_verdict_use_and_its_numbers(seed, tmp_path)
     assert abs(size) < 0.005
     assert abs(loss) < 0.01
     assert se[0] < 0.025
+
+
+@pytest.mark.parametrize("seed", [16, 20, 21, 23])
+@pytest.mark.parametrize("ratio", [0.7, 1.0, 1.4])
+def test_stiffness_interval_covers_a_lossy_cable_away_from_the_resonance(seed, ratio, tmp_path):
+    """A loss factor of .5 at every frequency is that of a cable that stiffens with it."""
+    record, _ = struck_rig("cable", seed)
+    # two standard deviations and more are beyond an interval of 95 %
+    assert record.truth["rig"].cable < 0.0294
+    fit = solid_of(dp.read(write_record(record, tmp_path)), record)
+    omega = ratio * record.truth["omega"]
+    (se, _) = fit.estimate.errors_of_vibration(fit.model, np.array([1j * omega]))
+    spring, truth = fit.solid.complex_stiffness(omega=omega), record.truth["seal"].stiffness(omega)
+    assert abs(abs(truth) / abs(spring) - 1) < NORMAL * float(se)
+
+
+# a bench test and a hammer with a stiff cable
+CABLED = Solid.arms("two arms", 200.0, (30.0, 50.0), (0.05, 2.0))
+
+
+def test_cables_are_named_where_bench_and_hammer_disagree(tmp_path):
+    seal, cable = Seal(CABLED), 0.12
+    bench = read(seal, Protocol(depth=7e-3, ramp=0.8, hold=40.0, rate=250.0), seed=1, name="bench")
+    record = strike_block(1, Rig(cable=cable), seal=seal)
+    hits = dp.read(write_record(record, tmp_path))
+    alone = solid_of(hits, record)
+    # the hammer alone cannot know: what is assumed is said
+    assert "Cables (taken as 1.5 % of the stiffness)" in str(alone)
+    assert "does not separate a stiffer cable from a stiffer seal" in str(alone).replace(
+        "\n" + 14 * " ", " "
+    )
+    test = dp.RelaxationTest(bench.time, bench.displacement, bench.force, units="SI")
+    joint = dp.fit(test, hits, mass=record.truth["mass"], seals=2)
+    (check,) = [check for check in joint.checks if check.name == "tests_agree"]
+    assert check.failed
+    found = re.search(r"cables beside them add at least (\S+) N/mm", check.message)
+    assert found is not None
+    added = cable * 2 * record.truth["stiffness"].real
+    assert 0.2 * added < 1e3 * float(found.group(1)) < 1.05 * added
+    assert "Check cables" in check.remedy.words
 
 
 # -- what is said ---------------------------------------------------------------------------------

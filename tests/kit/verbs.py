@@ -26,6 +26,7 @@ CASES: dict[str, list[str | Callable[..., Any]]] = {
     "fit": [*(row.records for row in FITS.values()), *(kind.fits for kind in KINDS.values())],
     "predict": [
         *(kind.predict for kind in KINDS.values()),
+        "dashpot.extensions.dynamic_stiffness.prediction:predict_stiffness",
         "dashpot.extensions.materials.drop.prediction:predict_drop",
         "dashpot.extensions.systems.door.api:predict_door",
         _predict_under_mass,

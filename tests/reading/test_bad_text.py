@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from kit.look_alikes import ROWS, table, truth
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.curves.dynamic.read import read_dynamic
@@ -354,3 +356,18 @@ def test_swap_check_ignores_columns_without_rows() -> None:
     assert not inspect._look_swapped(
         {0: none, 1: none}, {0: ("displacement", ""), 1: ("force", "")}
     )
+
+
+@pytest.mark.parametrize(("rate", "digits"), [(100, 1), (128, 1), (1000, 2), (2048, 3), (50, 0)])
+@pytest.mark.parametrize("rows", [1500, 4000])
+@pytest.mark.parametrize("to", [np.round, np.floor, np.ceil])
+def test_rate_of_a_coarse_clock_is_that_of_its_rows(
+    tmp_path: Path, rate: int, digits: int, rows: int, to: Callable[[FloatArray], FloatArray]
+) -> None:
+    """Rounded ticks stand a row early or late: 99.97 and 2047.64 Hz were advised."""
+    time = to(np.arange(rows) / rate * 10**digits) / 10**digits
+    depth = np.interp(np.arange(rows) / rate, [0.0, 1.0, 2.0], [0.0, 0.0, 8.0])
+    text = HEAD + "".join(
+        f"{t:.{digits}f};{x:.4f};{0.4 * x:.4f}\n" for t, x in zip(time, depth, strict=True)
+    )
+    get_refusal(tmp_path, text, f"give --rate {rate}Hz")

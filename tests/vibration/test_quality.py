@@ -154,3 +154,14 @@ def test_judge_hit_accepts_a_response_that_decays_in_counts(count, noise):
     ring = np.round(ring / count) * count
     made = judge_hit(hit(3 * half_sine(12), response=ring, noise=1e-3, seconds=8.0))
     assert not any("one and the same value" in reason for reason in made.reasons)
+
+
+def test_doubt_about_a_coarse_pulse_counts_samples_above_a_tenth():
+    """11 ms at 250 Hz were "2 samples long" beside a width of 11 ms."""
+    block = hit(3 * half_sine(11, 250.0), 250.0)
+    (doubt,) = (text for text in judge_hit(block).doubts if "guesswork" in text)
+    samples = block.pulse(0.1).stop - block.pulse(0.1).start
+    assert f"only {samples} samples of the pulse exceed a tenth of its peak" in doubt
+    assert "long" not in doubt
+    # from the first to the last of them it is shorter than its width by lines beyond both
+    assert (samples - 1) / block.rate < block.width(0.1)

@@ -67,6 +67,9 @@ def predict(solid: Any, /, **options: Any) -> Any:
         Whether the base moves; a text is its power spectral density: a file, or ``"0.01g^2/Hz"``.
     compression, temperature, shape, level, sweep, record
         As in ``dashpot predict --help``; `record` is the test behind the fit.
+    frequency : float or str, or sequence of them
+        For storage, loss and loss factor there without a mass, Hz or ``"12.71Hz"``; `records` are
+        then the tests behind the fit.
     close : float or str
         For a door: the speed at its edge, m/s.
     leak : bool
@@ -76,7 +79,7 @@ def predict(solid: Any, /, **options: Any) -> Any:
 
     Returns
     -------
-    Prediction, FRF, DropPrediction, DoorResult, ClosingResult or LeakResult
+    Prediction, FRF, StiffnessPrediction, DropPrediction, DoorResult, ClosingResult or LeakResult
 
     Raises
     ------

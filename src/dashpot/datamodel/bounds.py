@@ -132,7 +132,7 @@ class EndOfHold(Serialisable):
             k_end=_widen_to_contain(self.k_end, stiffness),
             k_3end=_widen_to_contain(self.k_3end, self.compute_stiffness(solid, 3)),
             k_10end=_widen_to_contain(self.k_10end, self.compute_stiffness(solid, 10)),
-            k_inf=(0.0, max(self.k_inf[1], solid.k_inf)),
+            k_inf=(0.0, _widen_to_contain(self.k_inf, solid.k_inf)[1]),
             distance_outside=max(self.distance_outside, overshoot / max(high - low, 1e-300)),
         )
 
@@ -249,9 +249,12 @@ class EndOfHold(Serialisable):
 
 
 def _widen_to_contain(limits: tuple[float, float], value: float) -> tuple[float, float]:
-    """Return limits that hold a value, where there are any."""
+    """Return limits that hold a value, where there are any.
+
+    One beyond a limit lies inside by as much: the two differ by no less than either is known.
+    """
     low, high = limits
-    return limits if math.isnan(low) else (min(low, value), max(high, value))
+    return limits if math.isnan(low) else (min(low, 2 * value - low), max(high, 2 * value - high))
 
 
 class StiffnessLimits(TypedDict):

@@ -292,14 +292,15 @@ class Machine(Serialisable):
         .. math:: 1/\sigma^2 = 1/s^2 + 1/(e^2 + w^2), \qquad \mu = m\,\sigma^2/(e^2 + w^2)
 
         Where they contradict each other (:meth:`drift_conflict` above 1) there is no average: the
-        drift is then 0 with :math:`\sigma^2 = s^2 + m^2`.
+        drift is then 0 with :math:`\sigma = s`, and of a limit :math:`\sigma^2 = s^2 + m^2`.
+        As free a drift in the fit would replace slow arms.
         """
         mean, error = slope
         drift_sd = self.drift_sd(final, duration, noise)
         if not math.isfinite(error) or drift_sd == 0:
             return 0.0, drift_sd
         if self.drift_conflict(slope, final, duration, noise) > 1:
-            return 0.0, math.hypot(drift_sd, mean)
+            return 0.0, drift_sd if noise is None else math.hypot(drift_sd, mean)
         variance = error**2 + (DEFAULT_UNCERTAINTIES["drift changes"].size * final / duration) ** 2
         sd = 1 / math.sqrt(1 / variance + 1 / drift_sd**2)
         return mean * sd**2 / variance, sd

@@ -29,6 +29,8 @@ from dashpot.signals.noise import scatter
 _MIN_REST_SAMPLES = 5
 # part of the mean rate on the ramp from which a rising force is no drift
 _MIN_RATE_RATIO = 0.05
+# rise in the later half of a baseline over that in the first from which the ramp has begun in it
+_MIN_RISE_RATIO = 1.5
 # part of the ramp for which a plate may move before its encoder shows it
 _UNSEEN_RAMP_PART = 0.02
 # rounding of a record: part of its largest value below which nothing is known
@@ -196,6 +198,11 @@ def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
             first_sample = max(first_sample, 1) if record.displacement[0] <= 0 else 0
         baseline_drift = Prior(0.0, np.inf)
     machine, end_of_hold = record.machine, (end_force, duration)
+    conflict = machine.drift_conflict(baseline_drift, *end_of_hold, record.force_noise)
+    if conflict > 1:
+        # what moved is no drift of the cell, and its zero is not known any better
+        baseline_move = baseline_drift.mean * float(np.ptp(time[rest_samples]))
+        offset = Prior(offset.mean, math.hypot(offset.sd, baseline_move))
     if machine.calibration:
         # an error of contact is a constant force; a tighter offset would distort the elastic law
         offset = Prior(
@@ -208,7 +215,7 @@ def build_load_cell_priors(record: RampHold) -> LoadCellPriors:
         build_delay_prior(record),
         first_sample,
         baseline_drift,
-        machine.drift_conflict(baseline_drift, *end_of_hold, record.force_noise),
+        conflict,
         Prior(*machine.combine_drift(baseline_drift, *end_of_hold, record.force_noise)),
     )
 
@@ -349,11 +356,17 @@ def compute_delay_errors(
 
 
 def _is_loaded_early(record: RampHold, rest_samples: slice) -> bool:
-    """Return whether the force rises as on the ramp before the plate is seen to move."""
+    """Return whether the force rises as on the ramp before the plate is seen to move.
+
+    A seal that recovers from earlier loadings raises it, too, but ever slower.
+    """
+    time = record.time[rest_samples]
     force = record.force[rest_samples] - record.force[rest_samples].mean()
-    slope = _fit_slope(record.time[rest_samples], force, 1.0)
+    slope, half = _fit_slope(time, force, 1.0), len(time) // 2
     ramp_rate = float(np.abs(record.force).max()) / record.ramp_time
-    return slope.mean > max(_MIN_RATE_RATIO * ramp_rate, 4 * slope.sd)
+    if slope.mean <= max(_MIN_RATE_RATIO * ramp_rate, 4 * slope.sd):
+        return False
+    return bool(np.ptp(force[half:]) > _MIN_RISE_RATIO * np.ptp(force[:half]))
 
 
 def _fit_slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:

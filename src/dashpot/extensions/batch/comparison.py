@@ -14,7 +14,7 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.extensions.batch.lot import DEGREES, MAX_CONDITION_DIFFERENCE, Lot
 from dashpot.extensions.batch.quantities import Quantity, make_natural_sort_key
-from dashpot.extensions.batch.statistics.two_sample import SIGNIFICANCE, Difference, adjust_holm
+from dashpot.extensions.batch.statistics.two_sample import Difference
 
 _DEPENDENT_QUANTITIES = ("k_inf", "E_inf", "loss_at_")
 _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
@@ -29,8 +29,6 @@ class QuantityComparison(Serialisable):
     quantity : Quantity
     difference : Difference
         The second lot less the first, SI.
-    p_value : float
-        Adjusted for the number of quantities that were asked about at once (Holm).
     shared : int
         Records that both lots hold: the test wants lots that know nothing of each other.
     """
@@ -45,8 +43,12 @@ class QuantityComparison(Serialisable):
 
     quantity: Quantity
     difference: Difference
-    p_value: float
     shared: int
+
+    @property
+    def p_value(self) -> float:
+        """That of the test, adjusted for the number of quantities that are compared at once."""
+        return self.difference.p_value
 
     @property
     def different(self) -> bool | None:
@@ -54,7 +56,7 @@ class QuantityComparison(Serialisable):
 
         None of lots that share records.
         """
-        return None if self.shared else self.p_value < SIGNIFICANCE
+        return None if self.shared else self.difference.different
 
     def share(self, value: float) -> float:
         """Return a difference, SI, over the mean of the first lot."""
@@ -190,8 +192,10 @@ def compare_two_lots(
     ]
     if not quantities:
         raise DataError(f"{first_name} and {second_name} have no quantity in common")
-    differences = [first_lot.compare(second_lot, quantity.name) for quantity in quantities]
-    p_values = adjust_holm([difference.p_value for difference in differences])
+    differences = [
+        first_lot.compare(second_lot, quantity.name, questions=len(quantities))
+        for quantity in quantities
+    ]
     unnamed = sum(
         int((lot.rows_in_statistics["seal"] == "").sum()) for lot in (first_lot, second_lot)
     )
@@ -201,7 +205,7 @@ def compare_two_lots(
         (first_name, second_name),
         tuple(
             QuantityComparison(*item, shared_count)
-            for item in zip(quantities, differences, p_values, strict=True)
+            for item in zip(quantities, differences, strict=True)
         ),
         (
             lots_tested_alike(tuple(_find_other_conditions(first_lot, second_lot))),

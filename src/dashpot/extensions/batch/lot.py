@@ -342,15 +342,19 @@ class Lot:
             if len(seals) > 1
         }
 
-    def compare(self, other: Lot, name: str = "k_end") -> Difference:
+    def compare(self, other: Lot, name: str = "k_end", *, questions: int = 1) -> Difference:
         """Return the difference between the seals of another lot and those of this one.
+
+        `questions` is the number of quantities that are compared at once.
 
         Raises
         ------
         DataError
             If there are fewer than two seals of either.
         """
-        return difference(average_seals(self.seals(name)), average_seals(other.seals(name)))
+        return difference(
+            average_seals(self.seals(name)), average_seals(other.seals(name)), questions=questions
+        )
 
     def only(self, name: str) -> Lot:
         """Return one lot of several.

@@ -20,7 +20,9 @@ REVISED_NUMBERS: dict[str, str] = {
 
 The solid, its residual and what is predicted from it are none of these.
 """
-_ADDED = frozenset({"error_in_band", "after_most", "before_most", "rested"})
+_ADDED = frozenset(
+    {"error_in_band", "largest_error_in_band", "after_most", "before_most", "rested"}
+)
 """Keys that a document of the first version may lack."""
 _LABELS = frozenset({"schema", "id", "digest", "message"})
 """Keys that name a document, or word it, and hold no number of it."""

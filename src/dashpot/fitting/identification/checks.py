@@ -19,7 +19,7 @@ MAX_UNEXPLAINED = 0.1
 # a squared residual so many times as large is another seal
 CONTRADICTION_RATIO = 4.0
 DEFAULT_REMEDY = Remedy(
-    "Weigh the test mass. Check number, length and compression of the seals.", "mass"
+    "Weigh the test mass. Check cables, and number, length and compression of the seals.", "mass"
 )
 _CONTRADICTION = "Hammer and relaxation test contradict each other"
 # a force missed by less than this part of its peak changes no use of the solid
@@ -97,12 +97,16 @@ def hammer_agrees_with_relaxation_test(
 @criterion(
     "error of the loss factor", "<=", MAX_LOSS_FACTOR_ERROR, "our choice; 95 %", grade="note"
 )
-def cables_described(band_error: BandError, peak: float) -> Finding:
-    """The loss factor is known at the peak although cables and table were not described."""
+def cables_described(band_error: BandError, peak: float, cable: float) -> Finding:
+    """The loss factor is known at the peak although cables and table were not described.
+
+    `cable` is the stiffness that the cables are taken to have, over that of the seals.
+    """
     error = float(np.interp(peak, band_error.frequency, band_error.loss_factor))
     return Finding(
-        f"Cables, table and added mass leave the loss factor at {peak:.3g} Hz known to "
-        f"±{100 * error:.2g} %",
+        f"Cables (taken as {100 * cable:.2g} % of the stiffness), table and added mass leave the "
+        f"loss factor at {peak:.3g} Hz known to ±{100 * error:.2g} %. A hammer does not separate a "
+        "stiffer cable from a stiffer seal",
         error,
         "A cable of 3 % of the stiffness of the seals may add a quarter to a small loss",
         Remedy("Let the cables hang free, and say so.", "machine", "cable=0"),

@@ -311,9 +311,10 @@ def _build_explanation(
         message += (
             f", not {format_quantity(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
         )
-        message += _format_compensating_quantity(cause, candidate) + _format_other_compression(
-            cause, value, law, compression
+        message += _format_added_stiffness(candidate) + _format_compensating_quantity(
+            cause, candidate
         )
+        message += _format_other_compression(cause, value, law, compression)
     return Explanation(
         name=cause.name,
         value=value,
@@ -331,6 +332,25 @@ def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, flo
     parameter_index = candidate.problem.index[quantity]
     value = float(getattr(candidate.point, quantity))
     return value, value * float(np.sqrt(candidate.covariance[parameter_index, parameter_index]))
+
+
+def _format_added_stiffness(candidate: Candidate) -> str:
+    """Return what cables beside stiffer seals, or a table under softer ones, would have to be.
+
+    An arm that is too fast for the relaxation test takes part of either.
+    """
+    data, point = candidate.problem.frf_data, candidate.point
+    at_peak, measured = (
+        complex((data.seals * solid).stiffness_at(2j * np.pi * data.peak_hz)).real
+        for solid in (point.model, point.seal_under_hammer)
+    )
+    if measured == at_peak:
+        return ""
+    if measured > at_peak:
+        added = format_quantity(measured - at_peak, "N/mm", ".2g")
+        return f", or cables beside them add at least {added}"
+    series = at_peak * measured / (at_peak - measured)
+    return f", or the table under them has at most {format_quantity(series, 'N/mm', '.2g')}"
 
 
 def _format_compensating_quantity(cause: DiscrepancyCause, candidate: Candidate) -> str:

@@ -176,8 +176,10 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 #
 # .. math:: \delta A = -\frac{A^2}{s^2}\,\delta K
 #
-# with the cables of accelerometers :math:`\epsilon K'` and, for their own loss,
-# :math:`j\epsilon\eta_c K'`, both of the seals at the resonance; a table that gives,
+# with the cables of accelerometers :math:`\epsilon K' (1 + j\eta_c)(\omega/\omega_r)^\alpha`, K' of
+# the seals at the resonance, and half of their own loss once more, as eta_c is known to half of it.
+# One loss factor eta_c at every frequency is that of a stiffness that rises by
+# :math:`\alpha = (2/\pi)\arctan\eta_c` (Kramers and Kronig). Further a table that gives,
 # :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
 # :data:`~dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES`. A window whose decay a has the
 # error :math:`\sigma_a` adds :math:`\sigma_a\,\partial A/\partial a`.
@@ -217,11 +219,12 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
     s, accelerance = response.s, response.accelerance
     seals = s**2 / accelerance - point.mass * s**2
     peak_k = complex((data.seals * point.seal_under_hammer).stiffness_at(2j * np.pi * data.peak_hz))
-    cable, loss = (rig.cable_sd * abs(peak_k.real), DEFAULT_UNCERTAINTIES["loss of the cable"].size)
-    ones = np.ones_like(s)
+    loss = DEFAULT_UNCERTAINTIES["loss of the cable"].size
+    rise = (s.imag / (2 * np.pi * data.peak_hz)) ** (2 / np.pi * np.arctan(loss))
+    cable = rig.cable_sd * abs(peak_k.real) * rise
     rig_columns = np.column_stack((
-        cable * ones,
-        1j * cable * loss * ones,
+        (1 + 1j * loss) * cable,
+        1j * loss / 2 * cable,
         -DEFAULT_UNCERTAINTIES["table"].size * seals**2 / abs(peak_k.real),
         DEFAULT_UNCERTAINTIES["mass that moves along"].size * point.mass * s**2,
     ))  # fmt: skip
@@ -299,7 +302,8 @@ def build_identified_fit(
     )
     of_noise, estimate = estimate, estimate.with_rig(rig_sensitivity)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
-    all_checks = (*all_checks, checks.cables_described(known_there, best.problem.frf_data.peak_hz))
+    cables = checks.cables_described(known_there, best.problem.frf_data.peak_hz, rig.cable_sd)
+    all_checks = (*all_checks, cables)
     end_of_hold = compute_end_of_data(best, earlier_fit, estimate)
     law = None if earlier_fit is None else earlier_fit.elastic_law
     return build_fit(

@@ -198,8 +198,10 @@ def baseline_agrees(slopes: Sequence[tuple[float, float]]) -> Finding:
         f"The baseline drifts by {format_quantity(slope, 'mN/s', '.2g')}, "
         f"{3 * value:.2g} standard deviations of what is known of the load cell",
         value,
-        "The seal still moved before its ramp, or the cell drifts otherwise. Neither is taken off",
-        "Let seal and amplifier rest, or state the drift (--machine drift=...).",
+        "The seal had not recovered from earlier loadings, or the cell drifts otherwise. Limits "
+        "allow for both, the errors of single arms do not",
+        "Let the seal rest longer, or record its earlier loadings, too. State this slope as a "
+        "drift only if the cell shows it without the seal.",
     )
 
 

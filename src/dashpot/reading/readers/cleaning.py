@@ -188,7 +188,10 @@ def _mean_rate(time: FloatArray) -> str:
     ticks = np.flatnonzero(np.diff(time) > 0) + 1
     if len(ticks) < 2:
         return "1000"
-    return f"{(ticks[-1] - ticks[0]) / (time[ticks[-1]] - time[ticks[0]]):.6g}"
+    rows, duration = ticks[-1] - ticks[0], time[ticks[-1]] - time[ticks[0]]
+    # either tick may stand a row early or late: the roundest rate that both allow
+    rates = (float(f"{rows / duration:.{digits}g}") for digits in range(1, 18))
+    return f"{next(rate for rate in rates if abs(rate * duration - rows) < 1.5):.6g}"
 
 
 def clock_notes(time: FloatArray, *, is_stated: bool = False) -> list[str]:

@@ -503,7 +503,8 @@ def find_encoding(head: bytes) -> str:
 def _code_page(head: bytes) -> str:
     # only lines with a letter beyond ASCII can show, and the first few hundred are enough
     lines = head.splitlines()
-    whole_lines = lines[:-1] if len(lines) > 1 else lines  # the last may be cut within a character
+    # the last may be cut within a character
+    whole_lines = lines[:-1] if len(lines) > 1 and not head.endswith((b"\r", b"\n")) else lines
     not_ascii = b"\n".join([line for line in whole_lines if not line.isascii()][:200])
     scored = []
     for rank, name in enumerate(("gb18030", *_EIGHT_BIT)):
@@ -519,7 +520,8 @@ def _score_text(text: str, codec: str) -> float:
     """Return how much a decoded text reads like names and units of a lab."""
     words = (word for word in re.findall(r"[^\W\d_]+", text) if not word.isascii())
     score = sum((weight * count(word, codec) for word in words for weight, count in _WORDS), 0.0)
-    return score + len(_UNITS.findall(text)) - 2.0 * len(_DEBRIS.findall(text))
+    rest, unit_count = _UNITS.subn("", text)
+    return score + unit_count - 2.0 * len(_DEBRIS.findall(rest))
 
 
 def _eastern(word: str) -> int:
@@ -530,13 +532,19 @@ _WORDS: tuple[tuple[float, Callable[[str, str], float]], ...] = (
     (10.0, lambda word, _: word.casefold() in vocabulary.FIRST),
     # half a word in Chinese is a European word misread
     (-3.0, lambda word, _: 0 < _eastern(word) < max(2, len(word))),
-    (1.0, lambda word, codec: codec == "gb18030" and _eastern(word) == len(word) > 1),
+    # of GB 2312: in the rest of GBK the second byte may be an ASCII character, the C of a degree
+    (
+        1.0,
+        lambda word, codec: (
+            codec == "gb18030" and len(word.encode("gb2312", "ignore")) == 2 * len(word) > 2
+        ),
+    ),
     (-0.5, lambda word, _: any(map(str.isupper, word[1:])) and any(map(str.islower, word))),
     (-0.2, lambda word, _: sum(c in "þðýÞÐÝ" for c in word)),
     (-0.3, lambda word, _: sum("\u0400" <= c <= "\u04ff" for c in word) * (len(word) < 3)),
 )
 """Evidence of non-ASCII words for a code page, with weights."""
-_UNITS = compile_on_use(r"(?:°[CF]?|[µμ][mNsV]|[ms][²³])(?![^\W\d_])")
+_UNITS = compile_on_use(r"(?:°[CF]?|[µμ][mNsV]|(?<![A-Za-zÀ-ɏ])[cdkm]?[ms][²³])(?![^\W\d_])")
 _DEBRIS = compile_on_use(r"(?<=[^\W\d_])[³¹¿œŸž¡£¥]|[¤¦¨¸¯](?=\w)|[\x80-\x9f\ufffd\ue000-\uf8ff]")
 
 

@@ -174,7 +174,8 @@ def _list_doubts(hit: HitBlock, windowed: bool) -> Iterator[str]:
     samples = pulse.stop - pulse.start
     if samples < MIN_PULSE_SAMPLES:
         yield (
-            f"the pulse is {samples} sample{'s' if samples > 1 else ''} long, so its height is "
+            f"only {samples} sample{'s' if samples > 1 else ''} of the pulse exceed"
+            f"{'' if samples > 1 else 's'} a tenth of its peak, so its height is "
             f"guesswork; sample at {MIN_PULSE_SAMPLES / samples * hit.rate:.3g} Hz or more, or "
             "take a softer tip"
         )

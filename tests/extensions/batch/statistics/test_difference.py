@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.extensions.batch.statistics.two_sample import adjust_holm, difference
+from dashpot.extensions.batch.statistics.two_sample import difference
 
 pytestmark = pytest.mark.once
 
@@ -66,8 +66,27 @@ def test_lots_without_scatter_and_lots_too_small():
         difference(np.arange(5.0), np.ones(1))
 
 
-def test_holm_adjusts_for_simultaneous_tests():
-    # Holm (1979): the smallest times their number, and so on, never falling
-    assert adjust_holm([0.01, 0.04, 0.03]) == pytest.approx((0.03, 0.06, 0.06))
-    assert adjust_holm([0.9, 0.8]) == (1, 1)
-    assert adjust_holm([]) == ()
+@pytest.mark.parametrize("questions", [1, 3, 8])
+def test_difference_is_significant_where_its_interval_excludes_zero(questions):
+    """With step-down p-values they disagreed in one of ten comparisons of eight quantities."""
+    rng = np.random.default_rng(5)
+    found = 0
+    for shift in np.linspace(0.0, 3.0, 200):
+        result = difference(rng.normal(0, 1, 6), rng.normal(shift, 1.5, 9), questions=questions)
+        low, high = result.interval
+        assert result.different == (not low <= 0 <= high)
+        found += result.different
+    assert 20 < found < 180
+
+
+def test_the_intervals_of_several_questions_hold_together():
+    """95 %: of eight quantities without a difference none is found in 95 % of comparisons."""
+    rng, seeds = np.random.default_rng(6), 400
+    any_found = [
+        any(
+            difference(rng.normal(0, 1, 5), rng.normal(0, 2, 8), questions=8).different
+            for _ in range(8)
+        )
+        for _ in range(seeds)
+    ]
+    assert np.mean(any_found) == pytest.approx(0.05, abs=4 * 0.22 / seeds**0.5)

@@ -28,6 +28,7 @@ from dashpot.extensions.curves.temperatures.joint_covariance import (
     compute_joint_covariance,
 )
 from dashpot.extensions.curves.temperatures.joint_optimum import ThermalOptimum, optimum
+from dashpot.extensions.curves.temperatures.joint_problem import ShiftedSolid
 from dashpot.extensions.curves.temperatures.marginalised_data import (
     SingleTemperatureTest,
     shift_block,
@@ -421,7 +422,13 @@ def _collect_shift_checks(
     slope = next(
         (nuisance for nuisance in fit.covariance.nuisances if nuisance.name == "shift slope"), None
     )
-    chance, excess = _compute_misfit(fit)
+    chance, excess = _compute_misfit(fit, fit.best.point)
+    more_arms = (
+        point.order
+        for point, _ in fit.best.candidates
+        if point.order > fit.best.point.order
+        and _compute_misfit(fit, point)[0] >= checks.SIGNIFICANCE_LEVEL
+    )
     return [
         isotherms_overlap(shared, temperatures, checks.MIN_SHARED_DECADES),
         *collect_shift_checks(
@@ -435,6 +442,7 @@ def _collect_shift_checks(
             excess,
             temperatures=len(temperatures),
             slope=None if slope is None else _compute_data_estimate(slope, fit.best.joint.slope_sd),
+            enough_arms=min(more_arms, default=None),
         ),
         checks.stiffness_of_one_seal(shifts),
         checks.temperature_steady(warming),
@@ -465,13 +473,13 @@ def _find_band_at(fit: MultiTemperatureFit, i: int) -> tuple[float, float]:
     return min(low for low, _ in group), max(high for _, high in group)
 
 
-def _compute_misfit(fit: MultiTemperatureFit) -> tuple[float, float]:
-    r"""Return the p-value of the joint fit, and its excess residual over the peak force.
+def _compute_misfit(fit: MultiTemperatureFit, point: ShiftedSolid) -> tuple[float, float]:
+    r"""Return the p-value of a joint model, and its excess residual over the peak force.
 
     The p-value is twice the smaller of two: of the residual of the joint fit in units of the
     noise, and of its excess over the residuals of the separate fits.
     """
-    tests, point, joint = fit.best.tests, fit.best.point, fit.best.joint
+    tests, joint = fit.best.tests, fit.best.joint
     remainder_sse = sum(block.floor for block in joint.blocks)
     rows = sum(len(block.target) for block in joint.blocks)
     parameters = len(joint.names(point.order))
