@@ -672,7 +672,7 @@ FITTING = [
     Case("order_agreed", judge_integer(lambda n: solid.order_agreed(OrderChoice(1, 2, n))), 2, 1),
     Case(
         "order_agreed",
-        lambda x: solid.order_agreed(OrderChoice(2, 2, 2, capped=bool(x))),
+        lambda x: solid.order_agreed(OrderChoice(2, 2, 2, is_largest_tried=bool(x))),
         0,
         1,
     ),
@@ -1327,8 +1327,8 @@ def empty_run(**parts: float) -> EmptyRun:
     none = np.zeros(0)
     value, ratio = RigEstimate(1.0, 0.01), {"motion_force": 0.0, "slow_noise": 0.0} | parts
     return EmptyRun(
-        noise=value, drift=value, hum=value, hum_frequency=50.0, motion_error=0.5, wander=0.0,
-        fitted=none, force=none, **ratio,
+        noise=value, drift=value, hum=value, hum_frequency=50.0, motion_error=0.5,
+        unsteady_share=0.0, fitted=none, force=none, **ratio,
     )  # fmt: skip
 
 

@@ -110,7 +110,7 @@ WIDE = Scale("f, Hz", (1.0, 100.0), log=True)
 
 def words_of(panel, width, **how):
     sheet = arrange_sheet(Picture("one", "One.", ((panel,),), 1, width=width, **how))
-    return sheet, [one for strip in sheet.strips for f in strip.laid.frames for one in f.words]
+    return sheet, [one for strip in sheet.strips for f in strip.layout.frames for one in f.labels]
 
 
 def ends_of(word):

@@ -70,8 +70,8 @@ def _convert_to_signature(node: ast.FunctionDef) -> Signature:
 def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -> Signature:
     """Return the signature of a function with the keyword parameters of all its cases.
 
-    One that some cases do not have is optional; its type and default are those of the first case
-    that has it.
+    An argument that some cases lack is optional; its type and default come from the first case that
+    has it.
     """
     signatures = tuple(cases)
     own_signature = signature(function)

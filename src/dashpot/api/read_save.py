@@ -154,7 +154,7 @@ def read(
 
 
 def _list_paths(places: Any) -> list[Path]:
-    """Return several paths; what is neither a path nor a table has no reader."""
+    """Return several paths; refuse a value that is neither a path nor a table."""
     items = list(places) if isinstance(places, Iterable) else [places]
     others = [type(item).__name__ for item in items if not isinstance(item, str | PathLike)]
     if others or not items:
@@ -171,7 +171,7 @@ def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _make_read_options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
-    """Return the reading options that were said."""
+    """Return the reading options that the caller stated."""
     for name, example in _MAPPINGS.items():
         if not isinstance(keywords.get(name, {}), Mapping):
             raise DataError(
@@ -320,8 +320,8 @@ def save(result: N, path: Place, *, overwrite: bool = False) -> N:
     result : object
         A record or a result.
     path : path
-        How its name ends says how it is written: ``.json``, which :func:`read` takes back;
-        ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
+        The suffix decides the format: ``.json``, which :func:`read` takes back; ``.png``, ``.svg``
+        or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
     overwrite : bool
         Whether to replace a file that dashpot did not write.
 

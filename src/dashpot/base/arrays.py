@@ -100,8 +100,8 @@ def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
 def replace_notes(record: T, **words: object) -> T:
     """Return a frozen record with other words in fields that nothing is computed from.
 
-    As :func:`dataclasses.replace`, but what was kept with the record (:func:`cache_on_record`,
-    cached properties) stays with it.
+    As :func:`dataclasses.replace`, but cached values (:func:`cache_on_record`, cached properties)
+    are copied, too.
     """
     result = copy(record)
     for name, value in words.items():
@@ -128,7 +128,7 @@ def convert_numbers_to_si(
     Raises
     ------
     DataError
-        If they are neither numbers nor such texts, or a text is no quantity.
+        If they are neither numbers nor texts, or a text cannot be parsed as a quantity.
     """
     try:
         array = np.asarray(values)
@@ -344,7 +344,7 @@ def find_true_runs(mask: BoolArray) -> IndexArray:
 
 
 def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a read-only private copy, or a read-only array itself: who made it so gives it away.
+    """Return a read-only private copy; an array that is read-only already is returned itself.
 
     ``measured`` and ``samples`` do the same.
     """
@@ -419,12 +419,13 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     Returns
     -------
     mapping of str to str
-        What each array was said to be of; empty where all are in SI already.
+        The quantity of each array as stated; empty where all are in SI already.
 
     Raises
     ------
     DataError
-        If no unit was said, or too few or too many, or one is unknown or of another dimension.
+        If no unit, too few or too many units are given, or a unit is unknown or has another
+        dimension.
     """
     if result.units == SI:
         return {}

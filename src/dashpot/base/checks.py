@@ -56,7 +56,7 @@ class Remedy(Serialisable):
         Sentences that begin with the verb: ``"Hold longer, or ramp faster."``
     option : str
         The long option of the command line that does it, without its dashes: ``"band"``; empty
-        where nothing but another test does it. A page names its own control instead.
+        where only another test helps. A page names its own control instead.
     value : str
         What to give the option, where that is known.
     """
@@ -84,7 +84,7 @@ class Check(Serialisable):
     passed : bool or None
         The answer; None if the record gives none: not checked.
     value, limit : float or None
-        What was measured and what it was held against (None where there is no number).
+        The measured value and its limit (None where there is no number).
     message : str
         The sentences the user reads: what was found and what it means. They hold no option, so
         that terminal, page and app say the same.
@@ -198,8 +198,8 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     ----------
     checks : iterable of Check
     headline : str
-        What to say where nothing of weight failed: the number that the reader came for, and where
-        it holds. How many checks passed follows, and is all where nothing is given.
+        Sentence for a result without a grave failure: the main number, and the range in which it is
+        valid. How many checks passed follows, and is all where nothing is given.
     """
     all_checks = tuple(checks)
     failed = [check for check in all_checks if check.failed]
@@ -301,13 +301,13 @@ class Finding(NamedTuple):
     failure : str
         Replaces `message` if the check fails.
     limit : float or None
-        The limit where the record sets it; by default that of the criterion.
+        The limit where it depends on the record; by default the limit of the criterion.
     always_passes : bool
         Passes whatever the value: another condition answers the question.
     always_fails : bool
         Fails whatever the value: a second condition is broken.
     grade : str or None
-        What a failure means where the record decides it; by default that of the criterion.
+        Grade of a failure where it depends on the record; by default the grade of the criterion.
     """
 
     message: str
@@ -338,7 +338,7 @@ class Criterion(Generic[P]):
     name : str
         Name of the checks that it makes.
     stage : str
-        Which part of the work asks.
+        Stage of the work to which the criterion belongs.
     question : str
         What holds if the check passes.
     measure : str

@@ -124,7 +124,7 @@ def validate_path(path: str | Path) -> Path:
 
 
 def write_atomic(path: str | Path, content: bytes) -> None:
-    """Write a file beside its place and move it there, so that no half of it is ever seen.
+    """Write a temporary file and rename it, so that no incomplete file is ever seen.
 
     A link is followed: what it points to is replaced, with the permissions it had. A device or a
     pipe has no place to be moved to and is written as it stands.

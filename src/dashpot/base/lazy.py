@@ -21,9 +21,9 @@ def build_lazy_exports(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a module from its stub file.
 
-    A line of the stub names the module that a name is of, whatever its layer: a low package offers
-    so what stands in a higher one, and imports none of it. The stub is read when the first name is
-    asked for; its names are ``__all__``.
+    A line of the stub names the module that defines a name, in any layer: so a low package offers a
+    name of a higher one without importing it. The stub is read when the first name is asked for;
+    its names are ``__all__``.
     """
 
     @cache

@@ -168,7 +168,7 @@ def hertz(band: tuple[float, float]) -> str:
 
 
 def format_band(band: tuple[float, float]) -> str:
-    """Return where something holds, as a sentence says it.
+    """Return a frequency band as text for a sentence.
 
     >>> format_band((0.5, 20.0)), format_band((3.0, 3.0))
     ('from 0.5 to 20 Hz', 'nowhere')
@@ -255,8 +255,8 @@ def _format_match(match: re.Match[str]) -> str:
 def format_typographic(sentence: str) -> str:
     r"""A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ±, °C, a minus for a hyphen.
 
-    What only a command line or Python can heed stands in brackets and is left out: a reader of
-    the page has neither. A number and its unit stay on one line.
+    Hints in brackets for the command line or Python are left out: a page has neither. A number and
+    its unit stay on one line.
 
     >>> format_typographic("the shift to 0 degC")
     'the shift to 0\xa0°C'

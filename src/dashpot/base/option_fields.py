@@ -98,7 +98,7 @@ def make_nested_options(kind: type, **how: Any) -> Any:
 
 
 def iterate_option_fields(result: Any) -> Iterator[Field[Any]]:
-    """Yield the fields of a dataclass that are options, without those of its parts."""
+    """Yield the option fields of a dataclass, without those of nested dataclasses."""
     for attribute in fields(result):
         if "help" in attribute.metadata and "argument" not in attribute.metadata:
             yield attribute
@@ -145,12 +145,12 @@ class FormField(NamedTuple):
     name, label, unit, flag : str
     choices : tuple of str
         One of them is chosen, the first by default.
-    each : bool
-        Whether it is asked of every file.
+    per_file : bool
+        Whether each file has its own value.
     form : str
         A number with its unit, in a shell ``"bare"`` without one; a ``"range"`` 4 to 8; ``"sizes"``
         with commas between; or ``"words"``, each an option of its own.
-    before : str
+    prefix : str
         What stands before it in a shell.
     """
 
@@ -159,9 +159,9 @@ class FormField(NamedTuple):
     unit: str
     flag: str
     choices: tuple[str, ...] = ()
-    each: bool = False
+    per_file: bool = False
     form: Form = "number"
-    before: str = ""
+    prefix: str = ""
 
     def read(self, text: str) -> str:
         """Return the typed text, with points for decimal commas."""
@@ -181,7 +181,7 @@ class FormField(NamedTuple):
             text = f"{text.replace(' to ', ':').replace('-', ':')}{self.unit}"
         elif self.form == "number" and text[-1].isdigit():
             text += self.unit
-        return (f"{self.before}{text}",)
+        return (f"{self.prefix}{text}",)
 
 
 @dataclass(frozen=True)
@@ -190,12 +190,13 @@ class FormData:
 
     Attributes
     ----------
-    asks : tuple of Ask
+    fields : tuple of Ask
     entries : tuple of (str, str)
-        Name of the field, of one that is asked of every file with its number, and what was typed.
+        Name of the field (with the number of the file, where each file has its own value), and the
+        typed text.
     """
 
-    asks: tuple[FormField, ...] = ()
+    fields: tuple[FormField, ...] = ()
     entries: tuple[tuple[str, str], ...] = ()
 
     def get_text(self, name: str) -> str:
@@ -215,10 +216,10 @@ class FormData:
     def options(self, files: int) -> tuple[str, ...]:
         """Return the command-line words of the filled fields, for so many files."""
         results: list[str] = []
-        for form_field in self.asks:
+        for form_field in self.fields:
             names = (
                 [f"{form_field.name} {i}" for i in range(files)]
-                if form_field.each
+                if form_field.per_file
                 else [form_field.name]
             )
             for name in names:
@@ -233,4 +234,4 @@ class FormData:
         return next(iter(self._ask(name).words(self.get_text(name))), "")
 
     def _ask(self, name: str) -> FormField:
-        return next(form_field for form_field in self.asks if form_field.name == name)
+        return next(form_field for form_field in self.fields if form_field.name == name)

@@ -50,7 +50,7 @@ class TableCells(NamedTuple):
 
     @property
     def with_limit(self) -> str:
-        """Value and standard error, or the upper limit that stands for it, in one cell."""
+        """Value and standard error, or only the upper limit, in one cell."""
         if self.interval.startswith(AT_MOST):
             return f"{self.value}, {self.interval}"
         return self.with_error
@@ -77,8 +77,8 @@ class ReportedValue(Serialisable):
     unit : str
         Unit of SI; empty for a plain number.
     error : float or None
-        Standard error: 0 of what was held, infinite of what is not identified, None of what was
-        given or has an interval alone.
+        Standard error: 0 of a fixed parameter, infinite if not identified, None of a stated value
+        or one that has only an interval.
     read : str
         The unit in which people read it; by default as
         :func:`~dashpot.base.units.get_display_unit`.

@@ -461,7 +461,7 @@ def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
     Raises
     ------
     DataError
-        If a text is no quantity of that dimension, or it is neither a text nor a number.
+        If the value is neither a number nor a text that states a quantity of that dimension.
     """
     if isinstance(value, str):
         return parse_quantity(value, dimension)

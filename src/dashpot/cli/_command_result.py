@@ -31,7 +31,7 @@ _VISUAL_SUFFIXES = (".html", ".png", ".svg", ".pdf")
 
 
 def collect_outputs(context: click.Context, *, may_replace: bool) -> Outputs:
-    """Return where a command may write, its own outputs claimed: all else it names is read."""
+    """Return the output paths of a command, checked for writing; every other path is read."""
     from dashpot.workflow.outputs import Outputs
 
     is_output = {param.name: isinstance(param.type, Output) for param in context.command.params}
@@ -43,7 +43,7 @@ def collect_outputs(context: click.Context, *, may_replace: bool) -> Outputs:
         ]
     inputs = tuple(word for word in paths[False] if Path(word).is_file())
     outputs = Outputs(inputs, may_replace, makes_records=context.command.name in _RECORD_WRITERS)
-    outputs.claim(paths[True])
+    outputs.check_writable(paths[True])
     return outputs
 
 
@@ -55,7 +55,7 @@ def note_input(context: click.Context, path: str) -> None:
 def claim_outputs(paths: Iterable[str | Path]) -> None:
     """Refuse, before the work, files that no option names and that could not be written."""
     outputs: Outputs = click.get_current_context().obj
-    outputs.claim(paths)
+    outputs.check_writable(paths)
 
 
 def write_output(path: str | Path, content: str | bytes) -> None:
@@ -75,7 +75,7 @@ def write_output(path: str | Path, content: str | bytes) -> None:
 
 
 def note_written(path: str | Path) -> None:
-    """Remember a file that the command says at its end, and opens if it was asked to."""
+    """Record a written file; the command names it at its end, and opens it with ``--open``."""
     click.get_current_context().meta.setdefault(WRITTEN, []).append(str(path))
 
 

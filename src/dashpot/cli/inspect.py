@@ -103,7 +103,7 @@ def _list_plugins() -> CommandResult:
         for plugin in installed.plugins
     ]
     lines = table(rows, align_left=True) if installed.plugins else []
-    lines += [f"{sentence}." for sentence in installed.refused or ()]
+    lines += [f"{sentence}." for sentence in installed.refusals or ()]
     return CommandResult(installed, Text(lines or ["no plug-in is installed"]))
 
 

@@ -173,7 +173,7 @@ def command(
 
 
 def _refuse_other_kinds(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
-    """Refuse what no page of a seal is about."""
+    """Refuse files that no page of a seal can show."""
     from dashpot.reading.columns.file_kinds import get_kind_command
 
     for path, kind in kinds.items():

@@ -174,7 +174,7 @@ _RIG_OPTIONS = ("softening", "warming", "friction", *(option.name for option in 
 
 
 def _refuse_inapplicable_options(what: str, choices: dict[str, Any]) -> None:
-    """Refuse what the test asked for would not heed."""
+    """Refuse options that the requested test does not use."""
     if (what == "motion") != bool(choices["follow"]):
         raise DataError(
             "a motion is replayed by 'dashpot simulate motion --follow FILE', with time and "

@@ -311,8 +311,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
     ) -> EndOfHold | None:
         """Return limits at the end of the test as they are at another temperature, K.
 
-        They are of a time that is a_T as long. What shifts and their law add to the errors of the
-        stiffness there widens them.
+        They refer to a time that is a_T times as long. What shifts and their law add to the errors
+        of the stiffness there widens them.
         """
         if end is None or self.temperatures is None:
             return None
@@ -678,7 +678,7 @@ def get_model_label(fit: Fit) -> str:
 
 
 def get_fewest_arms_model(fit: Fit) -> GeneralizedMaxwell:
-    """Return the fewest arms that stand for the data: of a fractional model, of its alternative.
+    """Return the model of the fit; of a fractional one, the alternative with few arms.
 
     They weigh a record as well as the many that stand for the fractional model itself.
     """
@@ -704,8 +704,8 @@ def get_error_label(fit: Fit) -> str:
 def list_undetermined_times(fit: Fit) -> tuple[float, ...]:
     """Return relaxation times, s, of the arms that the data ask for and cannot place.
 
-    Such an arm corrects the others: its own k or tau is hardly known. None are listed of a fit
-    whose parameters are identified.
+    Such an arm only corrects the others: its own k or tau is hardly determined. None are listed of
+    a fit whose parameters are identified.
     """
     arms = fit.model.arms
     if fit.status is not Status.NOT_IDENTIFIED or len(fit.estimate.parameters) < 1 + 2 * arms:
@@ -755,7 +755,7 @@ def get_fitted_mass(fit: Fit) -> float | None:
 
 
 def get_hammer_stiffness_factor(fit: Fit) -> float:
-    """Return the stiffness of a seal under the hammer over its own, if that explains two tests."""
+    """Return the stiffness ratio of a seal under the hammer, if it explains both tests."""
     is_nonlinear = fit.elastic_law is not None and fit.elastic_law.kind != "linear"
     if is_nonlinear or not any(
         explanation.is_sufficient for explanation in fit.evidence.explanations[:1]
@@ -766,7 +766,7 @@ def get_hammer_stiffness_factor(fit: Fit) -> float:
 
 
 def add_checks(fit: Fit, checks: Iterable[Check]) -> Fit:
-    """Return the fit with these checks beside its own, each once."""
+    """Return the fit with additional checks, each once."""
     all_checks = tuple(dict.fromkeys((*fit.checks, *checks)))
     if all_checks == fit.checks:
         return fit

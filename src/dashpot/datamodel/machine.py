@@ -152,14 +152,14 @@ class Machine(Serialisable):
         Compliance of machine and load cell, m/N: the seal is compressed by :math:`x - C F`; 0 if
         the displacement is measured at the seal.
     creep : float or None
-        Standard deviation of what its crosshead settles by in a factor e of time after its stop,
-        m, where no reading shows it.
+        Standard deviation of the settling of its crosshead per factor e of time after the stop, m,
+        where no reading shows it.
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
     rest : float or None
         Time for which the seal was left alone before its record began, s.
     oven : float or None
-        Standard deviation of the temperature of an oven from what it says, K.
+        Standard deviation of the true temperature of an oven from its reading, K.
     cable : float or None
         In a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
         over that of the seals at the resonance; 0 if they hang free.
@@ -214,7 +214,7 @@ class Machine(Serialisable):
         return self if self.cable is None else replace(self, cable=None)
 
     def refuse_unused(self, *names: str, subject: str) -> None:
-        """Refuse what is said of the machine and a test of another kind does not heed.
+        """Refuse stated properties of the machine that a test of this kind does not use.
 
         Raises
         ------
@@ -240,7 +240,7 @@ class Machine(Serialisable):
         return max(_CLOCK_TOLERANCE * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
-        """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
+        """Standard deviation of its unstated deflection under the `peak` of the force, N, in m."""
         if self.compliance is None:
             return DEFAULT_UNCERTAINTIES["give"].size * depth
         calibration = self.calibration
@@ -249,7 +249,7 @@ class Machine(Serialisable):
         return DEFAULT_UNCERTAINTIES["give, named"].size * self.compliance * peak
 
     def creep_sd(self, depth: float) -> float:
-        """Return standard deviation of what its crosshead settles by in a factor e of time, m."""
+        """Return the standard deviation of the crosshead's settling per factor e of time, m."""
         return DEFAULT_UNCERTAINTIES["crosshead"].size * depth if self.creep is None else self.creep
 
     @property

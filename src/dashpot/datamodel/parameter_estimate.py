@@ -151,17 +151,17 @@ class Nuisance:
 
 
 class _SolidParameter(NamedTuple):
-    """A parameter of a solid and the standard error of what was fitted: itself, or its ln."""
+    """Parameter of a solid, with the standard error of the fitted value or of its logarithm."""
 
     name: str
     value: float
     error: float
-    log: bool = False
-    most: float = inf
+    is_logarithmic: bool = False
+    upper_limit: float = inf
 
     @property
     def standard_error(self) -> float:
-        return self.value * self.error if self.log else self.error
+        return self.value * self.error if self.is_logarithmic else self.error
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,14 +338,14 @@ class ParameterEstimate(EqualByValue):
         yield _SolidParameter("k_inf", solid.k_inf, self._error("k_inf"))
         if isinstance(solid, FractionalZener):
             yield _SolidParameter("k_0", solid.k_0, self._error("k_0"))
-            yield _SolidParameter("tau", solid.tau, self._error("ln_tau"), log=True)
-            yield _SolidParameter("alpha", solid.alpha, self._error("alpha"), most=1.0)
+            yield _SolidParameter("tau", solid.tau, self._error("ln_tau"), is_logarithmic=True)
+            yield _SolidParameter("alpha", solid.alpha, self._error("alpha"), upper_limit=1.0)
             return
         model = solid.maxwell
         for j, (k, tau, b) in enumerate(zip(model.k, model.tau, model.arm_b, strict=True), start=1):
             yield _SolidParameter(f"k_{j}", k, self._error(f"k_{j}"))
-            yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
-            yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
+            yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), is_logarithmic=True)
+            yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), is_logarithmic=True)
 
     def confidence_limits(self, solid: Solid, level: float) -> dict[str, Interval]:
         """Intervals at `level` of the parameters of `solid` by their names, SI units.
@@ -360,10 +360,10 @@ class ParameterEstimate(EqualByValue):
         noise = {row.name: row.error for row in self.noise_only._rows(solid)}
         entries = {}
         for row in self._rows(solid):
-            profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
+            profile = profiles.get(f"ln_{row.name}" if row.is_logarithmic else row.name)
             if profile is None:
                 half_width = quantile * row.error if isfinite(row.error) else inf
-                estimate = float(np.log(row.value)) if row.log else row.value
+                estimate = float(np.log(row.value)) if row.is_logarithmic else row.value
                 low, high = estimate - half_width, estimate + half_width
             else:
                 low, high = profile_interval(profile, deviance_limit=quantile**2)
@@ -374,7 +374,11 @@ class ParameterEstimate(EqualByValue):
                         estimate - hypot(estimate - low, extra_half_width),
                         estimate + hypot(high - estimate, extra_half_width),
                     )
-            limits = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
+            limits = (
+                (_exp(low), _exp(high))
+                if row.is_logarithmic
+                else (max(low, 0.0), min(high, row.upper_limit))
+            )
             entries[row.name] = limits
         return entries
 
@@ -390,7 +394,7 @@ class ParameterEstimate(EqualByValue):
     def _error(self, name: str) -> float:
         """Return standard error of one row; 0 for a parameter that was held fixed.
 
-        Where no parameter has a row, nothing was held: nothing is known of any.
+        Without a row for any parameter the covariance says nothing of them.
         """
         if not self.parameters:
             return inf

@@ -209,7 +209,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     hum : tuple of Hum
         Lines found in the force and taken off it.
     machine_deflection : array, shape (n,), or None
-        What the machine gave, m, and is off `displacement`; None if nothing was taken off.
+        Deflection of the machine, m, subtracted from `displacement`; None if nothing was
+        subtracted.
     gap : float
         Air that the plate crossed before first contact, m; 0 if none shows.
     loading_start : float or None

@@ -121,9 +121,9 @@ class SealSection:
     band : (float, float) or None
         The frequencies that its test informs, Hz.
     shear : Shear
-        None by default: the seal holds nothing sideways.
+        None by default: the seal has no lateral stiffness.
     friction : LineFriction or None
-        What rubs beside it.
+        Friction in parallel.
     """
 
     solid: Solid
@@ -161,9 +161,9 @@ class SealSection:
         temperature : str or float, optional
             K; by default that of the fit.
         shear : Shear, optional
-            What it answers sideways; nothing by default.
+            Lateral stiffness; none by default.
         friction : LineFriction, optional
-            What rubs beside it; nothing by default.
+            Friction in parallel; none by default.
 
         Raises
         ------
@@ -212,7 +212,7 @@ class SealSection:
         return np.where(x < 0, 0.0, tangent)
 
     def ways(self, stations: Stations) -> tuple[LineDirection, ...]:
-        """Return what the stations answer, each way: normal to the line, then across and along it.
+        """Return the stiffness of the stations normal to the line, across and along it.
 
         Raises
         ------

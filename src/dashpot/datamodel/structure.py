@@ -88,7 +88,7 @@ class FRFSet(EqualByValue):
     def per_force(self, *, mass: float) -> FRFSet:
         """Return the FRFs as motions per force, for a mass, kg, on the base, if they are not yet.
 
-        Poles and damping are those of any mass.
+        Poles and damping do not depend on that mass.
         """
         if not self.over_base:
             return self

@@ -139,9 +139,8 @@ def open_deck(
 ) -> Deck:
     """Return the deck of a solid or a fit, or refuse it.
 
-    A bare solid is written with "not stated" wherever its pedigree is unknown: it has nothing
-    that could be missing. A fit must know its temperature and contact length, and every
-    parameter must be identified.
+    A solid without a fit is written with "not stated" for its origin. A fit must know its
+    temperature and contact length, and every parameter must be identified.
 
     Parameters
     ----------
@@ -196,7 +195,7 @@ def open_deck(
 
 
 def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
-    """Return the fit at the temperature asked for; one that nobody noted is only said now."""
+    """Return the fit at the requested temperature; if the fit has none, this one is noted in it."""
     temperature = None if specimen is None else specimen.temperature
     if temperature is None or (fit.temperatures is None and fit.specimen.temperature is None):
         return fit
@@ -258,7 +257,7 @@ def list_allowed_problems(
 
 
 def _refuse_impossible(deck: Deck) -> None:
-    """Raise where nothing can be overlooked: there is no right number to write."""
+    """Raise an error that no option can allow: there is no valid number to write."""
     model = deck.model
     if model.k_0 == 0 and model.b == 0 and not deck.nonlinear_elements.parts:
         raise ExportError("the model has neither stiffness nor damping; there is nothing to write")

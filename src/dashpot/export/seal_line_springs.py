@@ -26,7 +26,7 @@ class LineStation:
 
     Attributes
     ----------
-    place : (float, float, float)
+    position : (float, float, float)
         Deck units.
     frame : tuple of three directions
         Normal, across and along; each square to the others, of length 1.
@@ -34,7 +34,7 @@ class LineStation:
         Shares of the solid of each way; 0 is no spring.
     """
 
-    place: tuple[float, ...] = (0.0, 0.0, 0.0)
+    position: tuple[float, ...] = (0.0, 0.0, 0.0)
     frame: tuple[tuple[float, ...], ...] = (_X, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     shares: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
@@ -48,13 +48,13 @@ class SpringRow:
     solids : (Solid, Solid, Solid)
         Models of each way, SI; a station carries its share of them.
     stations : tuple of LineStation
-    remarks : tuple of str
+    comments : tuple of str
         What the header says of them.
     """
 
     solids: tuple[Solid, Solid, Solid]
     stations: tuple[LineStation, ...] = (LineStation(),)
-    remarks: tuple[str, ...] = ()
+    comments: tuple[str, ...] = ()
 
     @cached_property
     def shares(self) -> dict[tuple[float, float, float], int]:
@@ -89,7 +89,7 @@ class SpringRow:
         )
 
     def springs(self, shares: tuple[float, ...]) -> list[tuple[int, Solid]]:
-        """Return the springs of a station, each by its way, 0 to 2, and what it is, SI."""
+        """Return the springs of a station as direction, 0 to 2, and solid, SI."""
         rows = zip(self.solids, shares, strict=True)
         return [
             (direction, solid * share) for direction, (solid, share) in enumerate(rows) if share > 0

@@ -107,7 +107,7 @@ class AdmissibleSpectra:
     limit : float
         Limit of the deviance, :func:`deviance_limit`.
     extra : array, shape (n,), optional
-        Further relaxation times of the grid, s: those of the fit.
+        Further relaxation times of the grid, s, usually of the fit.
     """
 
     def __init__(
@@ -305,7 +305,7 @@ class AdmissibleSpectra:
 
 
 def _project_spectrum(v: FloatArray, spectrum: FloatArray) -> float:
-    """V . k, of what v asks for."""
+    """V . k for the functional v."""
     is_requested = v != 0
     return float(v[is_requested] @ spectrum[is_requested])
 

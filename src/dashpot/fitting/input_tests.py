@@ -48,8 +48,8 @@ def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
 def split_depths(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     """Return the loadings of one record that hold, one to a depth, each as a record of its own.
 
-    Of several to one depth the one with the longest hold. What a later one remembers of those
-    before is left out, and a check says how much that is.
+    Of several to one depth the one with the longest hold. The effect of earlier loadings on later
+    ones is neglected, and a check states its size.
 
     Parameters
     ----------

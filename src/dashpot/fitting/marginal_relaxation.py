@@ -148,13 +148,13 @@ class RelaxationData:
     delay, size : float
         Standard deviations of the delay, s, and of the relative size of the force.
     certain : DataBlock
-        The test without the columns that only doubt the motion.
+        The test without the columns for errors of the motion.
     misfit : float
         Sum of squares that the fit leaves of every sample, in units of the noise.
     thermal_shift : ThermalShift or None
-        How the solid that is asked about lies at the temperature of the test.
+        Shift of the sought solid to the temperature of the test.
     unmeasured_effects : UnmeasuredEffects or None
-        Doubts beside those that have a column of their own.
+        Unmeasured effects without a separate column.
     drift : Prior
         As the fit that is asked about held it, N/s; `terms` are those of the doubtful rig.
     """

@@ -280,7 +280,7 @@ class SelectedModel:
     def _is_wider_than_tried(self) -> bool:
         """Whether the most arms that were tried were taken, and leave a correlated residual."""
         choice, kappa = self.choice, self.estimate.kappa
-        return choice is not None and choice.capped and kappa > MIN_CORRELATED_KAPPA
+        return choice is not None and choice.is_largest_tried and kappa > MIN_CORRELATED_KAPPA
 
     def check_arm_count(self, unit: str) -> tuple[Check, ...]:
         """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""

@@ -88,7 +88,7 @@ def build_relaxation_data(
     shift: ThermalShift | None = None,
     shift_slopes: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
-    r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
+    r"""Weight a test by its residual, and include the uncertainty of all rig effects on the force.
 
     What is before first contact only shows offset and drift, and is spent on their priors. A
     reading that stands, such as the first and that of the hold, is uniform within a count q of the
@@ -99,7 +99,8 @@ def build_relaxation_data(
     ----------
     test : RampHold
     fit : Fit
-        The solid whose response to a small motion stands for the doubt; its method is kept.
+        The solid whose response to a small motion gives the effect of motion errors; its method is
+        kept.
     single_fit : Fit, optional
         Fit of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     for_limits : bool
@@ -191,7 +192,7 @@ def _build_delay_columns(
 ) -> dict[str, tuple[FloatArray, float]]:
     """Return the columns of a force that is so late, s, with their standard deviations.
 
-    They are of the size that was found: the chord is exact there, where the tangent is not.
+    They have the size of the fitted delay: there the chord is exact, unlike the tangent.
     """
     slow_model = _keep_slow_arms(model, SLOW_ARM * test.step)
     displacement = slow_model.force(time, np.interp(time - delay, time, x, left=0.0))
@@ -205,7 +206,7 @@ def _build_delay_columns(
 
 
 def _find_fitted_delay(fit: Fit) -> float:
-    """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
+    """The delay of the force of one test, s, where it is too large for a linearisation; else 0."""
     delays = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
     delay = delays[0] if fit.method == "full" and delays else 0.0
     return delay if abs(delay) > LINEAR_DELAY else 0.0
@@ -332,7 +333,7 @@ def _add_rig_columns(
     start: float,
     reference_time: float = 0.0,
 ) -> RelaxationData:
-    """The data with what its rig may add, as sums of its own columns: right to some per cent.
+    """The data with rig effects as sums of its own columns, accurate to some per cent.
 
     The motion that is answered is `time_and_motion`, s and m; the rows begin at `start`, s, and
     their drift counts from `reference_time`, s, all from the first sample on.

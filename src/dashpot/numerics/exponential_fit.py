@@ -370,7 +370,7 @@ class Solution(FrozenArrays):
         Sum of squared residuals of the full data.
     samples : int
         Full-data sample count.
-    requested : int
+    requested_arms : int
         Arms asked for; more than N if the data reject the others.
     evaluations : int
         Trials of ln tau, over all starts.
@@ -393,7 +393,7 @@ class Solution(FrozenArrays):
     fixed: FloatArray
     sse: float
     samples: int
-    requested: int
+    requested_arms: int
     evaluations: int
     converged: bool
     relative_offset: float
@@ -631,7 +631,7 @@ def _solution(
         fixed=point.beta[:q],
         sse=sse,
         samples=stack.samples,
-        requested=requested,
+        requested_arms=requested,
         evaluations=evaluations,
         converged=local.converged and not bool(at_bound.any()),
         relative_offset=relative_offset(point, sse),

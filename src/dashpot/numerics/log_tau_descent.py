@@ -206,7 +206,7 @@ class StackTrial(NamedTuple):
             log_tau, beta, sse, gradient, curvature, inverse_rows @ transposed - coefficients
         )
 
-    def ahead(self, step: FloatArray) -> StackTrial:
+    def step_ahead(self, step: FloatArray) -> StackTrial:
         """Return the point a short step away, where beta is linear and the SSE is flat."""
         rotated_step = (self.turn @ step[..., None])[..., 0]
         return self._replace(log_tau=self.log_tau + step, beta=self.beta + rotated_step)

@@ -259,7 +259,7 @@ class Plan(HasChecks, Serialisable):
     arm : (float, float) or None
         Stiffness, N/m, and relaxation time, s, of the arm that the test may not show.
     expected : ExpectedError
-        Errors of the test as asked, with its repeats.
+        Errors of the requested test with its repetitions.
     alternatives : tuple of ExpectedError
         Errors of the test alone and at each other temperature, of the other method, of faster
         ramps, of the test repeated at 0 degC if no other was asked for, and with a hammer test.
@@ -273,7 +273,7 @@ class Plan(HasChecks, Serialisable):
     temperature : float
         Temperature of the test, K.
     repeats : tuple of Repeat
-        Where it is repeated, as asked.
+        The requested repetitions.
     arms : tuple of ExpectedArm
         Expected errors of each arm of the seal, but for the unseen one, by the test without its
         repeats.

@@ -92,7 +92,7 @@ class Bench(PlannedRamp):
     def sensitivity(self, model: GeneralizedMaxwell, time: FloatArray | None = None) -> FloatArray:
         r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift[, delay]]), shape (n, p), N per unit.
 
-        The offset is that at the middle of the baseline; `time` (n,) is that of every sample.
+        The offset refers to the middle of the baseline; `time` (n,) is the time of every sample.
         """
         t = self.time() if time is None else time
         speed = self.depth / self.ramp_time

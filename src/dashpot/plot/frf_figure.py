@@ -171,7 +171,7 @@ class PredictionBand:
 
 
 def make_prediction_bands(bounds: FRFBounds | None) -> tuple[PredictionBand, ...]:
-    """Return what a prediction leaves open, the wider first."""
+    """Return the bands of a prediction, the wider first."""
     if bounds is None:
         return ()
     return (
@@ -193,7 +193,7 @@ def frf(
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
 
-    The peak of the first one is named, unless it is the end of what is shown.
+    The peak of the first one is labelled, unless it lies at the end of the axis.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def frf(
     intervals : sequence of array, shape (2, n), or None
         Such limits of each of the others, at its lines.
     stamp : str
-        What the figure says of its origin; by default the files of the first FRF.
+        Origin of the data, printed below the figure; by default the files of the first FRF.
     """
     same_kind = [measured, *(other.to(measured.quantity) for other in other_frfs)]
     names = [*labels, *[""] * (len(same_kind) - len(labels))]
@@ -283,7 +283,7 @@ def comparison(
     band, interval : optional
         As in :func:`frf`.
     stamp : str
-        What the figure says of its origin; by default the files of the measured FRF.
+        Origin of the data, printed below the figure; by default the files of the measured FRF.
     """
     value = () if interval is None else (PredictionBand(*interval),)
     strip = _bode(curves_of(comparison, joint, failed=failed), make_prediction_bands(band) or value)
@@ -311,7 +311,7 @@ def resonance(
     Parameters
     ----------
     comparison : Comparison or None
-        None where nothing was measured.
+        None without a measurement.
     predicted : FRF
         Over as wide a range as is at hand: its peak may lie beyond the measured lines.
     joint, failed, band, stamp : optional
@@ -347,7 +347,7 @@ def nyquist(
     failed : bool
         The last of three is of a joint fit that is not to be used.
     stamp : str
-        What the figure says of its origin; by default the files of the first FRF.
+        Origin of the data, printed below the figure; by default the files of the first FRF.
     """
     pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
     unit, scale = DISPLAY_UNITS[measured.quantity]
@@ -372,7 +372,7 @@ def nyquist(
     panel = Panel(
         Scale(f"real part of {kind}, {unit}", compute_padded_limits(values.real, margin=0.08)),
         Scale(f"imaginary part of {kind}, {unit}", compute_padded_limits(values.imag, margin=0.08)),
-        (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
+        (Rule(0.0, REF, is_horizontal=True), Rule(0.0, REF), *marks),
         height=300,
         square=True,
     )
@@ -515,12 +515,12 @@ def _bode(curves: Sequence[Curve], prediction_bands: Sequence[PredictionBand]) -
 
 
 def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
-    """Return the coherence of a measured FRF over the same axis; none of what has none."""
+    """Return the coherence of a measured FRF over the same axis; empty without coherence."""
     if measured.coherence is None:
         return ()
     axes = (frequency, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
     # 0.9 is what ISO 7626-5 asks for
-    marks = (Rule(0.9, REF, across=True),
+    marks = (Rule(0.9, REF, is_horizontal=True),
              Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
     return (Panel(*axes, marks, height=50),)
 

@@ -124,12 +124,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Rule:
-    """Straight line through the whole panel, vertical unless `across`."""
+    """Straight line through the whole panel, vertical unless `is_horizontal`."""
 
-    at: float
+    position: float
     pen: Pen
     label: str = ""
-    across: bool = False
+    is_horizontal: bool = False
 
 
 @dataclass(frozen=True)
@@ -156,9 +156,9 @@ Mark: TypeAlias = Keyed | Tag
 class Scale:
     """Scale of an axis: a quantity with its unit, and the range shown.
 
-    An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` one is
-    of what is counted, and has none between two of it. `tick_names` stand at `ticks` in place of
-    their numbers.
+    An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` scale
+    counts items, and has ticks only at integers. `tick_names` stand at `ticks` in place of their
+    numbers.
     """
 
     label: str
@@ -184,13 +184,13 @@ class Panel:
     note : str
         A few words in the upper right corner.
     square : bool
-        A unit of x is as long as one of y.
+        Equal scales of x and y.
     without_y_label : bool
-        What it shows upright is said elsewhere, and not above its axes.
+        No y label above the axes: it is given elsewhere.
     drawing : bool
-        Without axes: a drawing of a thing, whose place in space says nothing.
+        A drawing without axes.
     below : str
-        Words under a drawing, in the middle: what it is of.
+        Centred caption under a drawing.
     """
 
     x: Scale
@@ -278,7 +278,7 @@ class Picture:
 
     @property
     def key(self) -> tuple[Keyed, ...]:
-        """One mark for each label: what was measured, then the others as they are drawn.
+        """One mark for each label: first measurements, then the others in order.
 
         What a tag names at its line stands in no key; a tag of another panel names no line.
         """

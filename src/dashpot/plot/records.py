@@ -75,7 +75,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
     frf : FRF
         The FRF estimated from it, which carries the verdict on every hit.
     stamp : str
-        What the figure says of its origin; by default the files of the FRF.
+        Origin of the data, printed below the figure; by default the files of the FRF.
     """
     verdicts = {hit.name: hit for hit in frf.hits}
     plotted_hits = [
@@ -139,7 +139,7 @@ def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
             indices_below = np.flatnonzero(level < -USABLE_DB)
             ends.append(float(frequency[indices_below[0]] if indices_below.size else frequency[-1]))
     top = min(2.2 * min(ends), 0.5 * plotted_hits[0].block.rate) if ends else lines[0][0][-1]
-    marks: list[Mark] = [Rule(-USABLE_DB, REF, across=True)]
+    marks: list[Mark] = [Rule(-USABLE_DB, REF, is_horizontal=True)]
     note = ""
     if ends:
         marks.append(Span(0.0, min(ends), "fit", "band that every accepted hit excites"))
@@ -213,7 +213,7 @@ def columns(
     values : array, shape (n, m)
         In the file's units; a column without numbers is left out.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
 
     Raises
     ------

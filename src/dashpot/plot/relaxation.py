@@ -94,9 +94,9 @@ def fit(
     prepared : RampHold
         What it was fitted to.
     alternatives : sequence of Fit
-        Others to hold against it, such as one arm against two.
+        Other fits for comparison, such as one arm against two.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """
     plotted_fits = make_plotted_fits(fit, alternatives, prepared)
     # the chosen one first
@@ -202,7 +202,10 @@ def residual_panel(
     noise = scale * prepared.force_noise
     marks: list[Mark] = [Area(x, low, high, curve.pen.colour, "residual: range of samples")]
     if noise > 0:
-        pair = Rule(noise, REF, "noise, one SD", across=True), Rule(-noise, REF, across=True)
+        pair = (
+            Rule(noise, REF, "noise, one SD", is_horizontal=True),
+            Rule(-noise, REF, is_horizontal=True),
+        )
         marks += pair
     marks.append(Line(x, mean, Pen(curve.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
@@ -226,7 +229,7 @@ def _ranges(
 
 
 def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """Return time from first contact and the force that the fit says at it, N.
+    """Return time from first contact and the fitted force, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
     drift begins there. Every other answers to the motion behind the recorded displacement, bent by

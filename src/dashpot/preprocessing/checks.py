@@ -218,7 +218,7 @@ def ramp_recorded(loading_rise: float, change: float) -> Finding:
 
 
 def refuse_late_start(location: str, loading_rise: float, change: float) -> None:
-    """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
+    """Raise DataError if the record begins after its ramp: a fit would be meaningless."""
     check = ramp_recorded(loading_rise, change)
     if check.failed:
         raise DataError(f"{location}: {decapitalise_sentence(check.message_with_remedy)}")
@@ -325,7 +325,8 @@ def face_recovered(
 def earlier_loading_negligible(value: float) -> Finding:
     """Earlier loadings have little effect on the one that is fitted.
 
-    `value` is what the seal has not recovered when its ramp begins, of its depth or of its force.
+    `value` is the compression or force from which the seal has not recovered when its ramp begins,
+    relative to depth or force.
     """
     return Finding(
         f"When its ramp begins the seal has not recovered by {100 * value:.2g} %",
@@ -338,7 +339,7 @@ def earlier_loading_negligible(value: float) -> Finding:
 def history_checks(
     record: RampHold, earlier_loadings: EarlierLoadings, first_contact: Touch, *, was_pressed: bool
 ) -> list[Check]:
-    """Return the checks of what came before the loading that is fitted."""
+    """Return the checks of the loadings before the fitted one."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
     is_jump = np.abs(change) > MAX_HISTORY_JUMP * record.depth
@@ -438,7 +439,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
 
 
 def _find_clock_jump(time: FloatArray, onset: float, shortest: float) -> Finding | None:
-    """The leap of an even clock that is longest for its place, if any is long."""
+    """The largest relative jump of an even clock, if it is too large."""
     jumps = find_clock_jumps(time)
     if not jumps or not has_few_pauses(time):
         return None
@@ -712,7 +713,7 @@ def check_records(
 
 @cache_on_record
 def _check_record(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
-    """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
+    """The checks of one record for any fit: before its hold, after it, and of its depth."""
     last_loading = test.last_loading
     loading_checks = (
         force_not_clipped(last_loading),

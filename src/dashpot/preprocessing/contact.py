@@ -35,7 +35,7 @@ class Baseline(NamedTuple):
         Mean, and standard deviation about a straight line, N.
     slope, slope_error : float
         Slope of that line, N/s; the error is infinite where the baseline is too short.
-    middle : float
+    mean_time : float
         Its mean time, s.
     """
 
@@ -45,7 +45,7 @@ class Baseline(NamedTuple):
     noise: float
     slope: float
     slope_error: float
-    middle: float
+    mean_time: float
 
     @property
     def long_enough(self) -> bool:
@@ -74,12 +74,12 @@ def subtract_tare(
     drift: float | str | None,
     location: str,
 ) -> tuple[FloatArray, Step]:
-    """Take off the tare, and the drift if it was asked for.
+    """Subtract the tare, and the drift if requested.
 
     Raises
     ------
     DataError
-        If the drift of a baseline is asked for that is too short to show one.
+        If the drift is requested, but the baseline is too short for it.
     """
     if drift == "baseline" and not baseline.long_enough:
         raise DataError(
@@ -103,7 +103,7 @@ def subtract_tare(
         f"; {format_quantity(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
     )
     parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
-    return force - tare - rate * (time - baseline.middle), Step("tare", parameters, message)
+    return force - tare - rate * (time - baseline.mean_time), Step("tare", parameters, message)
 
 
 class Contact(NamedTuple):
@@ -188,7 +188,7 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
 
 
 def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
-    """Return what is fitted to the force, shape (trials, n, 3)."""
+    """Return the design matrices for the force, shape (trials, n, 3)."""
     compression = np.maximum(x - contact[:, None], 0.0)
     relative_compression = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
     return np.stack(

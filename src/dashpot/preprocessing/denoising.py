@@ -1,9 +1,9 @@
 r"""Denoising of a recorded displacement.
 
-A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a
-spike of force. The true force shows none, since nothing moved: taken at its word, the record would
-rule out fast arms that are there (errors in variables). So what the encoder saw is freed of its
-counts and of its noise first.
+A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a spike
+of force. The true force has no such noise, since the plate did not move: without a correction the
+fit would exclude fast arms that exist (errors in variables). So quantisation and noise are first
+removed from the encoder signal.
 """
 
 from __future__ import annotations
@@ -84,8 +84,8 @@ def estimate_interpolation_noise(
     r"""Return the interpolation error of a motion as white noise, m, shape (n,).
 
     A bend misses :math:`m = h^2 \ddot x/8`, always to its hollow side: samples that bend alike
-    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to a ramp after the ramp, and
-    where what is lost of the force shows in its noise.
+    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to one ramp time after the ramp,
+    where the lost force exceeds the noise.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def estimate_interpolation_noise(
 def compute_interpolation_bends(
     test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
-    r"""Return what a straight line between samples misses, m, shape (n,): :math:`h^2 \ddot x/8`.
+    r"""Return the error of linear interpolation, m, shape (n,): :math:`h^2 \ddot x/8`.
 
     Less what counts and noise bend; parameters as for :func:`estimate_interpolation_noise`.
     """
@@ -134,7 +134,7 @@ def compute_interpolation_bends(
 
 
 def compute_largest_bend(motion_errors: FloatArray) -> float:
-    """Return the largest of what is missed but for a few sharp corners."""
+    """Return the largest interpolation error except at a few sharp corners."""
     return float(np.partition(motion_errors, -CORNERS)[-CORNERS])
 
 

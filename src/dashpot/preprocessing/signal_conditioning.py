@@ -119,7 +119,7 @@ def parse_filter(text: str) -> Filter:
 
 
 def filter_record(test: RampHold, chosen_filter: Filter) -> RampHold:
-    """Return the record with both channels behind a filter, and the record before it beside."""
+    """Return the record with both channels filtered; it keeps the unfiltered record, too."""
     step = Step(
         FILTER_STEP,
         (("filter", str(chosen_filter)),),

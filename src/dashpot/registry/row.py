@@ -206,7 +206,7 @@ class FitRow(NamedTuple):
     name : str
         A word of :func:`dashpot.workflow.fit_routing.route`.
     records, files : str
-        The function of records (Python), and that of a request of ``dashpot fit``.
+        The function for records (Python), and the one for a request of ``dashpot fit``.
     title, command_title : str
         What its records are called where an option does not suit them, in Python and in a terminal.
     options : tuple of str

@@ -39,7 +39,7 @@ VERDICT_COLOURS: dict[Use, str] = {
 
 @cache
 def environment(package: str) -> Environment:
-    """The templates of a package, and those that pages share; whatever fills them is escaped."""
+    """The templates of a package, and the shared ones; inserted text is escaped."""
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
     result = Environment(
@@ -124,7 +124,7 @@ class DeckTerms:
         Where they hold, Hz; None of a law without frequencies.
     choices : mapping of str to str
         Options of the target.
-    unstated : tuple of str
+    allowed_unknowns : tuple of str
         What is not known of the specimen, and allowed by name.
     reason : str
         Why there is no deck where none could be made.
@@ -132,7 +132,7 @@ class DeckTerms:
 
     band: tuple[float, float] | None
     choices: Mapping[str, str] = field(default_factory=dict)
-    unstated: tuple[str, ...] = ()
+    allowed_unknowns: tuple[str, ...] = ()
     reason: str = "the tests do not determine every parameter"
 
 
@@ -144,7 +144,7 @@ class Attachment(NamedTuple):
     name : str
         What it is saved as.
     label : str
-        What its link says.
+        Text of its link.
     about : str
         What is in it.
     link : str
@@ -194,8 +194,8 @@ def _find_deck_terms(source: DeckSource) -> DeckTerms:
 def decks(source: DeckSource, compression: float | None = None) -> tuple[AttachedDeck, ...]:
     """Decks of one seal, or cards of a material, over the band of its tests and no further.
 
-    What is not known of the specimen is allowed by name, so each deck marks it in its header. None
-    is made of what may not be used, of what is not identified, or where a number is missing.
+    What is not known of the specimen is allowed by name, so each deck marks it in its header. A
+    deck is left out if the model may not be used, is not identified, or lacks a number.
 
     Parameters
     ----------
@@ -217,13 +217,18 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     band_argument: dict[str, Any] = {}
     if terms.band and not terms.choices:
         band_argument["frequency_range"] = round_band_inwards(terms.band)
-    options += [word for name in terms.unstated for word in ("--allow", name)]
+    options += [word for name in terms.allowed_unknowns for word in ("--allow", name)]
     attached = []
     for target in _SOLVERS:
         band = band_argument if uses_argument(target, "frequency_range") else {}
         try:
             text = deck_for(
-                target, source, units=_UNIT_SYSTEM, allow=terms.unstated, **deck_arguments, **band
+                target,
+                source,
+                units=_UNIT_SYSTEM,
+                allow=terms.allowed_unknowns,
+                **deck_arguments,
+                **band,
             )
         except ExportError:
             continue

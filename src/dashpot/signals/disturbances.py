@@ -63,7 +63,7 @@ def build_machine_terms(
 def build_earlier_press(
     machine: Machine, solid: GeneralizedMaxwell, time: FloatArray, *, depth: float
 ) -> tuple[FloatArray, float]:
-    r"""Return what a seal still remembers of presses before its record: N a m, and its sd in m.
+    r"""Return the remaining force of earlier presses, N per m, and the standard deviation in m.
 
     An arm that was pressed for D, and left alone for R, pulls by
 
@@ -81,7 +81,7 @@ def compute_set_sd(
 ) -> float:
     """Return the standard deviation of how much of a gap, m, is the set of an earlier press, m.
 
-    A set goes as what the solid remembers does.
+    A set recovers as the solid relaxes.
     """
     usual_stiffness = float(
         _compute_residual_stiffness(solid, DEFAULT_UNCERTAINTIES["rest after it"].size).sum()
@@ -135,7 +135,7 @@ def compute_warming(
     by_b: float = 0.0,
     since: float = 0.0,
 ) -> FloatArray:
-    r"""Return what a seal that warms by one kelvin to the end of its record adds, N/K.
+    r"""Return the change of force if the seal warms by one kelvin until the end of its record, N/K.
 
     It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
 

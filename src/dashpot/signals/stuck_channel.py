@@ -67,9 +67,9 @@ def find_stuck_runs(
     values : array, shape (m,)
         The readings as they stand in the file.
     is_at_rest : array of bool, shape (m,), optional
-        Where nothing drives the channel to leap or stop: only there do these two rules hold.
+        Samples without excitation: only there are jumps and stops faults.
     leaps : bool
-        Whether a leap is a fault; not of a signal that sets in by itself, as of a blow.
+        Whether a jump is a fault; it is none at the onset of a hit.
     time_since_ramp : array, shape (m,), optional
         For a channel that falls as it relaxes: time since it was loaded, s.
     other_stretches : sequence of array
@@ -154,7 +154,7 @@ def _compute_shortest_fault(
 
 
 def _has_jump(values: FloatArray, run: slice, free: BoolArray, min_leap: float) -> bool:
-    """Return whether a channel goes on from another value than it stood at, and stays there."""
+    """Return whether a channel jumps to another value after standing still, and stays there."""
     values_after = values[run.stop : run.stop + SAMPLES_AFTER]
     if (
         len(values_after) < SAMPLES_AFTER

@@ -1,4 +1,4 @@
-"""Truth of a simulated file, written beside it."""
+"""Ground truth of a simulated file, written beside it."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def simulate_path(
     path : pair of array
         Corners that the plate is sent through, s after the baseline and m; it starts at (0, 0).
     specimen : Specimen, optional
-        What the record says of the piece.
+        Specimen stated in the record.
 
     Returns
     -------
@@ -264,7 +264,7 @@ def simulate_relaxation(
     Raises
     ------
     DataError
-        If depth or a time is not positive, or the law knows nothing of the temperature.
+        If depth or a time is not positive, or the law is not valid at the temperature.
     """
     depth = convert_to_si(depth, "length")
     ramp_time = convert_to_si(ramp_time, "time")

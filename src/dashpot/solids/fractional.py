@@ -248,13 +248,13 @@ class FractionalZener(Solid, Serialisable):
 
     @property
     def maxwell(self) -> GeneralizedMaxwell:
-        """Arms that stand for the solid at every frequency, to 1e-4 of k_0 - k_inf."""
+        """Arms that approximate the solid at every frequency, to 1e-4 of k_0 - k_inf."""
         return self.arms()
 
     def arms(
         self, tolerance: float = TOLERANCE, band: tuple[float, float] | None = None
     ) -> GeneralizedMaxwell:
-        r"""Return positive arms that stand for the solid; ``.arms`` of them counts them.
+        r"""Return positive arms that approximate the solid; their number is ``.arms``.
 
         Parameters
         ----------

@@ -72,7 +72,7 @@ class Solid(ABC):
     @property
     @abstractmethod
     def maxwell(self) -> GeneralizedMaxwell:
-        """The arms that stand for the solid: exactly, or within the tolerance it was given."""
+        """The arms of the solid, exact or within the given tolerance."""
 
     @abstractmethod
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
@@ -568,7 +568,7 @@ class Parallel(Solid, Serialisable):
         return np.asarray(sum(part.force(t, displacement) for part in self.parts))
 
     def __add__(self, other: object) -> Parallel:
-        """One more solid beside them."""
+        """Another solid in parallel."""
         return Parallel((self, other)) if isinstance(other, Solid) else NotImplemented
 
     __radd__ = __add__

@@ -123,7 +123,7 @@ def series(*solids: GeneralizedMaxwell) -> GeneralizedMaxwell:
     Raises
     ------
     DataError
-        If a part has neither stiffness nor viscosity: the chain is broken there.
+        If a part has neither stiffness nor viscosity: it transmits no force.
     """
     if not solids:
         raise DataError("series() needs at least one solid")

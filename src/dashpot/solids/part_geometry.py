@@ -281,8 +281,8 @@ class Bulb(Geometry):
     """Hollow round seal, slightly compressed across: outer diameter, wall and length, m.
 
     A thin wall that bends. Its stretch and shear, left out, make it softer: by 2.5 % at a wall of a
-    tenth of the mean radius, 9 % at a fifth. `poisson` is that of the wall; a sponge has less
-    than solid rubber.
+    tenth of the mean radius, 9 % at a fifth. `poisson` is Poisson's ratio of the wall; a sponge has
+    a lower one than solid rubber.
 
     >>> bulb = Bulb(0.022, 0.002, 0.1, poisson=0.45)
     >>> round(2e6 * bulb.factor())  # N/m of 100 mm, of 2 MPa

@@ -28,7 +28,7 @@ class Text(NamedTuple):
     details
         For ``-v`` alone.
     requested_lines
-        What an option asked for: never cut.
+        Lines that an option requested: never cut.
     """
 
     lines: Sequence[str] = ()
@@ -257,7 +257,7 @@ def _shorten_check_lines(check: list[str], columns: int) -> list[str]:
 
 
 def _format_check_counts(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed, are a note, and have nothing to judge."""
+    """Return the numbers of checks that passed, failed, are notes, or do not apply."""
     each_once = dict.fromkeys(checks)  # several tests may give one and the same answer
     states = [
         "note" if check.failed and check.grade == "note" else check.passed for check in each_once

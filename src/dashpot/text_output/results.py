@@ -112,7 +112,7 @@ def _format_part(result: object, part: object) -> list[str]:
 
 
 def _format_fit_heading(fit: Fit, request: int | str) -> str:
-    """Return files, number of arms and method, and whether fewer arms than asked for."""
+    """Return files, number of arms and method, and whether there are fewer arms than requested."""
     files = ", ".join(source.file for source in fit.source) or "arrays in memory"
     arms = f"{fit.model.arms} Maxwell arm{'s' * (fit.model.arms != 1)}"
     if fit.family == "fractional":
@@ -247,7 +247,7 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
 
 
 def _format_parameter_changes(fit: Fit) -> list[str]:
-    """Return what a further test changed, one parameter a row."""
+    """Return the changes by a further test, one parameter a row."""
     if not fit.evidence.parameter_changes:
         return []
     rows = [
@@ -277,7 +277,7 @@ def _format_match(explanation: Explanation) -> str:
 
 
 def _format_explanations(fit: Fit) -> list[str]:
-    """Return what would explain two tests that disagree, the best first."""
+    """Return the explanations of two tests that disagree, the best first."""
     return [
         ascii_only(
             f"  tried       {explanation.message} ({_format_match(explanation)}; chi-square "

@@ -20,7 +20,7 @@ class Assumption:
     holds : str
         What is supposed.
     otherwise : str
-        What a result is worth where it does not hold, with numbers where they were measured.
+        Effect on the result where it is violated, with measured numbers if there are any.
     checks : tuple of str
         Names of the checks that fail where a record shows that it does not hold.
     options : tuple of str

@@ -40,7 +40,7 @@ def prepared_tests(
     checked: bool = True,
     each_depth: bool = False,
 ) -> tuple[RampHold, ...]:
-    """Prepare ramps and holds; what is prepared already stays as it is.
+    """Prepare ramps and holds; prepared records are returned unchanged.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def prepared_tests(
     Raises
     ------
     FitError
-        If it is said how to prepare them, and one is prepared.
+        If options of the preparation are given for a prepared record.
     DataError
         If several are cut by hand, or one cannot be prepared.
     """
@@ -153,7 +153,7 @@ Record: TypeAlias = Any
 
 @dataclass(frozen=True)
 class BenchFitOptions(SolidOptions):
-    """Options of the fit of tests on a bench, whatever the records turn out to be.
+    """Options of the fit of bench tests of any kind.
 
     Sweeps, moduli and creep always have intervals.
 
@@ -164,7 +164,7 @@ class BenchFitOptions(SolidOptions):
         stiffnesses.
     filter : str or None
     machine : Machine or None
-        None is a machine of which nothing is known.
+        None for an unknown machine.
     time_limits : TimeLimits
         For one relaxation test, by hand.
     cycle : int or None
@@ -172,7 +172,7 @@ class BenchFitOptions(SolidOptions):
     shifting : ShiftChoices
         For sweeps or moduli at several temperatures: which one, or how all are shifted.
     specimen : Specimen or None
-        What was said of the first test: a temperature of its own refuses sweeps at several.
+        Stated specimen of the first test: its temperature excludes sweeps at several.
     """
 
     depth_law: bool = False
@@ -192,8 +192,8 @@ class BenchFitOptions(SolidOptions):
         FitError
             If a choice is for sweeps, moduli and creep alone.
         """
-        shifting = self.shifting
-        if shifting.at is not None or shifting.shifts is not None:
+        choices = self.shifting
+        if choices.at is not None or choices.shifts is not None:
             raise FitError(
                 "--at-temperature and --shifts are for sweeps, moduli and creep; ramps and "
                 "holds find their own shifts: leave them out (Python: temperature=; that of a test "
@@ -201,9 +201,9 @@ class BenchFitOptions(SolidOptions):
             )
         return FitOptions(
             self.arms, self.method, self.law, self.family, self.intervals, self.thorough,
-            shift_law=shifting.law,
-            vertical="free" if shifting.vertical == "auto" else shifting.vertical,
-            reference=shifting.reference,
+            shift_law=choices.law,
+            vertical="free" if choices.vertical == "auto" else choices.vertical,
+            reference=choices.reference,
         )  # fmt: skip
 
     def has_defaults(self, *names: str) -> bool:
@@ -257,8 +257,8 @@ def fit_records(
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
 
-    Ramps and holds are fitted together, also such as are prepared; what is with other tests, by
-    the handler of these. `name`, of the first file, stands before what is wrong.
+    Ramps and holds, prepared or not, are fitted together; with tests of another kind, the handler
+    of that kind fits them. `name` of the first file is the beginning of error messages.
     """
     handlers = (find_handler("fit records", test) for test in tests)
     fit_others = next((handler for handler in handlers if handler is not None), None)
@@ -287,7 +287,7 @@ def read_test(
 ) -> Bench:
     """Return the test of a bench in a file, by the reader of its kind.
 
-    What is of no kind is asked for the columns of a ramp and hold.
+    A file of unknown kind is read as a ramp and hold.
 
     Raises
     ------

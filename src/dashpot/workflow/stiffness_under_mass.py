@@ -78,7 +78,7 @@ class StaticEquilibrium:
     secant : StiffnessAt
         The fit's own, at the depth of the relaxation test.
     tangent : StiffnessAt
-        At the compression of the mass: what a prediction takes.
+        Tangent stiffness at the compression of the mass, used in predictions.
     """
 
     point: OperatingPoint

@@ -160,7 +160,7 @@ class JudgedLimit(Serialisable):
 
 @dataclass(frozen=True)
 class Acceptance(Printable, Serialisable):
-    """Limits held against one result: the seal's word, beside the verdict on the model.
+    """Limits compared with one result: the decision on the seal, not on the model.
 
     Attributes
     ----------
@@ -186,7 +186,7 @@ class Acceptance(Printable, Serialisable):
 
     @property
     def word(self) -> SealWord:
-        """The seal's word: it misses if one limit is missed, meets if all are met, else open."""
+        """Decision on the seal: missed if one limit is missed, met if all are met, else open."""
         outcomes = self._outcomes
         if "missed" in outcomes:
             return "misses"

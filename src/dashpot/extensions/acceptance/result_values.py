@@ -157,7 +157,7 @@ def list_names(result: Any) -> list[str]:
     """Return the names of the values of a result."""
     if isinstance(result, Study):
         advice = recommend_solid(result)
-        answered = {value.quantity for value in advice.under_mass}
+        answered = {value.quantity for value in advice.mass_values}
         names = [name for name, word in _RECOMMENDED_QUANTITIES.items() if word in answered]
         return [*names, "force at TIME", *list_names(advice.solid)]
     if isinstance(result, Identified):
@@ -230,7 +230,7 @@ def _(study: Study, name: _Name) -> ResultValue | None:
         return _find_force(study, advice.solid, name)
     answer = _RECOMMENDED_QUANTITIES.get(name.word)
     if answer is not None and not name.place:
-        answers = (*advice.under_mass, *advice.one_seal)
+        answers = (*advice.mass_values, *advice.seal_values)
         items = (item for item in answers if item.quantity == answer)
         return next((_make_answer_value(name, item, advice) for item in items), None)
     unmeasured = study.unmeasured
@@ -252,7 +252,7 @@ def _make_answer_value(name: _Name, value: RecommendedValue, advice: Recommendat
     factor.
     """
     reported_value, position_text = value.fact, ""
-    hertz = next(item.at for item in advice.one_seal if item.quantity == "dynamic stiffness")
+    hertz = next(item.at for item in advice.seal_values if item.quantity == "dynamic stiffness")
     part = "storage" if name.word in {"frequency", "storage"} else "loss_factor"
     if name.word in {"loss_factor", "storage"} and value.at is not None:
         position_text = f" at {round_to_error(value.at)} Hz"
@@ -347,9 +347,9 @@ def _make_time_value(
 ) -> ResultValue:
     """Return a value at a time with the wider of two intervals, each relative to the value.
 
-    One is of the covariance, by one standard error along each of its axes. The other is what
-    every spectrum that the test does not reject leaves at the end of the hold; after the hold,
-    what it leaves of the rest.
+    The first come from the covariance, by one standard error along each of its axes. The others are
+    the limits over every spectrum that the test does not reject, at the end of the hold and after
+    it.
     """
     value, half_width = evaluate(fit.solid), NORMAL * _propagate_error(fit, evaluate)
     low, high, remedy = value - half_width, value + half_width, ""

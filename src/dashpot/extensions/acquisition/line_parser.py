@@ -51,10 +51,10 @@ def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | N
 class Lines:
     """Parser from bytes to blocks of numbers, with a count of lost lines.
 
-    A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at
-    its end is the exclusive or of the bytes before it; a device that has sent one is held to it
-    in every line. The first line is left out: nobody knows how much of it was sent before the
-    listening began.
+    A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at its
+    end is the exclusive or of the bytes before it; a device that has sent one is held to it in
+    every line. The first line is left out: its beginning may have been sent before the recording
+    started.
 
     Parameters
     ----------

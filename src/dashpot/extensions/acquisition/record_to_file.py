@@ -31,9 +31,9 @@ def record(
 ) -> tuple[int, tuple[str, ...]]:
     """Write what a recorder reads to a file, until it ends, is stopped, or `seconds` are over.
 
-    The file grows at its own place, and is on the disk within a second: what kills the process
-    leaves what was read until then. Meanwhile the operating system's lock on it is held, which
-    ends with the process. What stood there is replaced when the first rows come.
+    The file is written in place and flushed within a second: if the process is killed, all rows
+    until then remain. Meanwhile the operating system's lock on it is held, which ends with the
+    process. An existing file is replaced when the first rows arrive.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def record(
     -------
     rows : int
     notes : tuple of str
-        What was lost; they stand at the file's end as well.
+        Losses of data; they are also written at the end of the file.
 
     Raises
     ------

@@ -25,7 +25,7 @@ class Paced:
     ----------
     test : RelaxationTest
     device : str
-        What it is said to come from.
+        Stated origin of the record.
     speed : float
         Seconds of the record in a second; infinity for all of it at once.
     """

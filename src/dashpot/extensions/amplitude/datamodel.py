@@ -50,7 +50,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     unit : str
         ``"Pa"`` or ``"N/m"``.
     of : str
-        ``"m"`` or ``"strain"``: what the amplitude is of.
+        ``"m"`` or ``"strain"``: the unit of the amplitude.
     specimen : Specimen
     source : Source or None
     sd : array, shape (n,) or None
@@ -250,7 +250,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     amplitudes : (float, float)
         The range that the sweep informs.
     residual : float
-        Rms of what is left, over the size of the modulus.
+        Rms residual over the magnitude of the modulus.
     orders : tuple of (str, float)
         BIC of each law that may be: the smallest is best, and is taken unless another is as good.
     left_out : int
@@ -262,7 +262,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     k3 : float
         Coefficient of the cubic spring, in `unit` per square of `of`; 0 where there is none.
     k3_detection_limit : float
-        Where there is none: largest size that the data cannot exclude, 95 %; else 0.
+        Without a cubic spring: largest magnitude that the data cannot exclude, 95 %; else 0.
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
         so at every amplitude alike, so loops of one frequency do not distinguish it from loss.
@@ -457,13 +457,13 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return InParallel(tuple(parts)) if parts else None
 
     def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:
-        """The cubic spring as an element beside a solid; scale and stretch as in `element`."""
+        """The cubic spring as an element parallel to a solid; scale and stretch as in `element`."""
         if not self.k3:
             raise DataError(f"the law is '{self.law}', which has no cubic spring")
         return Cubic(self.k3 * scale / stretch**2)
 
     def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
-        """Return the additive law as an element beside a solid.
+        """Return the additive law as an element in parallel to a solid.
 
         Parameters
         ----------

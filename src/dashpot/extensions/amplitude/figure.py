@@ -85,7 +85,7 @@ def level(
     records : sequence of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
         As fitted: one sweep, one record of loops, or the FRF of each level.
     stamp : str
-        What the figure says of its origin; by default files, specimen and date.
+        Origin of the data, printed below the figure; by default files, specimen and date.
     """
     if isinstance(result, HitLevels):
         return hits_as_levels(result, stamp=stamp)
@@ -117,7 +117,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     fit : AmplitudeFit, optional
         Fit of those loops.
     stamp : str
-        What the figure says of its origin; by default file, specimen and date.
+        Origin of the data, printed below the figure; by default file, specimen and date.
     """
     shown_loops = _select_distinct_loops(find_steady_cycles(test))
     of_material = isinstance(test, StressStrainLoops)
@@ -183,7 +183,7 @@ def amplitude_sweep(
     sweep : AmplitudeSweep
     fit : AmplitudeFit, optional
     stamp : str
-        What the figure says of its origin; by default file, specimen and date.
+        Origin of the data, printed below the figure; by default file, specimen and date.
     """
     strips = tuple((panel,) for panel in _make_amplitude_panels(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
@@ -204,7 +204,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     frfs : sequence of FRF
         What it was fitted to.
     stamp : str
-        What the figure says of its origin; by default files, mass and seals.
+        Origin of the data, printed below the figure; by default files, mass and seals.
     """
     text = stamp or format_stamp(fit.source, mass=fit.mass, seals=fit.seals)
     strips = (
@@ -227,7 +227,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     ----------
     levels : HitLevels
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     hits = [hit for hit in levels.frf.hits if hit.amplitude]
     X = MEAN_AMPLITUDE_RATIO * np.array([hit.amplitude for hit in hits])

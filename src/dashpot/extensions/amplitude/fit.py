@@ -102,7 +102,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         sweep = sweep.only(~is_stray)
         candidates = _sort_candidate_laws(sweep, law)
     constant_fit, best = fit_sweep_law(sweep, "none"), candidates[0]
-    reach_ratio = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
+    reach_ratio = float(sweep.amplitude.max()) / best.parameters.get("half_way", np.nan)
     if reach_ratio < FAR_ENOUGH:
         best = fit_sweep_law(sweep, best.law, DEFAULT_EXPONENT)
     gain, law_words = constant_fit.deviance - best.deviance, _WORDS.get(best.law, "")
@@ -121,13 +121,13 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         loss_residual_small(best.residual_loss),
         *check_machine(list_sources([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
-    if "lost" in best.numbers:
+    if "lost" in best.parameters:
         checks.insert(2, softening_seen(reach_ratio))
     if return_difference is not None:
         checks.append(up_and_down_sweeps_agree(return_difference))
     cubic = 0.0
-    if "k3" in best.numbers:
-        checks.append(spring_cubic(best.bends))
+    if "k3" in best.parameters:
+        checks.append(spring_cubic(best.quartic_gain))
     elif has_several_amplitudes:
         cubic = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
@@ -139,9 +139,9 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         np.unique(sweep.frequency),
         best.linear,
         linear_se,
-        best.numbers.get("lost", 0.0),
-        best.numbers.get("half_way", np.nan),
-        best.numbers.get("exponent", np.nan),
+        best.parameters.get("lost", 0.0),
+        best.parameters.get("half_way", np.nan),
+        best.parameters.get("exponent", np.nan),
         tuple(se.items()),
         range_,
         best.residual,
@@ -151,7 +151,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         sweep.of,
         (*checks, *caution_checks(list_sources([sweep]))),
         sweep.source,
-        best.numbers.get("k3", 0.0),
+        best.parameters.get("k3", 0.0),
         cubic,
         delay_sd=sweep.delay_sd,
     )
@@ -171,11 +171,11 @@ def _compute_errors_with_delay(
         K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * delay)
         rotated_sweep = replace(sweep, storage=K.real, loss=K.imag, units="SI")
         fitted = fit_sweep_law(rotated_sweep, best.law, fixed_exponent)
-        return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.numbers.values()])
+        return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.parameters.values()])
 
     def levels(delay: float) -> FloatArray:
         L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * delay)
-        return np.array([*L.real, *L.imag, *best.numbers.values()])
+        return np.array([*L.real, *L.imag, *best.parameters.values()])
 
     if not sweep.delay_sd:
         return best.linear_se, best.se
@@ -194,9 +194,9 @@ def _compute_errors_with_delay(
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
     """Return the 95 % limit of a cubic spring in parallel to a law without one."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
-    fixed_exponent = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
+    fixed_exponent = best.parameters.get("exponent") if best.se.get("exponent") == 0 else None
     fitted = fit_sweep_law(sweep, law, fixed_exponent)
-    return abs(fitted.numbers["k3"]) + NORMAL * fitted.se["k3"]
+    return abs(fitted.parameters["k3"]) + NORMAL * fitted.se["k3"]
 
 
 def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:

@@ -161,7 +161,7 @@ def level_files(
     machine : Machine, optional
         What is known of the machine that drove recorded loops: its `sync`.
     options : ReadOptions, optional
-        What the user said of the files.
+        Reading options of the files.
     """
     kinds = [recognise(path, options).kind for path in files]
     if any(kind in RESPONSES or kind in HITS for kind in kinds):

@@ -82,19 +82,20 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     solid : GeneralizedMaxwell
         What does not depend on the level; its single arms mean little beyond the band.
     rate_independent : tuple of Jenkins or Cubic
-        What stands beside it: friction, a spectrum over yield displacements, and a spring that
-        stiffens or softens; none where it is not seen.
+        Elements in parallel: friction, as a spectrum over yield displacements, and a stiffening or
+        softening spring; empty if none was detected.
     amplitudes : (float, float)
         Range of displacement amplitudes of the seal that the lines cover, m.
     band : (float, float)
         Hz.
     residual : float
-        Rms of what is left of F/X, relative, over every line.
+        Relative rms residual of F/X over all lines.
     linear_residual : float
         As `residual`, of arms alone.
     draws : tuple of (GeneralizedMaxwell, tuple of Jenkins or Cubic)
-        The same fit of records that chance might have given: what is known of anything that
-        follows from the solid and what stands beside it. None of a fit that was read from a file.
+        Fits to simulated repetitions of the records: they give the uncertainty of every quantity
+        that follows from the solid and its parallel elements. None of a fit that was read from a
+        file.
     mass : float
         On all seals, kg.
     seals : float
@@ -172,7 +173,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def sliders(self) -> tuple[Jenkins, ...]:
-        """The friction beside the solid."""
+        """The friction in parallel to the solid."""
         return tuple(element for element in self.rate_independent if isinstance(element, Jenkins))
 
     @property

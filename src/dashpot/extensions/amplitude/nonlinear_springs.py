@@ -49,7 +49,7 @@ class StagedSpring(RateIndependent):
         return np.asarray(np.copysign(self.k[0] * magnitude + excess @ np.diff(self.k), x))
 
     def start(self) -> None:
-        """Return no state: a spring remembers nothing."""
+        """Return an empty state: a spring has no history."""
 
     def step(self, state: None, x: float) -> tuple[float, None]:  # noqa: ARG002
         """Return the force, N."""

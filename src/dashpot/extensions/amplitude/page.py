@@ -126,7 +126,7 @@ def fit_job(job: LevelJob) -> tuple[AmplitudeResult, JobPage]:
 
 
 def list_level_values(levels: AmplitudeResult) -> list[ReportedValue]:
-    """Return what moves with amplitude, and the resonance at every level that was asked for."""
+    """Return the amplitude-dependent quantities, and the resonance at every requested level."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         return [*_make_law_facts(fit)]
@@ -214,7 +214,7 @@ def _get_amplitude_unit(fit: AmplitudeFit) -> tuple[str, float]:
 def _make_fact(
     name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
 ) -> ReportedValue:
-    """Return a number with its error; `size` is what it is a part of."""
+    """Return a number with its error; `size` is the quantity to which it is relative."""
     error = max(error, _MIN_RELATIVE_ERROR * max(abs(value), size))
     return ReportedValue.from_error(name, value, error, unit=unit, read=read)
 

@@ -103,7 +103,7 @@ def read_loops(
 ) -> LoopRecord:
     """Return the hysteresis loops in a file, in SI units.
 
-    Displacement and force are those of a part, strain and stress those of a material.
+    Displacement and force belong to a part, strain and stress to a material.
 
     Raises
     ------

@@ -94,7 +94,7 @@ def format_values(attribute: Field[Any], value: Any) -> list[str]:
 def format_command_quantity(value: float, dimension: Dimension) -> str:
     """Return an SI value as it is typed: a text that is read as exactly this value.
 
-    In the unit that people use where that loses no digit, else in the SI unit.
+    In the customary unit where that loses no digit, else in the SI unit.
 
     >>> format_command_quantity(0.1148, "mass"), format_command_quantity(296.15,
     ...     "temperature"), format_command_quantity(1 / 3, "length")

@@ -83,7 +83,7 @@ def _load_fit(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFi
 
 
 def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Two fits: verdict of neither, figures of both, a table with their difference."""
+    """Comparison of two fits: their figures, and a table with the differences."""
     a, b = (_load_fit(name, request, folder) for name in "AB")
     sizes = get_panel_sizes(request)
     rows = [*_compare_numbers(a, b), *_compare_arms(a.solid, b.solid)]
@@ -134,7 +134,7 @@ class ComparedValue(NamedTuple):
 def _compare_numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """Return the numbers that both fits have, with the limits of A."""
     values_of_b = {value.quantity: value for value in b.values}
-    mass_quantities = {answer.quantity for answer in a.recommendation.under_mass}
+    mass_quantities = {answer.quantity for answer in a.recommendation.mass_values}
     for value_of_a in a.values:
         value_of_b = values_of_b.get(value_of_a.quantity)
         if value_of_b is None:
@@ -184,7 +184,7 @@ def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
 
 
 def _compare_arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
-    """Springs and arms side by side: those of one time constant, and those that one has alone."""
+    """Springs and arms side by side: common time constants in one row, others alone."""
     entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
     group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
@@ -321,7 +321,11 @@ def _render_residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) 
         spans.append(residual_panel.x.limits)
         unit = residual_panel.y.label.rpartition(", ")[2]
     noise = convert_to_unit(a.ramp_hold.force_noise, unit)
-    rules = (Rule(noise, REF, across=True), Rule(-noise, REF, across=True)) if noise else ()
+    rules = (
+        (Rule(noise, REF, is_horizontal=True), Rule(-noise, REF, is_horizontal=True))
+        if noise
+        else ()
+    )
     curves = [mark.y for mark in marks if isinstance(mark, Line)]
     time_span = (min(low for low, _ in spans), max(high for _, high in spans))
     panel = Panel(

@@ -23,7 +23,7 @@ class FigureCard(NamedTuple):
 
     title: str
     html: str
-    across: int = 1
+    cards_per_row: int = 1
 
 
 def draw_cards(cards: Sequence[AppCard], width: float) -> list[FigureCard]:

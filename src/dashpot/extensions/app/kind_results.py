@@ -49,7 +49,7 @@ class KindRequest:
 
 
 def read_form(asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
-    """Return the fields as they were typed; those not asked, and empty ones, are left out."""
+    """Return the typed fields of the form, without empty ones."""
     fields_by_name = {form_field.name: form_field for form_field in asks}
     typed_values = ((name, fields_by_name[name.split(" ")[0]].read(text)) for name,
     text in fields.items()

@@ -1,4 +1,4 @@
-"""Limits that a page asks of a result, held against it."""
+"""Acceptance limits entered on a page, compared with a result."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class LimitsPanel:
     Attributes
     ----------
     html : str
-        Section with the outcome of each; empty where none is asked, or one is refused.
+        Section with the outcome of each limit; empty without limits, or if one is refused.
     refusal : str
         Why one is no limit of this result.
     words : tuple of str
         Options of the command line that ask the same.
     document : Serialisable or None
-        The result with what was found of its limits.
+        The result with the outcome of its limits.
     """
 
     html: str = ""
@@ -49,7 +49,7 @@ class LimitsPanel:
 
 
 def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> LimitsPanel:
-    """Return the limits of a request held against a result; a refused one is said, not raised.
+    """Return the limits of a request compared with a result; an invalid one is a message.
 
     A limit that cannot be judged says nothing against the result.
     """

@@ -46,7 +46,7 @@ def _read_list() -> list[dict[str, Any]]:
 
 
 def get_state_path(name: str) -> Path:
-    """Return where this system keeps what a program remembers of its user."""
+    """Return the folder in which this system keeps user data of programs."""
     folder = os.environ.get(STATE_VARIABLE)
     if folder:
         return Path(folder) / name

@@ -26,7 +26,7 @@ def read_relaxation_test(
 ) -> RelaxationTest:
     """Return the test in a file, as read before if any worker has.
 
-    Of a specimen the temperature alone can change what a reader says.
+    Of the specimen only the temperature can change the result of a reader.
     """
     known_specimen = specimen or Specimen()
     cache_path = _get_cache_path(path, options, known_specimen.temperature)
@@ -39,7 +39,7 @@ def read_relaxation_test(
 
 
 def cache_record(path: str, reading: ReadOptions, record: RelaxationTest) -> RelaxationTest:
-    """Return a test that was read with nothing said of its specimen, and keep it."""
+    """Read a test without a stated specimen, and cache it."""
     _save_record(_get_cache_path(path, reading, None), record)
     return record
 

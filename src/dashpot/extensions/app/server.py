@@ -101,7 +101,7 @@ class AppContext:
             self.state["left"] = saved_session
 
     async def answer(self, verb: str, body: bytes) -> bytes:
-        """Return the answer to a request, from the cache if there is one."""
+        """Return the response to a request, from the cache if possible."""
         name = sha256(verb.encode() + b"\0" + body).hexdigest()
         if name in self.answers:
             self.answers.move_to_end(name)

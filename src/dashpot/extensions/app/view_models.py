@@ -717,9 +717,11 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
     title, rows = first_screen.make_mass_rows(study, recommendation)
     value_groups: list[tuple[str, list[Row]]] = []
     if rows:
-        pairs = zip(recommendation.under_mass, rows, strict=True)
+        pairs = zip(recommendation.mass_values, rows, strict=True)
         value_groups.append((title, [_shorten_name(*pair) for pair in pairs]))
-    pairs = zip(recommendation.one_seal, first_screen.rows(recommendation.one_seal), strict=True)
+    pairs = zip(
+        recommendation.seal_values, first_screen.rows(recommendation.seal_values), strict=True
+    )
     value_groups.append(("One seal", [_shorten_name(*pair) for pair in pairs]))
     has_measurement = study.comparison is not None
     return render_template(
@@ -814,7 +816,7 @@ def get_section(inspection: InspectedFile) -> str:
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
     """Return the fields that are asked beside a file, as the page draws them."""
     return [{"name": item.name, "label": item.label, "unit": item.unit, "choices": [*item.choices],
-             "each": item.each} for item in fields]  # fmt: skip
+             "each": item.per_file} for item in fields]  # fmt: skip
 
 
 def file_row(inspection: InspectedFile) -> dict[str, Any]:
@@ -862,7 +864,7 @@ def _format_unplaced_kind(inspection: InspectedFile) -> str:
     has_place = get_section(inspection) or inspection.kind not in KINDS_OF_FILE
     if inspection.questions or inspection.refusal or has_place:
         return ""
-    advice = KINDS_OF_FILE[inspection.kind].use
+    advice = KINDS_OF_FILE[inspection.kind].usage
     return (
         "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
         f"tests; for this one: {advice}"

@@ -45,7 +45,7 @@ class WorkerProcess:
         return time.monotonic() - self._started_at if self._started_at else None
 
     async def ask(self, verb: str, request: Any) -> bytes:
-        """Return the answer to a question.
+        """Return the response to a request.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class WorkerProcess:
         return self._process
 
     async def _prestart(self) -> None:
-        """Start anew, so that the modules are there when the next question comes."""
+        """Restart the process, so that its modules are loaded before the next request."""
         if not self._is_closed:
             await self.start()
         self._end_if_closed()
@@ -133,7 +133,7 @@ class WorkerProcess:
             stop_process_group(self._process.pid)
 
     def shut_down(self) -> None:
-        """End the worker, and start no other for who still waits."""
+        """End the worker, and start no other for waiting requests."""
         self._is_closed = True
         self.end()
 

@@ -32,7 +32,7 @@ class SealDecision(NamedTuple):
     value : float or None
         Mean of its tests, SI.
     guard : float or None
-        The guard band: what the uncertainty of this mean takes off either limit.
+        Guard band: the uncertainty of this mean, by which both limits are tightened.
     """
 
     lot: str

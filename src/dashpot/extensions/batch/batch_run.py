@@ -69,7 +69,7 @@ class BatchJob:
     limits: tuple[Limits, ...] = ()
 
     def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
-        """Return the tests that are there now; where more are to come, none is no error."""
+        """Return the tests that exist now; where more will arrive, an empty list is no error."""
         return find_entries(
             self.paths, manifest=self.manifest, label_pattern=self.by, pair=self.pair,
             output_folder=self.output, allow_none=allow_none,
@@ -85,7 +85,7 @@ class BatchJob:
 
 @dataclass(frozen=True)
 class BatchPlan(Serialisable):
-    """Plan of a batch: what it would do.
+    """Plan of a batch: number of files, expected time and processes.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ def lock_results_folder(folder: Path) -> Iterator[None]:
 
 
 def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
-    """Make of the rows asked for those that are missing, in a folder that is occupied."""
+    """Compute the missing ones of the requested rows, in a locked folder."""
     missing = _select_missing_tasks(tasks, job.output)
     if missing:
         try:
@@ -261,10 +261,10 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     executor, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
     missing = _select_missing_tasks(tasks, job.output)
     with executor as making:
-        chunks = len(_split_into_chunks(missing, making.side))
+        chunks = len(_split_into_chunks(missing, making.parallel_chunks))
     value = _estimate_seconds_per_row(missing[:_TIMED_TESTS], job.choices)
-    seconds = value * len(missing) / min(making.at_once, max(chunks, 1))
-    return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
+    seconds = value * len(missing) / min(making.processor_count, max(chunks, 1))
+    return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.parallel_chunks)
 
 
 def _estimate_seconds_per_row(sample_tasks: Sequence[Task], choices: BatchOptions) -> float:
@@ -308,15 +308,21 @@ def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, .
 def _compute(
     missing: Sequence[Task], choices: BatchOptions, folder: Path, executor: Executor
 ) -> None:
-    chunks, done_count, start_time = _split_into_chunks(missing, executor.side), 0, time.monotonic()
+    chunks, done_count, start_time = (
+        _split_into_chunks(missing, executor.parallel_chunks),
+        0,
+        time.monotonic(),
+    )
     send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
-    for number, (chunk, rows) in enumerate(executor.computed(chunks, choices), start=1):
+    for number, (chunk, rows) in enumerate(executor.compute_chunks(chunks, choices), start=1):
         path = write_part(folder, build_row_frame(rows, choices))
         done_count += len(chunk)
         progress = done_count, max(time.monotonic() - start_time, 1e-6)
         first = progress if number == 1 else first
-        tests_per_second = estimate_rate(first, progress, number, min(executor.side, len(chunks)))
+        tests_per_second = estimate_rate(
+            first, progress, number, min(executor.parallel_chunks, len(chunks))
+        )
         text = f"{done_count} of {len(missing)} tests, {tests_per_second:.1f} tests/s"
         if done_count < len(missing):
             text += f", {(len(missing) - done_count) / tests_per_second:.0f} s left"

@@ -81,7 +81,7 @@ def tests_alike(dissimilar: int, tests: int) -> Finding:
 
 @criterion("repeated records", "<=", 0, "by definition", grade="note")
 def records_distinct(copy_count: int, tests: int) -> Finding:
-    """Every test has its own record; none is a copy of another."""
+    """No record is a copy of another."""
     return Finding(
         f"{tests - copy_count} of {tests} fits have records of their own",
         copy_count,

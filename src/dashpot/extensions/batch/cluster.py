@@ -106,7 +106,7 @@ def _compute_chunks(
     waiting, requested_tasks = iter(chunks), dict[str, Chunk]()
 
     def send_chunk(chunk: Chunk) -> Any:
-        tasks = json.dumps([task.packed for task in chunk])
+        tasks = json.dumps([task.serialised for task in chunk])
         future = client.submit(make_rows, tasks, **common, pure=False)
         requested_tasks[future.key] = chunk
         return future

@@ -51,7 +51,7 @@ A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
     ),
 )
 def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> CommandResult:
-    """Fit what is there, or what comes."""
+    """Fit the files of a folder, and with ``--watch`` new ones."""
     if not paths and said["manifest"] is None:
         raise click.UsageError(
             "Give files, folders or patterns, and the folder to fill: dashpot batch tests/ -o LOT"

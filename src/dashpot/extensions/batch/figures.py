@@ -74,7 +74,7 @@ def control_picture(
             titles.append((float(end_positions[0]), name))
         spans.append((chart, seal_positions))
     limits = quantity.scale * np.array(requested)
-    marks += [Rule(end, _LIMIT_PEN, "limits asked", across=True) for end in limits]
+    marks += [Rule(end, _LIMIT_PEN, "limits asked", is_horizontal=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
     low, high = _make_value_axis(quantity, charts, seals, requested)
     marks += [Tag(seal_positions, high, text, "soft") for seal_positions, text in titles]
@@ -169,8 +169,8 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _LIMIT_PEN, across=True) for end in required_limits]
-    marks += [Rule(mean, _MEAN, across=True)]
+    marks += [Rule(quantity.scale * end, _LIMIT_PEN, is_horizontal=True) for end in required_limits]
+    marks += [Rule(mean, _MEAN, is_horizontal=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
     vertical = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
@@ -234,7 +234,9 @@ def lots_picture(
     if lots is not None:
         edges = quantity.scale * lots.mean.lower, quantity.scale * lots.mean.upper
         marks.append(Area(lot_positions, *edges, "fit", "control limits of lot means"))
-        marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
+        marks.append(
+            Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", is_horizontal=True)
+        )
     marks.append(_make_error_bars(lot_positions, low, high, Pen("ref", 1.0), "all of its seals"))
     marks.append(
         _make_error_bars(
@@ -242,7 +244,7 @@ def lots_picture(
         )
     )
     marks += [
-        Rule(quantity.scale * end, _LIMIT_PEN, "limits asked", across=True)
+        Rule(quantity.scale * end, _LIMIT_PEN, "limits asked", is_horizontal=True)
         for end in required_limits
     ]
     marks.append(Dots(lot_positions, means, "measured", "mean of a lot", size=5.0))
@@ -325,7 +327,7 @@ def _make_repeats_panel(
         return
     all_values = np.concatenate(y)
     marks: list[Mark] = [Dots(np.concatenate(x), all_values, "ref", size=2.5),
-                         Rule(float(np.mean(centres)), _LOT_PEN, across=True)]  # fmt: skip
+                         Rule(float(np.mean(centres)), _LOT_PEN, is_horizontal=True)]  # fmt: skip
     marks += tags[:_GROUPS]
     title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
     top = 1.2 * float(np.nanmax(all_values, initial=0.0)) or 1.0

@@ -99,21 +99,21 @@ class Entry:
     file : str
         The path of its record.
     lot, seal, repeat : str
-        Which lot, which seal of it, and which test of that seal; empty where nobody said.
+        Lot, seal of the lot, and test of the seal; empty if not stated.
     temperature, mass : float or None
         Temperature of the test, K; mass of the block on the seal, kg.
     hammer : tuple of str
         The hammer's files, or an FRF, of the block on such seals.
     operator : str
-        Who, or which rig, tested; empty where nobody said.
+        Operator or rig; empty if not stated.
     hammer_temperature : float or None
         Temperature of the seals under the hammer, K; None where it is the test's.
     date : str
-        Date of the test, as it was said; empty where nobody did.
+        Date of the test as stated; empty if not stated.
     machine : str
-        On which it was made, as JSON; empty where nobody said.
+        Machine of the test, as JSON; empty if not stated.
     aside : str
-        Why it is not read; empty of what is.
+        Why the file is not read; empty if it is read.
     """
 
     file: str
@@ -181,7 +181,7 @@ def find_entries(
     output_folder : Path
         The folder of the results.
     allow_none : bool
-        More files are to come: what fits none so far is no error.
+        More files will arrive: a pattern without a file so far is no error.
 
     Raises
     ------

@@ -37,17 +37,17 @@ class Executor(NamedTuple):
 
     Attributes
     ----------
-    side : int
+    parallel_chunks : int
         Chunks that are made side by side.
-    at_once : int
+    processor_count : int
         How many of them have a processor of their own.
-    computed : callable
+    compute_chunks : callable
         Yields each chunk with its rows, as they are done.
     """
 
-    side: int
-    at_once: int
-    computed: Callable[[Sequence[Chunk], BatchOptions], Iterator[tuple[Chunk, Rows]]]
+    parallel_chunks: int
+    processor_count: int
+    compute_chunks: Callable[[Sequence[Chunk], BatchOptions], Iterator[tuple[Chunk, Rows]]]
 
 
 @contextmanager

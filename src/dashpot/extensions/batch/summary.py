@@ -70,10 +70,10 @@ class Flag(NamedTuple):
     Attributes
     ----------
     lot, seal, file : str
-        Names of what it is about; which; `file` is empty where it is the seal.
+        Lot, seal and file; `file` is empty if the flag concerns the whole seal.
     message : str
     weighty : bool
-        Whether it changes the statistics, or would.
+        Whether it affects the statistics.
     """
 
     lot: str
@@ -155,7 +155,7 @@ class QuantitySummary(Serialisable):
     lots : LotCharts or None
         The X-bar and s charts of the lots.
     components : tuple of Component
-        Empty where nothing repeats.
+        Empty without repeats.
     gauge : Gauge or None
         None where no seal was tested twice.
     limits : Limits or None

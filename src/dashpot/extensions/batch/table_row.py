@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 
 def make_row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str, Any]:
-    """Return the row of one test; whatever is wrong with its files is said in it.
+    """Return the row of one test; faults of its files are stated in it.
 
     Parameters
     ----------
@@ -338,7 +338,7 @@ def _get_column_name(reported_value: ReportedValue, suffix: str = "") -> str:
 def _compute_requested_columns(
     fit: Fit, choices: BatchOptions, hold: float | None
 ) -> dict[str, Any]:
-    """Stiffness and loss where they were asked for: of small vibration about a compression."""
+    """Stiffness and loss at the requested frequencies: for small vibration about a compression."""
     entries: dict[str, Any] = {}
     for (frequency, compression), columns in build_requested_columns(choices, fit.unit).items():
         solid = fit.model

@@ -32,7 +32,7 @@ _CELL_CLASS = 1.035
 def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, ...]:
     """Return every check of blank tests."""
     reported_values = {value.name: value for value in values}
-    stop_tests, springs, empties = blanks.stops, blanks.springs, blanks.empties
+    stop_tests, springs, empties = blanks.stop_presses, blanks.spring_presses, blanks.empty_runs
     stop, spring = next(iter(stop_tests), None), next(iter(springs), None)
     empty = next(iter(empties), None)
     return (
@@ -52,7 +52,7 @@ def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, 
         delay_determined(reported_values["delay"].error if springs else None),
         gain_plausible(reported_values["gain"].value if "gain" in reported_values else None),
         empty_run_force_free_of_motion(empty),
-        empty_run_plate_steady(None if empty is None else empty.wander),
+        empty_run_plate_steady(None if empty is None else empty.unsteady_share),
         empty_run_force_steady(empty),
     )
 

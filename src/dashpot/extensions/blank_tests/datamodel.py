@@ -70,7 +70,7 @@ class BlankTest(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The record, and what it pressed."""
+        """The record, and the object that was pressed."""
         return describe_record_source(self.source, len(self.time)), ROLE_LABELS[self.role]
 
 
@@ -125,7 +125,7 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     spring_stiffness, spring_error : float or None
         Stated of the spring, N/m, with its relative standard error.
     drift_sd : float or None
-        Standard deviation of a drift to come, N/s, by those that were seen.
+        Standard deviation of a future drift, N/s, estimated from the observed drifts.
     bend : float
         Departure of the stop's force from a straight line, over the largest.
     checks : tuple of Check

@@ -17,7 +17,7 @@ def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
     ----------
     fit : MachineFit
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     strips = tuple((_draw_force(record), _draw_residual(record)) for record in fit.records)
     caption = "Blank tests: measured force, the model of the machine, and the residual."
@@ -48,7 +48,7 @@ def _draw_residual(record: BlankCurve) -> Panel:
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
         Scale(f"residual, {unit_name}", compute_padded_limits(scale * finite_values, np.zeros(1))),
-        (Rule(0.0, REF, across=True), Line(record.time, scale * residual, FIT)),
+        (Rule(0.0, REF, is_horizontal=True), Line(record.time, scale * residual, FIT)),
         title="measured less model",
         height=210,
     )

@@ -86,15 +86,15 @@ def fit_blank_tests(
     roles = assign_roles(records, stiffness)
     blanks = estimate_blanks(records, roles)
     values = report_values(blanks, stiffness, relative_error)
-    has_spring = stiffness is not None and bool(blanks.springs)
+    has_spring = stiffness is not None and bool(blanks.spring_presses)
     sources = list_sources(records)
     return MachineFit(
         values,
-        tuple(map(_thin_record, records, roles, blanks.series)),
+        tuple(map(_thin_record, records, roles, blanks.in_record_order)),
         stiffness if has_spring else None,
         relative_error if has_spring else None,
         predict_drift(blanks),
-        max((abs(press.curvature.value) for press in blanks.stops), default=0.0),
+        max((abs(press.curvature.value) for press in blanks.stop_presses), default=0.0),
         (*checks.run_checks(blanks, values), *caution_checks(sources)),
         sources,
     )
@@ -161,8 +161,8 @@ def report_values(
     blanks: Blanks, stiffness: float | None, relative_error: float
 ) -> tuple[MachineValue, ...]:
     """Return the numbers of the machine that these records give, each with its 95 % interval."""
-    stop = combine_estimates([press.stiffness for press in blanks.stops])
-    spring = combine_estimates([press.stiffness for press in blanks.springs])
+    stop = combine_estimates([press.stiffness for press in blanks.stop_presses])
+    spring = combine_estimates([press.stiffness for press in blanks.spring_presses])
     compliance = None if stop is None else RigEstimate(1 / stop.value, stop.error / stop.value**2)
     gain = None
     if compliance is not None and spring is not None and stiffness is not None:
@@ -171,10 +171,14 @@ def report_values(
             # m in a newton of force, not of its reading
             error = np.hypot(gain.value * compliance.error, compliance.value * gain.error)
             compliance = RigEstimate(compliance.value * gain.value, float(error))
-    creep = combine_estimates([press.creep for press in blanks.stops or blanks.springs])
-    delay = combine_estimates([press.delay for press in blanks.springs or blanks.stops])
-    noise = combine_estimates([run.noise for run in blanks.empties])
-    drift = combine_estimates([run.drift for run in blanks.empties])
+    creep = combine_estimates(
+        [press.creep for press in blanks.stop_presses or blanks.spring_presses]
+    )
+    delay = combine_estimates(
+        [press.delay for press in blanks.spring_presses or blanks.stop_presses]
+    )
+    noise = combine_estimates([run.noise for run in blanks.empty_runs])
+    drift = combine_estimates([run.drift for run in blanks.empty_runs])
     rows = (
         ("compliance", compliance, "m/N", "um/N"), ("creep", creep, "m", "um"),
         ("gain", gain, "", ""), ("delay", delay, "s", "ms"), ("noise", noise, "N", "mN"),
@@ -186,7 +190,7 @@ def report_values(
             for name, entry, unit, read in rows
             if entry is not None
         ),
-        *_report_hum(blanks.empties),
+        *_report_hum(blanks.empty_runs),
     )
 
 
@@ -223,9 +227,9 @@ def predict_drift(blanks: Blanks) -> float | None:
     That of n drifts :math:`d_i` seen, of mean zero: :math:`\sqrt{\overline{d^2}}\,t_n/1.96` with
     Student's quantile at 95 %.
     """
-    if not blanks.empties:
+    if not blanks.empty_runs:
         return None
-    drifts = [run.drift for run in blanks.empties]
+    drifts = [run.drift for run in blanks.empty_runs]
     limit = max(max(abs(value), 6 * error) for value, error in drifts) / 2
     drifts += [press.drift for press in blanks.presses if press.drift.error <= limit]
     size = math.sqrt(sum(value**2 + error**2 for value, error in drifts) / len(drifts))

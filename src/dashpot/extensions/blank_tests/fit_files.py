@@ -29,7 +29,7 @@ def fit_blank_files(
     spring_stiffness, spring_error : float, optional
         Stiffness of the spring, N/m, and its relative standard error.
     roles : sequence of (str, str)
-        Pattern of a file's name, empty for all, and what it pressed.
+        Pattern of file names, empty for all, and the role of the files.
     options : ReadOptions, optional
 
     Raises

@@ -22,7 +22,7 @@ def read_blank_test(
     path : path
         Time, displacement and force, as of a relaxation test.
     options : ReadOptions, optional
-        Answers to what the file leaves open.
+        Reading options of the file.
     role : "stop", "spring", "empty" or ""
         What was pressed; by default the record shows it.
 

@@ -43,7 +43,7 @@ class Load(NamedTuple):
 
 
 def measure_load(record: BlankTest) -> Load:
-    """Return the largest force of a record, its scatter, and the stiffness of what it pressed."""
+    """Return the largest force of a record, its scatter, and the stiffness under the plate."""
     x, force = orient_channels(record)
     count = max(len(force) // _BLOCKS, 1)
     means, motion = block_means(force, count), block_means(x, count)

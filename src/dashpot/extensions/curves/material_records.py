@@ -40,7 +40,7 @@ _HELD_REASON = "its strain is held while its stress goes on"
 
 
 def is_stress_record(file: OpenedFile) -> bool:
-    """Return whether strain and stress are found, or are a question of which."""
+    """Return whether the columns of strain and stress are found, or ambiguous."""
     assignments = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
     return all(
         isinstance(assignment, RoleAssignment) or assignment.choices for assignment in assignments

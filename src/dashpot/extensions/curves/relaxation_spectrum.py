@@ -187,7 +187,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
 
 
 def get_error_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
-    """Return what errors of storage and loss are relative to, each its own size, (n,) and (n,)."""
+    """Return the error scales of storage and loss, each its own magnitude, (n,) and (n,)."""
     return (
         np.abs(data.storage),
         np.maximum(np.abs(data.loss), _SMALL_LOSS * np.abs(data.value)),
@@ -195,7 +195,7 @@ def get_error_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
 
 
 def compute_passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
-    """Return what the nearest passive solid misses of storage and loss, relative, by frequency.
+    """Return the relative residuals of storage and loss of the nearest passive solid, by frequency.
 
     None if a storage is not above 0, so that errors cannot be relative.
     """

@@ -53,9 +53,9 @@ class LawScore:
     bic : float
         Differences count.
     missed : float
-        Decades by which it misses a shift at most.
+        Largest deviation from a shift, decades.
     at : float
-        There, K.
+        Temperature of that shift, K.
     """
 
     kind: str
@@ -67,7 +67,7 @@ class LawScore:
 
     @property
     def fails(self) -> bool:
-        """Whether it misses a shift by more than matters, and by more than chance."""
+        """Whether it deviates from a shift significantly and by more than the tolerance."""
         beyond_chance = self.dof > 0 and is_significant_fall(self.deviance, self.dof)
         return beyond_chance and self.missed > MAX_MISSED
 
@@ -81,7 +81,7 @@ class ShiftOutlier:
     temperature : float
         K.
     missed : float
-        Decades between its shift and that law.
+        Deviation of its shift from that law, decades.
     """
 
     temperature: float

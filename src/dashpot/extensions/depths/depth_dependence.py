@@ -4,11 +4,11 @@ If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 
 .. math:: F(t) = \int_0^t G(t-u)\, \frac{d F_e(x(u))}{du}\, du, \qquad G(\infty) = 1
 
-and every linear method applies with :math:`F_e(x)` in place of x. All tests share one
-:math:`F_e`, which follows from their ramps and their depths
-(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). To test whether one relaxation function
-holds at every depth, each test gets its own stiffnesses, and the shapes k_j/k_inf are
-compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
+and every linear method applies with :math:`F_e(x)` in place of x. All tests share one :math:`F_e`,
+which follows from their ramps and their depths
+(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). To test whether one relaxation function is
+valid at every depth, each test gets its own stiffnesses, and the ratios k_j/k_inf are compared.
+Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 """
 
 from __future__ import annotations

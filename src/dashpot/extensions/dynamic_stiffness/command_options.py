@@ -55,7 +55,7 @@ class FrequencyList(click.ParamType[Any]):
     name = "frequency"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the frequencies of what was typed."""
+        """Return the typed frequencies."""
         if not isinstance(value, str):
             return value
         try:

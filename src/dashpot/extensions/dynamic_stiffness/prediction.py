@@ -35,7 +35,7 @@ class StiffnessPrediction(HasVerdict, Serialisable):
     Attributes
     ----------
     fit : Fit
-        At the temperature asked, and of all seals.
+        At the requested temperature, for all seals.
     frequencies : tuple of float
         Hz.
     values : tuple of ReportedValue
@@ -105,8 +105,8 @@ def predict_stiffness(
     .. math:: K^*(\omega) = K' + iK'', \quad \eta = K''/K'
 
     In the valid band the limits are those of the fit's standard errors, and no narrower than what
-    every spectrum that its test does not reject allows. Beyond it nothing bounds them, unless the
-    records are at hand.
+    every spectrum that its test does not reject allows. Beyond it there are no limits, unless the
+    records are given.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def predict_stiffness(
     temperature : float or str, optional
         K, or ``"23degC"``; by default that of the fit.
     records : sequence of path
-        The relaxation tests behind the fit, which bound what is faster than they show.
+        The relaxation tests of the fit; they bound the stiffness above the valid band.
     machine : Machine, optional
         On which they were made.
     options : ReadOptions, optional
@@ -127,7 +127,7 @@ def predict_stiffness(
     Raises
     ------
     DataError
-        If a number is not > 0, or a record is not what was fitted.
+        If a number is not > 0, or a record is not one of the fitted ones.
     """
     requested = [frequency] if isinstance(frequency, str | float | int) else list(frequency)
     hertz = tuple(convert_to_si(item, "frequency") for item in requested)

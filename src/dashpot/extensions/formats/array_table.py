@@ -57,9 +57,9 @@ class NamedArray:
     name: str
     values: FloatArray | ComplexArray
     unit: str | None = None
-    factor: str = ""
+    stated_factor: str = ""
     """Factor stated beside the numbers and not applied, such as "gain = 10"."""
-    start: str = ""
+    stated_start: str = ""
     """Stated start, such as "t0 = 0.1"."""
 
 
@@ -143,7 +143,7 @@ def _stated_factors(
     or inside whose struct or dataset it stands (``force.gain``).
     """
     factors = [
-        [text] if (text := column.factor or _full_scale_of(column, arrays, columns)) else []
+        [text] if (text := column.stated_factor or _full_scale_of(column, arrays, columns)) else []
         for column in columns
     ]
     cautions = []
@@ -211,10 +211,10 @@ def _require_common_clock(arrays: Sequence[NamedArray], columns: Sequence[NamedA
     signals = [
         column for column in columns if vocabulary.matches(column.name).get("time", 0.0) < 1.5
     ]
-    starts = {signal.start.rpartition(" = ")[2] or "0" for signal in signals}
+    starts = {signal.stated_start.rpartition(" = ")[2] or "0" for signal in signals}
     if len(starts) > 1:
         channels_text = ", ".join(
-            f"'{signal.name}' {signal.start or 'says nothing'}" for signal in signals[:6]
+            f"'{signal.name}' {signal.stated_start or 'says nothing'}" for signal in signals[:6]
         )
         raise ReadError(
             f"the channels are said to start at different times ({channels_text}): export them on "

@@ -124,7 +124,9 @@ def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> 
         return None
     values = column.cast(float).to_numpy(allow_copy=True)
     values, factor = apply_attributes(name, values, metadata, notes)
-    return NamedArray(name, values, find_stated_unit(metadata), factor=factor, start=start)
+    return NamedArray(
+        name, values, find_stated_unit(metadata), stated_factor=factor, stated_start=start
+    )
 
 
 def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
@@ -137,5 +139,5 @@ def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
 
 
 def _get_polars_source(raw: RawFile) -> Path | BytesIO:
-    """Return what polars reads: the path of a large file, which is not held in memory."""
+    """Return the source for polars: the path of a large file, which is not loaded into memory."""
     return raw.path if raw.path is not None and not raw.content else BytesIO(raw.content)

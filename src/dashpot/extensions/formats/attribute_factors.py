@@ -101,7 +101,7 @@ def words_of_name(name: str) -> list[str]:
 
 @lru_cache(maxsize=4096)
 def names_factor(name: str) -> bool:
-    """Return whether a name is that of a factor or a summand of numbers.
+    """Return whether a name denotes a factor or an offset of numbers.
 
     >>> names_factor("gain"), names_factor("full_scale"), names_factor("serial")
     (True, False, False)
@@ -262,7 +262,7 @@ def split_full_scale(name: str) -> str | None:
 
 @lru_cache(maxsize=4096)
 def concerns_numbers(name: str) -> bool:
-    """Return whether a name is that of a factor, a summand, a full scale or a fill value."""
+    """Return whether a name denotes a factor, an offset, a full scale or a fill value."""
     bare_name = _remove_signs(name)
     is_numeric = bare_name in _FILLS or bare_name in _VALID
     return is_numeric or names_factor(name) or split_full_scale(name) is not None
@@ -294,7 +294,7 @@ def apply_attributes(
 ) -> tuple[FloatArray, str]:
     """Return the numbers of a channel without fill values, and what is stated that changes them.
 
-    Every format asks this: of factors, of the full scale of parts and counts, of fill values.
+    Every format uses this for factors, full scales and fill values.
     """
     values, removed = remove_fill_values(name, values, attributes)
     notes += removed

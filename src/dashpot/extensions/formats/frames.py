@@ -85,7 +85,7 @@ def refuse_array(array: Any, **_: Any) -> None:
 
 
 def refuse_value(value: object, **_: Any) -> None:
-    """Refuse a value that is neither the name of a file nor a table.
+    """Refuse a value that is neither a file name nor a table.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def _format_python_line(text: str) -> str:
 
 
 def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
-    """Return the records that tables or arrays in memory are; options that say how are taken out.
+    """Return the records of tables or arrays in memory; reading options are removed.
 
     Three arrays, or lists of numbers, are time, displacement and force, or by their units time,
     strain and stress, of the test that they show.
@@ -274,7 +274,7 @@ def _is_missing(value: Any) -> bool:
 
 
 def _clean_name(name: Any) -> str:
-    """Return a name, of several levels too, as one line without tabs."""
+    """Return a name (of one or several levels) as one line without tabs."""
     return " ".join(" ".join(map(str, name if isinstance(name, tuple) else (name,))).split())
 
 

@@ -43,7 +43,7 @@ def list_hidden_cells(stream: BinaryIO) -> dict[str, str]:
 
 
 def list_sheet_parts(archive: zipfile.ZipFile) -> dict[str, str]:
-    """Return the part of each sheet of an xlsx file by its name; none of another file."""
+    """Return the archive member of each sheet of an xlsx file; empty for other files."""
     names = set(archive.namelist())
     if "xl/workbook.xml" not in names:
         return {}

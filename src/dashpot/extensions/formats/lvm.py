@@ -52,7 +52,7 @@ class _LvmRows:
 
     dialect: Dialect
     clocks: tuple[int, ...]
-    counted: bool
+    time_is_counted: bool
     segments: tuple[_LvmHead, ...]
 
     def __post_init__(self) -> None:
@@ -65,7 +65,7 @@ class _LvmRows:
     def load(
         self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], time_budget: TimeBudget
     ) -> LoadedColumns:
-        column_indices = [i for i in indexes if not (self.counted and i == 0)]
+        column_indices = [i for i in indexes if not (self.time_is_counted and i == 0)]
         read_indices = column_indices or self.signals()[:1]
         loaded_columns = load_rows(blocks, self.dialect, read_indices, time_budget=time_budget)
         loaded_columns = _split_stacked_records(loaded_columns, self.segments)
@@ -323,7 +323,7 @@ def _note_rounded_step(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Questi
 
 
 def _round_sampling_rate(rate: float) -> int:
-    """Return the power of two nearby, which samplers love, else the whole number."""
+    """Return the nearby power of two, common as a sampling rate, else the integer."""
     power = 2 ** round(np.log2(rate)) if rate > 1 else 1
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 

@@ -162,12 +162,12 @@ class _Damaged(Exception):  # noqa: N818
 class _MatFile:
     """The order of the bytes of a file, and the numbers that have been met in it."""
 
-    order: str
-    numbers: int = 0
+    byte_order: str
+    number_count: int = 0
 
     def count(self, numbers: int) -> None:
-        self.numbers += numbers
-        limits.check_value_count(self.numbers, "the variables hold")
+        self.number_count += numbers
+        limits.check_value_count(self.number_count, "the variables hold")
 
 
 def _read_element(
@@ -193,13 +193,13 @@ def _read_tag(
     """Kind and size of the next element, and its data if they stand in the tag."""
     if space < _TAG:
         raise _Damaged(f"an element where {max(space, 0)} bytes are left")
-    word: int = struct.unpack(file.order + "I", _read_exactly(take, 4))[0]
+    word: int = struct.unpack(file.byte_order + "I", _read_exactly(take, 4))[0]
     kind, size = word & 0xFFFF, word >> 16
     if size:
         if kind not in kinds - _VARIABLES or size > 4:
             raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
         return kind, size, _read_exactly(take, 4)[:size]
-    size = int(struct.unpack(file.order + "I", _read_exactly(take, 4))[0])
+    size = int(struct.unpack(file.byte_order + "I", _read_exactly(take, 4))[0])
     if kind not in kinds or size > space - 8:
         raise _Damaged(f"an element of type {kind} and {size} bytes, {space - 8} are left")
     return kind, size, None
@@ -222,7 +222,9 @@ def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
         return
     if depth > _MAX_DEPTH:
         raise _Damaged("arrays nested too deep")
-    kind, length, flags, _ = struct.unpack(file.order + "4I", _read_exactly(take, min(16, size)))
+    kind, length, flags, _ = struct.unpack(
+        file.byte_order + "4I", _read_exactly(take, min(16, size))
+    )
     class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
     if (kind, length) != (_UINT32, 8):
         raise _Damaged("an array without a class")
@@ -290,7 +292,7 @@ def _read_element_layout(
 
 
 def _read_integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
-    return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
+    return struct.unpack(f"{file.byte_order}{len(data) // 4}i", data[: len(data) // 4 * 4])
 
 
 def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: int) -> None:

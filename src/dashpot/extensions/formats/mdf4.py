@@ -61,10 +61,10 @@ class Content:
     ----------
     groups : list of MdfGroup
     passed : dict of str to str
-        Channels that are passed over, each with what it holds.
+        Skipped channels, each with the kind of its contents.
     header : list of str
     hints : dict of str to str
-        What is said of the rate of channels without a clock, by that rate.
+        Note on channels without a clock, by their sampling rate.
     """
 
     groups: list[MdfGroup] = field(default_factory=list)

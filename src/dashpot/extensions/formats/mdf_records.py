@@ -69,10 +69,10 @@ class MdfGroup:
     pieces : callable
         From the file to its bytes, a piece at a time.
     number : int
-        That of its records among those of other groups.
+        Record number that distinguishes its records from those of other groups.
     sizes : mapping
-        Bytes of every kind of record in the same data, None of one that says its own length; empty
-        where all records are of this group.
+        Length of each kind of record in the same data, bytes; None if a record states its own
+        length; empty if all records belong to this group.
     total : int
         Records of all groups in the same data.
     id_size, id_after : int
@@ -107,7 +107,7 @@ def read_channels(
     Raises
     ------
     ReadError
-        If the file holds fewer records than it says, or a record is broken.
+        If the file holds fewer records than it states, or a record is damaged.
     """
     check_value_count(
         group.rows * len(channel_indices), f"the channels of group '{group.name}' hold"

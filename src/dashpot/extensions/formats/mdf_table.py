@@ -358,7 +358,7 @@ def _list_roles(group: MdfGroup, score: float = _SURE_SCORE) -> set[str]:
 
 
 def _name_groups_apart(groups: Sequence[MdfGroup]) -> list[MdfGroup]:
-    """Return the groups, each with a name of its own."""
+    """Return the groups, each with a unique name."""
     counts = Counter(group.name for group in groups)
     return [
         replace(group, name=f"{group.name} {i + 1}") if counts[group.name] > 1 else group

@@ -159,7 +159,7 @@ class _SpecimenLoader:
     cache: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     def __call__(self, indexes: Sequence[int]) -> LoadedColumns:
-        """Return the columns; a doubt says that the rows are of several specimens."""
+        """Return the columns, with a question if the rows belong to several specimens."""
         if self.order is not None:
             loaded_columns = self.table.load(indexes)
             lines = tuple(
@@ -351,7 +351,7 @@ def _list_runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tupl
 def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> bool:
     """Return whether clock and signals fall back to where they began, as where records follow.
 
-    Where one test goes on, as under a counter that overflows, its signals do not.
+    Where one test continues, as after a counter overflow, its signals have no jump back.
     """
     firsts, last_times = time[starts], time[starts - 1]
     if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (last_times[0] - time[0])):
@@ -456,7 +456,7 @@ def _part_by_labels(
 
 
 def _split_set(name: str) -> list[tuple[str, str]]:
-    """Return the ways in which a name may be that of a set and of a signal in it.
+    """Return the possible splits of a name into specimen and signal.
 
     >>> _split_set("seal_1.force"), _split_set("Force 2"), _split_set("B Force")
     ([('seal_1', 'force'), ('1', 'seal_.force')], [('2', 'Force ')], [('B', 'Force')])

@@ -101,9 +101,9 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
 def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
     """Return the cells of a sheet, text with decimal commas as numbers with points, and how many.
 
-    A cell that is a number has a point here, so that what has a comma is text. ``1,234`` is taken
-    for one and a bit beside others in its column that cannot be thousands, or where the user says
-    so; else it is left, and asked for.
+    Numeric cells have a decimal point here, so a cell with a comma is text. ``1,234`` is taken for
+    one and a bit beside others in its column that cannot be thousands, or where the user says so;
+    else it is left, and asked for.
     """
     rows = [line.split("\t") for line in content.split("\n")]
     columns: dict[int, list[list[str]]] = {}

@@ -91,7 +91,7 @@ class Daq:
         return np.asarray(np.clip(np.round(volts / self.lsb), -top, top - 1) * self.lsb)
 
     def read(self, clock: FloatArray, volts: FloatArray, at: FloatArray) -> FloatArray:
-        """Return what the card writes, shape (channels, m), V, before it is counted.
+        """Return the voltages at the converter, shape (channels, m), V, before quantisation.
 
         Parameters
         ----------

@@ -16,8 +16,8 @@ _EXTRA = re.compile(r"extra\s*==\s*[\"']([^\"']+)[\"']")
 def format_install_command(extras: str) -> str:
     """Return the command that brings what some extras need, as it works in this installation.
 
-    pipx and uv hold a tool in an environment of its own, to which they add packages; an
-    environment that uv made has no pip.
+    pipx and uv install a tool in a separate environment, to which they add packages; an environment
+    of uv has no pip.
 
     Parameters
     ----------

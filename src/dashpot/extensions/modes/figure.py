@@ -49,7 +49,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     chart : Stabilisation
     modes : sequence of Mode
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
     mode_rules = [Rule(mode.frequency, MODE_PEN, "fitted mode") for mode in modes]
@@ -91,7 +91,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
 def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
     """Return the FRF under each mass with its mode, and the stiffness of one seal at the poles.
 
-    Beside what was measured stands the linear solid that comes closest to all of them.
+    The figure shows the measured values and the linear solid closest to all of them.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
     frfs : sequence of FRF
         Under each of the masses.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     hertz = np.array([mode.frequency for mode in masses.modes])
     low, high = hertz.min() / BAND_RATIO, hertz.max() * BAND_RATIO

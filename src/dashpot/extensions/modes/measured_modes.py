@@ -161,7 +161,7 @@ def modes_files(
         Files that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
         one point or several, in one file or in several.
     options : ReadOptions, optional
-        What the user said of the files.
+        Reading options of the files.
     band : (float, float), optional
         Where to look for modes, Hz; by default two octaves to either side of where a block on its
         mounts moves most.

@@ -36,7 +36,7 @@ def read_frfs(
     ----------
     path : path or sequence of path
     options : ReadOptions, optional
-        What the user said of the files; with a segment, or a column of a role, it is one FRF of
+        Reading options of the files; with a segment, or a column of a role, it is one FRF of
         each.
 
     Raises
@@ -141,7 +141,7 @@ def _get_point_name(column: Column, role: Role) -> str:
 
 
 def select_first_point(file: OpenedFile) -> OpenedFile:
-    """Return a file of several points as one of the first alone, any other as it is."""
+    """Return a file of several points as one of its first point, any other unchanged."""
     groups = _group_columns(file)
     return _select_columns(file, groups[0][1]) if len(groups) > 1 else file
 

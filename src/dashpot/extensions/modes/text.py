@@ -89,7 +89,7 @@ def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
 
 
 def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
-    """Return the main mode under each mass, the stiffness there, and how near one solid comes."""
+    """Return main mode and stiffness under each mass, and the deviation of a common solid."""
     joint_modes = modes_by_mass.joint_modes
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]

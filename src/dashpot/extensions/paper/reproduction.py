@@ -71,9 +71,9 @@ class Statement(Serialisable):
     part : str
         ``"equation"``, ``"figure"``, ``"misprint"`` or ``"unsaid"``.
     name, paper, reproduced : str
-        Where it stands, what the paper says, what comes out.
+        Place in the paper, value in the paper, reproduced value.
     difference, tolerance : float or None
-        What is left of the comparison, and how much may be; None where nothing is compared.
+        Difference and its tolerance; None if nothing is compared.
     """
 
     part: str
@@ -127,7 +127,7 @@ class Coefficient(Serialisable):
 
     @property
     def is_covered(self) -> tuple[bool, bool]:
-        """Whether the two intervals hold what is printed."""
+        """Whether both intervals contain the printed value."""
         return is_within_interval(self.full, self.printed), is_within_interval(
             self.hold, self.printed
         )
@@ -214,7 +214,7 @@ class Reproduction(Serialisable):
 
     @property
     def is_reproduced(self) -> bool:
-        """Whether every statement that can be compared comes out to its tolerance."""
+        """Whether every comparable statement agrees within its tolerance."""
         return all(row.within_interval is not False for row in self.rows)
 
     @property
@@ -301,7 +301,7 @@ def quantise_force(test: RelaxationTest) -> RelaxationTest:
 
 
 def make_paper_records(reproduction: Reproduction) -> dict[str, str]:
-    """Return the records by file name, each with what it is, and the truths of the virtual ones."""
+    """Return records and captions by file name, and the ground truth of simulated ones."""
     comments = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = reproduction.rig, reproduction.hammer
     return {

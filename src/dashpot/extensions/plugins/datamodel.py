@@ -18,7 +18,7 @@ class PluggedColumn(EqualByValue):
     Attributes
     ----------
     name, role : str
-        As the file calls it; what it plays, such as ``"force"``, empty where that is not known.
+        Name in the file; role such as ``"force"``, empty if not known.
     unit : str
         Unit of SI; empty where the file names none that dashpot knows.
     values : array, shape (n,)

@@ -49,7 +49,7 @@ def make_writer(plugin: Plugin) -> Target:
             plugin.raise_failure(error)
         if not isinstance(cards, str) or not cards.strip():
             text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
-            plugin.wrong(text, "the cards of a deck as one text")
+            plugin.refuse_result(text, "the cards of a deck as one text")
         comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
         return deck.format_text(
             str(comment),

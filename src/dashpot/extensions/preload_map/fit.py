@@ -241,7 +241,7 @@ def _fit_law(
     of_magnitude = np.hstack((curve.columns, np.tile(at_c, (n, 1)), np.tile(at_x, (n, 1))))
     of_angle = np.hstack((curve.columns, np.tile(at_x, (n, 1))))
     ln_master = of_magnitude @ magnitude.beta + 1j * (of_angle @ angle.beta)
-    sd = [max(scatter.line, _MIN_SCATTER) / curve.strength for scatter in scatters]
+    sd = [max(scatter.line, _MIN_SCATTER) / curve.root_weight for scatter in scatters]
     model, angle_left = _fit_arms(tones, np.exp(ln_master), sd)
     fitted_stiffness = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
     to_k, to_angle = _invert_curve(model, tones, sd)
@@ -280,15 +280,15 @@ class _CommonCurve(NamedTuple):
 
     frequency: FloatArray
     columns: FloatArray
-    strength: FloatArray
+    root_weight: FloatArray
 
 
 def _make_curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
     """Return where the common curve is taken: at shared frequencies, or on a grid."""
     total = float((lines.weight**2).sum())
     if lines.shares_tones:
-        weight = np.bincount(lines.tone, lines.weight**2, len(lines.tones))
-        return _CommonCurve(lines.tones, np.eye(shared), np.sqrt(weight))
+        weight = np.bincount(lines.frequency_index, lines.weight**2, len(lines.shared_frequencies))
+        return _CommonCurve(lines.shared_frequencies, np.eye(shared), np.sqrt(weight))
     low, high = float(lines.frequency.min()), float(lines.frequency.max())
     f = np.asarray(np.geomspace(low, high, _GRID_POINTS), dtype=float)
     u = np.linspace(-1.0, 1.0, _GRID_POINTS)

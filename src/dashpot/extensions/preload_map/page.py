@@ -51,7 +51,7 @@ def page(preload_map: PreloadMap) -> KindPage:
         table_title="Stiffness, loss factor and resonances",
         groups=(group("", preload_map.facts),),
         sources=preload_map.source,
-        folds=(
+        collapsible_sections=(
             CollapsibleSection("Separability", f"{len(tested)} pairs tested",
             _make_pair_rows(preload_map)),
             CollapsibleSection("Map", "at the measured levels", _make_map_table(preload_map)),

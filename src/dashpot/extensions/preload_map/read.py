@@ -163,7 +163,7 @@ def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) 
 
 
 class _LengthColumn(NamedTuple):
-    """Column of a length: its number in the table, its values, m, and what is said of it."""
+    """Column of a length: its number in the table, its values, m, and a note."""
 
     column: int
     values: FloatArray

@@ -73,25 +73,25 @@ class History:
     ----------
     lines : tuple of HistoryLine
         The whole ones.
-    intact : tuple of bool
-        Whether each is as it was written, in its place.
-    torn : bytes
-        What follows them: a line that was cut short.
-    written : int
-        How many lines there once were, by ``history.head``.
+    is_intact : tuple of bool
+        Whether each line is unchanged and in its place.
+    incomplete_line : bytes
+        An incomplete line after them.
+    recorded_count : int
+        Number of written lines, by ``history.head``.
     head : str
-        The hash of the last line there was, by ``history.head``; empty if it says nothing.
-    announced : str
-        The hash of a line that was about to be written, by ``history.head``.
+        Hash of the last written line, by ``history.head``; empty if unknown.
+    announced_hash : str
+        Hash of a line that was about to be written, by ``history.head``.
     """
 
     lines: tuple[HistoryLine, ...] = ()
-    intact: tuple[bool, ...] = ()
-    torn: bytes = b""
-    written: int = 0
+    is_intact: tuple[bool, ...] = ()
+    incomplete_line: bytes = b""
+    recorded_count: int = 0
     head: str = ""
-    announced: str = ""
-    raw: tuple[bytes, ...] = field(default=(), repr=False)
+    announced_hash: str = ""
+    raw_lines: tuple[bytes, ...] = field(default=(), repr=False)
 
     @property
     def last(self) -> str:
@@ -101,15 +101,15 @@ class History:
     @property
     def is_truncated(self) -> bool:
         """Whether lines were cut off its end."""
-        has_all_lines = self.written <= len(self.lines)
+        has_all_lines = self.recorded_count <= len(self.lines)
         return not (has_all_lines and self.head in {"", *(line.hash for line in self.lines)})
 
     @property
     def has_matching_head(self) -> bool:
-        """Whether ``history.head`` is of its last line: not lost, not older, not another's."""
+        """Whether ``history.head`` agrees with the last line."""
         last = (len(self.lines), self.last)
-        parts = (self.written, self.head)
-        return not self.lines or last in (parts, (self.written + 1, self.announced))
+        parts = (self.recorded_count, self.head)
+        return not self.lines or last in (parts, (self.recorded_count + 1, self.announced_hash))
 
 
 def get_log_path(folder: Path) -> Path:
@@ -118,7 +118,7 @@ def get_log_path(folder: Path) -> Path:
 
 
 def get_head_path(folder: Path) -> Path:
-    """Return the file that says how many lines were written, and the hash of the last."""
+    """Return the file with the number of written lines and the hash of the last."""
     return folder / "history.head"
 
 
@@ -158,11 +158,12 @@ def append(folder: Path, content: dict[str, Any]) -> str:
     history = read_history(folder)
     if history.is_truncated:
         raise DataError(
-            f"{get_log_path(folder)} has {len(history.lines)} lines where {history.written} were "
-            "written; put the file back from a copy before anything is added to it"
+            f"{get_log_path(folder)} has {len(history.lines)} lines where "
+            f"{history.recorded_count} were written; put the file back from a copy before "
+            "anything is added to it"
         )
     file = get_log_path(folder)
-    all_lines = b"".join(line + b"\n" for line in history.raw)
+    all_lines = b"".join(line + b"\n" for line in history.raw_lines)
     # an operation that was cut short never happened; its half line must not stay
     if file.exists() and file.read_bytes() != all_lines:
         write_atomic(file, all_lines)
@@ -198,7 +199,7 @@ def _format_line_end(line_hash: str) -> bytes:
 
 
 def _has_valid_hash(text: bytes, line_hash: str) -> bool:
-    """Return whether the bytes of a line are those that its hash is of."""
+    """Return whether the bytes of a line agree with its hash."""
     if (
         text.endswith(_format_line_end(line_hash))
         and sha256(text.removesuffix(_format_line_end(line_hash))) == line_hash

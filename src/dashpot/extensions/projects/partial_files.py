@@ -14,7 +14,7 @@ _ABANDONED_AFTER = 60.0
 
 
 def is_partial_file(name: str) -> bool:
-    """Return whether a file is called as one that :func:`write_atomic` has not finished."""
+    """Return whether a file has the name of an unfinished one of :func:`write_atomic`."""
     return _PARTIAL_NAME.fullmatch(name) is not None
 
 

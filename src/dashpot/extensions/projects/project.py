@@ -141,7 +141,7 @@ def open_last_job(folder: str | Path) -> tuple[Job, Callable[[str], Path]]:
     history = read_history(project.folder)
     if not history.lines:
         raise DataError(f"{folder} is a project without a result: open its files by hand")
-    if not all(history.intact):
+    if not all(history.is_intact):
         raise DataError(
             f"the history of {folder} is not as dashpot wrote it: 'dashpot verify' says where"
         )
@@ -201,7 +201,7 @@ def get_result_name(job: Mapping[str, Any], result: bytes) -> str:
 
 
 def list_contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
-    """Return what a project keeps of a study, by place without the name of the result."""
+    """Return the files that a project stores of a study, by path without the name of the result."""
     fits = {"fit": study.fit, "joint": study.joint}
     return {
         "records/.json": json.dumps(

@@ -75,17 +75,19 @@ def verify(
     history = read_history(project.folder)
     new_checks = [
         verification_checks.history_present(len(history.lines)),
-        verification_checks.history_complete(len(history.lines), torn=bool(history.torn)),
+        verification_checks.history_complete(
+            len(history.lines), torn=bool(history.incomplete_line)
+        ),
         verification_checks.history_whole(
             len(history.lines),
-            history.written,
+            history.recorded_count,
             shortened=history.is_truncated,
             headed=history.has_matching_head,
         ),
     ]
     if expect is not None:
         new_checks.append(_check_expected_hash(history, expect))
-    for line, intact in zip(history.lines, history.intact, strict=True):
+    for line, intact in zip(history.lines, history.is_intact, strict=True):
         new_checks.append(verification_checks.history_unchanged(line.line, is_unchanged=intact))
         files = [_verify_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
         new_checks += files
@@ -358,7 +360,7 @@ def _is_number(value: Any) -> bool:
 def is_same_page(content: bytes, other_content: bytes) -> bool:
     """Return whether two pages are equal but for the rounding of a last digit.
 
-    The files inside a page are compared as what they are.
+    The files inside a page are compared by their type.
     """
     if content == other_content:
         return True
@@ -407,7 +409,7 @@ def _is_rounded(a: str, b: str) -> bool:
 
 
 def _get_last_digit_unit(number: str) -> float:
-    """Return what one unit of the last digit of a printed number is.
+    """Return the value of one unit in the last digit of a printed number.
 
     >>> [_get_last_digit_unit(number) for number in ("12.70", "-3e-05", "40")]
     [0.01, 1e-05, 1.0]

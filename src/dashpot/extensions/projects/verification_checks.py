@@ -189,7 +189,7 @@ def uncertainty_unrevised(reasons: Mapping[str, str], number: int, version: str)
 
 @criterion("parts that differ", "<=", 0, "by definition", grade="stop")
 def page_redrawn(number: int, *, is_same_page: bool, is_same: bool) -> Finding:
-    """Every report shows what its result says."""
+    """Every report agrees with its result."""
     page = f"The report of line {number}"
     if not is_same:
         return Finding(f"{page} was made by other versions, so its words are not checked")

@@ -156,7 +156,7 @@ def _write_springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) ->
         verified=RUN,
         nominal=nominal,
         remarks=[
-            *row.remarks,
+            *row.comments,
             row.format_node_numbering(first_id),
             f"stiffness of {nominal:.6g} Hz, for *FREQUENCY and *STATIC: ccx knows no loss factor",
             f"of a spring, and the seal's is {eta.imag / eta.real:.4g} there",

@@ -121,12 +121,12 @@ def response_at_level(
     for hz, size in zip(f.tolist(), levels.tolist(), strict=True):
         line = subsystem.line(2 * np.pi * hz, size)
         answer = previous_stretch = line.solve_from_previous(previous_stretch)
-        third_harmonic, third_amplitude = line.pull(answer), 0.0
+        third_harmonic, third_amplitude = line.compute_friction_force(answer), 0.0
         if len(harmonics) > 1 and answer.any():
             answer, third_harmonic, third_amplitude = solve_several_harmonics(
                 subsystem, line, answer, harmonics
             )
-        motion = line.without - line.spread @ third_harmonic
+        motion = line.frictionless_motion - line.motion_per_force @ third_harmonic
         pairs.append(
             (
                 participation @ motion,
@@ -177,9 +177,11 @@ def find_all_responses(
             "response_at_level follows one answer for several"
         )
     participation = system.participation(response)
-    answers = line.all_answers()
+    answers = line.find_all_solutions()
     motion = [
-        participation @ (line.without - line.spread @ line.pull(answer)) for answer in answers
+        participation
+        @ (line.frictionless_motion - line.motion_per_force @ line.compute_friction_force(answer))
+        for answer in answers
     ]
     count = len(answers)
     return LevelResponse(

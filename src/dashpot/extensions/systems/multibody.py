@@ -131,12 +131,12 @@ class Mount:
     rotary : bool
         True for a torsional mount about `along`: its solid is then in N m/rad.
     friction : AmplitudeDependent or None
-        What stands beside the solid and answers to amplitude: friction, stiffening, both.
+        Element in parallel to the solid that depends on amplitude: friction, stiffening, or both.
     amplitude : float or None
         Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
         leaves it to ``dashpot.systems.response_at_level``.
     name : str
-        Name of the part that it belongs to: those of one name share its energy.
+        Name of the part; mounts of one name are one part in the energy balance.
     """
 
     solid: Solid
@@ -157,7 +157,7 @@ class Mount:
 
     @property
     def linearised_solid(self) -> Solid:
-        """The linear solid that the mount is: its own, or what it is at the amplitude given.
+        """The linear solid of the mount, or its linearisation at the given amplitude.
 
         Raises
         ------
@@ -307,8 +307,7 @@ class System:
         ----------
         body : str
         modes : FreeModes
-            Its elastic modes, as it moves when nothing holds it; rigid ones are left out, since the
-            body's mass and inertia are there for them.
+            Its free elastic modes; rigid ones are left out, since the body has mass and inertia.
         """
         if body not in [body.name for body in self.bodies]:
             names_text = ", ".join(body.name for body in self.bodies)
@@ -370,7 +369,7 @@ class System:
         Raises
         ------
         DataError
-            If the system is singular there: a body hangs on nothing.
+            If the system is singular there: a body is not held.
         """
         try:
             with np.errstate(all="ignore"):

@@ -16,7 +16,7 @@ from dashpot.workflow.frf_prediction import MountedMass, ShakenMass
 def shake_mass(
     mounted_mass: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | None
 ) -> ShakenMass:
-    """Return what a base that shakes at random does to a mass on seals, and at most.
+    """Return the response of a mass on seals to a random base, with its upper limit.
 
     Parameters
     ----------
@@ -27,7 +27,11 @@ def shake_mass(
         What bounds the FRF by the relaxation tests.
     """
     base = read_psd(psd)
-    f, mass, coupled = base.frequency, mounted_mass.load.mass, mounted_mass.load.coupled
+    f, mass, coupled = (
+        base.frequency,
+        mounted_mass.mass_on_seals.mass,
+        mounted_mass.mass_on_seals.coupled,
+    )
     options: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
     response, limits = random_base(mounted_mass.solid, mass=mass, **options), None
     if bounded is not None:

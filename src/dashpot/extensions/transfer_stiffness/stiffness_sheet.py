@@ -298,7 +298,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
         return {name: (np.repeat(valid, repeats), "")}
 
     def csv(self, *, lines: bool = False) -> str:
-        """Return the third octaves as a table, or the lines, below what they are of."""
+        """Return a heading and the table of third octaves, or of lines."""
         notes = [
             byline("transfer stiffness of " + ", ".join(source.file for source in self.source))
         ]

@@ -231,14 +231,14 @@ def _validate(request: _Request, seals: float) -> None:
 class _MeasuredLines(NamedTuple):
     """Lines of a measurement, with their errors.
 
-    `random` is the relative sd of the real and of the imaginary part of each; `common`, shape
-    (errors, n), what one standard error of each cause does to ln k.
+    `random_error` is the relative sd of the real and of the imaginary part of each;
+    `common_error`, shape (errors, n), is the change of ln k by one standard error of each cause.
     """
 
     frequency: FloatArray
     value: ComplexArray
-    random: FloatArray
-    common: ComplexArray
+    random_error: FloatArray
+    common_error: ComplexArray
 
 
 def _select_lines(frf: FRF, request: _Request) -> FRF:
@@ -502,8 +502,8 @@ def _compute_means(lines: _MeasuredLines, spans: Sequence[tuple[int, int]]) -> B
     return compute_band_means(
         lines.value[order],
         np.concatenate(([0], np.cumsum(counts)[:-1])),
-        random=lines.random[order],
-        common=lines.common[:, order],
+        random=lines.random_error[order],
+        common=lines.common_error[:, order],
         quantile=NORMAL,
     )
 
@@ -582,7 +582,7 @@ def _predict(
     seals: float,
     tests: Sequence[RelaxationTest | RampHold],
 ) -> TransferStiffness:
-    """Return the sheet that a fit predicts, and what the indirect method would make of it."""
+    """Return the sheet that a fit predicts, with the error of the indirect method."""
     if request.output is not None or request.exact:
         raise DataError(
             "a fit predicts the blocked force itself: leave out --exact and --output-response"

@@ -201,14 +201,14 @@ def order_agreed(choice: OrderChoice) -> Finding:
         )
     if choice.in_noise_metric:
         message += ". The noise is as slow as the arms, so fits in its own metric were judged"
-    if choice.capped:
+    if choice.is_largest_tried:
         message += ". That is the most that was tried"
     return Finding(
         message,
         float(choice.by_bic),
         remedy=Remedy(f"Ask for more than {choice.arms} arms.", "arms", f"{choice.arms + 1}"),
         limit=float(choice.by_significance),
-        always_fails=choice.capped,
+        always_fails=choice.is_largest_tried,
     )
 
 
@@ -220,7 +220,7 @@ def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Findi
     """
     if arm_shortage is None:
         return Finding("The data support no further arm", float(arms), limit=float(arms))
-    arm_count, supported_count = arm_shortage.arms, arm_shortage.supported
+    arm_count, supported_count = arm_shortage.requested_arms, arm_shortage.supported_arms
     verb = "leaves" if arm_count == 1 else "leave"
     remainder, supported_text = (
         format_residual(rms, unit) for rms in (arm_shortage.rms, arm_shortage.supported_rms)

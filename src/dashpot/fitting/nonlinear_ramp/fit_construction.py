@@ -182,7 +182,7 @@ def ramp_checks(
     return (
         residual_check,
         checks.hold_residual_small(
-            law.rho, [value / rows.peak(i) for i, value in enumerate(law.optimum.hold)]
+            law.rho, [value / rows.peak(i) for i, value in enumerate(law.optimum.hold_rms)]
         ),
         checks.tangent_determined(law.law, different_ramps(tests)),
         checks.k_inf_plausible(

@@ -57,15 +57,15 @@ class LinearFitQuality(NamedTuple):
 
     Attributes
     ----------
-    ramp : float
+    ramp_ratio : float
         Residual on the ramp over the noise of one sample.
-    hold : float
-        Residual in the hold over what the hold alone leaves.
+    hold_ratio : float
+        Residual in the hold over that of a fit of the hold alone.
     is_adequate : bool
     """
 
-    ramp: float
-    hold: float
+    ramp_ratio: float
+    hold_ratio: float
     is_adequate: bool
 
 
@@ -98,7 +98,7 @@ def assess_linear_fit(
     peak : float
         Largest force, N.
     unread : float
-        Force on the ramp that what the encoder leaves of the motion stands for, N.
+        Force on the ramp that corresponds to the encoder error of the motion, N.
     """
     negligible = NEGLIGIBLE_RESIDUAL * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
@@ -248,7 +248,7 @@ def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> boo
 
 
 def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
-    """Return the linear solid that is asked for, and whether any is sound."""
+    """Return the requested linear solid, and whether any linear solid is adequate."""
     determinable_arms = min(options.max_arms, max_determinable_arms(data.blocks))
     arm_count = determinable_arms if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
@@ -294,7 +294,9 @@ def _find_worst_record(
         if not quality.is_adequate:
             return quality
         worst_record = (
-            quality if worst_record is None or quality.ramp > worst_record.ramp else worst_record
+            quality
+            if worst_record is None or quality.ramp_ratio > worst_record.ramp_ratio
+            else worst_record
         )
     return worst_record
 
@@ -312,18 +314,18 @@ class DelayedMotion(NamedTuple):
 
     Attributes
     ----------
-    holds : HoldBlocks
+    hold_blocks : HoldBlocks
     data : FitData
-    lags : tuple of float
-        By how much each motion was made late, s: 0 as recorded.
-    filtered : bool
+    delays : tuple of float
+        Delay applied to each motion, s: 0 as recorded.
+    is_filtered : bool
         Whether by low-passes of those time constants.
     """
 
-    holds: HoldBlocks
+    hold_blocks: HoldBlocks
     data: FitData
-    lags: tuple[float, ...]
-    filtered: bool = False
+    delays: tuple[float, ...]
+    is_filtered: bool = False
 
     @classmethod
     def from_records(
@@ -339,19 +341,19 @@ class DelayedMotion(NamedTuple):
         return cls(HoldBlocks(records), build_fit_data(records, design), lags or no_lags, filtered)
 
     def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
-        """The value of a column by its name, a delay with what the motion was made late by."""
-        delays = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
+        """The value of a column by its name; a delay includes the delay applied to the motion."""
+        delays = {f"delay@{i}": lag for i, lag in enumerate(self.delays)}
         return lambda name: function(name) + delays.get(name, 0.0)
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """Steps that were applied to the motion."""
-        if not any(self.lags):
+        if not any(self.delays):
             return ()
-        delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
-        parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
+        delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.delays)
+        parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.delays)),)
         description = f"put the motion behind a low-pass of {delay_text}"
-        if not self.filtered:
+        if not self.is_filtered:
             description = f"took the motion {delay_text} later"
         return (Step("lag", parameters, f"{description}, as the force comes"),)
 
@@ -361,14 +363,14 @@ def select_delayed_motion(
 ) -> tuple[DelayedMotion, LinearityResult]:
     """Return the motion under which a linear solid is sound, and how sound it is.
 
-    As recorded where one is, or where a later motion makes none so; else the later motion that
-    leaves least.
+    The motion as recorded if a linear solid is adequate, or if no delay makes one adequate; else
+    the delayed motion with the smallest residual.
     """
-    linearity = assess_linearity(recorded.holds, recorded.data, options)
+    linearity = assess_linearity(recorded.hold_blocks, recorded.data, options)
     if linearity.is_linear:
         return recorded, linearity
     candidates = [
-        (motion, assess_linearity(motion.holds, motion.data, options))
+        (motion, assess_linearity(motion.hold_blocks, motion.data, options))
         for motion in _generate_delayed_motions(recorded, linearity)
     ]
     reliable = [pair for pair in candidates if pair[1].is_linear]
@@ -383,7 +385,7 @@ def _generate_delayed_motions(
     recorded: DelayedMotion, linearity: LinearityResult
 ) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
-    records, best_solution = recorded.holds.records, linearity.initial_fit.solutions[-1]
+    records, best_solution = recorded.hold_blocks.records, linearity.initial_fit.solutions[-1]
     values = [best_solution.coefficient(f"delay@{i}") for i in range(len(records))]
     large_delays = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
     delayed_records, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
@@ -417,7 +419,7 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
 
 
 def _set_force_filter(record: RampHold, lag: float) -> RampHold:
-    """The record with a force behind a low-pass of this time constant, as one that is named."""
+    """The record with its force low-passed by this time constant, as a stated filter."""
     if not lag:
         return record
     return replace(record, machine=replace(record.machine, force_filter=1 / (2 * np.pi * lag)))

@@ -359,7 +359,7 @@ class Kernels(NamedTuple):
         s.
     lags : array, shape (L,)
         s.
-    right : array, shape (K, r)
+    right_factors : array, shape (K, r)
         V: the columns at the fixed times times this span all others.
     left_factors : array, shape (r, L)
         S^-1 U': turns e(tau) into coordinates of that span.
@@ -367,7 +367,7 @@ class Kernels(NamedTuple):
 
     tau: FloatArray
     lags: FloatArray
-    right: FloatArray
+    right_factors: FloatArray
     left_factors: FloatArray
 
     @classmethod
@@ -394,7 +394,7 @@ class Kernels(NamedTuple):
         for first in range(0, len(self.tau), TIMES_PER_BATCH):
             rows = slice(first, first + TIMES_PER_BATCH)
             arms = change(exact.evaluate(np.log(self.tau[rows]), False).arms)
-            projected = projected + arms @ self.right[rows]
+            projected = projected + arms @ self.right_factors[rows]
         return projected
 
     def columns(self, operator: FloatArray) -> Columns:
@@ -411,7 +411,7 @@ class Kernels(NamedTuple):
 
     def rows(self, factor: FloatArray) -> Rows:
         """Rows from the triangular factor of columns in this space, fixed columns and target."""
-        rank = self.right.shape[1]
+        rank = self.right_factors.shape[1]
         columns = self.columns(factor[:-1, :rank])
         return design_rows(factor[:-1, -1], factor[:-1, rank:-1], columns)
 
@@ -453,8 +453,8 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
         rows=kernels.rows(factor),
         floor=float(factor[-1, -1] ** 2),
         accuracy=ACCURACY,
-        full=lambda: exact,
-        widen=lambda name, column: reduced_block(
+        build_full=lambda: exact,
+        add_fixed_column=lambda name, column: reduced_block(
             exact.with_column(name, column), tau_range=tau_range
         ),
     )
@@ -486,7 +486,11 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
         rank=FEW_DIGITS_RANK_TOLERANCE,
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
-    column_groups = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
+    column_groups = (
+        evaluation.arms @ kernels.right_factors,
+        evaluation.fixed,
+        evaluation.target[:, None],
+    )
     factor = _append_floor_row(
         np.asarray(np.linalg.qr(np.concatenate(column_groups, axis=1), mode="r"))
     )
@@ -497,6 +501,6 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
         accuracy=FEW_DIGITS_ACCURACY,
         rotated_basis=False,
         sampling=None,
-        full=None,
-        widen=None,
+        build_full=None,
+        add_fixed_column=None,
     )

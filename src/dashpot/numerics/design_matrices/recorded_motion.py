@@ -122,7 +122,7 @@ def build_hold_block(
         floor=float(remainder_sse),
         accuracy=ACCURACY,
         sampling=(len(time), float(time[0]), step, ideal_ramp) if is_plain else None,
-        full=make_full,
+        build_full=make_full,
     )
     return _widening(block, plans)
 
@@ -147,7 +147,7 @@ def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock
         make_full = partial(block.exact.with_column, name, column)
         return _widening(block.append_column(name, at_nodes, make_full=make_full), plans)
 
-    return replace(block, widen=widen)
+    return replace(block, add_fixed_column=widen)
 
 
 def _plan_compressions(
@@ -369,12 +369,12 @@ def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
         samples=block.samples + two.samples,
         floor=block.floor + two.floor,
         sampling=None,
-        full=lambda: _stack_blocks(block.exact, two.exact),
-        widen=lambda name, column: _stack_blocks(
+        build_full=lambda: _stack_blocks(block.exact, two.exact),
+        add_fixed_column=lambda name, column: _stack_blocks(
             block.with_column(name, column[:first_length]),
             two.with_column(name, column[first_length:]),
         ),
-        delayed=None,
+        add_delayed_column=None,
     )
 
 

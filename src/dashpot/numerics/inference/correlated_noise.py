@@ -72,8 +72,8 @@ class Noise:
     autocovariance : array, shape (lags,)
         :math:`\gamma_0, \gamma_1, \ldots` up to the cut, in the residual's unit squared.
     kappa : float
-        :math:`1 + 2\sum_{l>0} \gamma_l/\gamma_0`, at least 1: n / kappa residuals are worth
-        independent ones.
+        :math:`1 + 2\sum_{l>0} \gamma_l/\gamma_0`, at least 1: n / kappa is the effective number of
+        independent residuals.
     durbin_watson : float
         :math:`\sum (r_i - r_{i-1})^2 / \sum r_i^2`: 2 if white, towards 0 if correlated.
     """
@@ -259,7 +259,7 @@ def _kappa(gamma: FloatArray) -> float:
 def _restore_autocovariance(
     gamma: FloatArray, kappa: float, columns: JacobianColumns
 ) -> FloatArray:
-    """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
+    """The autocovariance corrected for the fitted parameters, truncated if long enough."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
     absorbed, restored_gamma = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ITERATIONS):
@@ -361,7 +361,7 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
     noise_along : sequence of array, shape (r, r)
         The noise of each record along them; further columns are no data.
     """
-    if not information.turn.size:
+    if not information.parameter_directions.size:
         return 1.0
     rotation, _ = _orthonormalise(
         np.sum([columns.gram for columns in information.columns[: len(noise_along)]], axis=0)
@@ -371,7 +371,7 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
 
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
-    """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
+    """Return True if the noise is so nearly white that its evenness need not be tested."""
     return all(noise.kappa <= _MIN_KAPPA for noise in noises)
 
 
@@ -428,17 +428,17 @@ class Directions(NamedTuple):
 
     Attributes
     ----------
-    turn : array, shape (p, r)
+    parameter_directions : array, shape (p, r)
         Parameters by direction.
     columns : tuple of Columns, shape (n, r)
         The Jacobians along the directions: orthonormal but for rounding.
     gram : array, shape (r, r)
         Their inner products, which take the rounding into account.
     is_undetermined : bool array, shape (p,)
-        Parameters with a part in what the data do not know.
+        Parameters with a component in directions that the data do not determine.
     """
 
-    turn: FloatArray
+    parameter_directions: FloatArray
     columns: tuple[JacobianColumns, ...]
     gram: FloatArray
     is_undetermined: BoolArray
@@ -464,7 +464,7 @@ class Directions(NamedTuple):
         for absorbed_columns, columns in zip(other_columns, self.columns, strict=False):
             row = absorbed_columns(columns.matrix)
             noise_matrix += row.T @ row
-        inverse_map = np.linalg.solve(self.gram, self.turn.T)
+        inverse_map = np.linalg.solve(self.gram, self.parameter_directions.T)
         covariance = inverse_map.T @ noise_matrix @ inverse_map
         covariance[self.is_undetermined, :] = 0.0
         covariance[:, self.is_undetermined] = 0.0
@@ -569,7 +569,7 @@ def marginalise(
     Parameters
     ----------
     free_columns : array, shape (n, q)
-        Columns of which nothing is known.
+        Columns without a prior.
     error_columns : array, shape (n, m)
         C, known columns times their standard deviation.
     """
@@ -632,7 +632,7 @@ def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
 
     space = kernels.space(exact, means)
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
-    rank = kernels.right.shape[1]
+    rank = kernels.right_factors.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
     return ReducedBasis(
         JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS_ACCURACY)

@@ -63,7 +63,7 @@ class Estimate:
     ----------
     optimum : Optimum
     covariance : array, shape (p + q, p + q)
-        Zero for what rests at a bound, infinite for what the data do not determine.
+        Zero for parameters at a bound, infinite for undetermined ones.
     noises : tuple of Noise
         Noises of each record.
     prior_variance : float or None
@@ -138,7 +138,7 @@ class Estimate:
         first_step = half_width * width / _SLICES if has_width else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
-            """Return what is held has no error; None where the model says nothing."""
+            """Return zero errors for fixed parameters; None where the model is not defined."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
                     [start], cost_tolerance=_END_TOLERANCE / sum(sample_counts)
@@ -209,7 +209,7 @@ class Estimate:
 def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
     """Return the covariance of what moves with parameters by this gradient, shape (m, m).
 
-    What depends on anything that the data do not determine is none of theirs either.
+    A quantity that depends on an undetermined parameter is undetermined, too.
     """
     finite = np.isfinite(np.diag(covariance))
     values = gradient[:, finite] @ covariance[np.ix_(finite, finite)] @ gradient[:, finite].T

@@ -44,7 +44,7 @@ class ProfileTarget:
     step : float
         First distance from the optimum, about half a standard error.
     scale : float
-        kappa s^2, what one unit of deviance costs in SSE.
+        kappa s^2, the SSE of one unit of deviance.
     relative_gain : callable, optional
         How many times the noise at the optimum meets the way from there to linear parameters
         and ln tau; once, if left out.
@@ -386,7 +386,7 @@ class _SimultaneousProfiles:
         return float(log_tau[arm] + np.log(beta[self.fixed + target.index]))
 
     def range(self, target: ProfileTarget) -> tuple[float, float]:
-        """Return how far the held coordinate goes."""
+        """Return the range of the fixed coordinate."""
         if target.coordinate is Coordinate.LOG_TAU:
             return self.window
         if target.coordinate is Coordinate.LINEAR:
@@ -576,7 +576,7 @@ class _Normal:
         self.gram[row, column, column] = 1.0 + RIDGE
 
     def solve_moments(self, moment: FloatArray) -> FloatArray:
-        """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
+        """Coefficients (A, p, r) for moments of that shape; zero for excluded columns."""
         scaled_moment = self.free * moment / self.length
         return np.asarray(np.linalg.solve(self.gram, scaled_moment) / self.length)
 

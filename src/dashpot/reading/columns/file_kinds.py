@@ -33,20 +33,20 @@ class KindOfFile(NamedTuple):
 
     Attributes
     ----------
-    label, use : str
+    label, usage : str
         Its name, and the command that reads it or why none does.
     roles : tuple of str
         Roles of its columns; the reader of a creep test or a sweep finds its own.
-    accelerated : bool
+    takes_all_accelerations : bool
         Whether every acceleration column belongs to the record, too.
     by_hand : bool
         Whether its rows were read by hand, so that a sampling rate makes no sense.
     """
 
     label: str
-    use: str
+    usage: str
     roles: tuple[Role, ...] = ()
-    accelerated: bool = False
+    takes_all_accelerations: bool = False
     by_hand: bool = False
 
 
@@ -159,7 +159,7 @@ def get_kind_label(kind: str) -> str:
 def get_kind_command(kind: str) -> str:
     """Return the command that reads a kind of file, or why there is none; empty if unknown."""
     kinds = KINDS_OF_FILE if kind in KINDS_OF_FILE else DOCUMENT_KINDS
-    return kinds[kind].use if kind in kinds else ""
+    return kinds[kind].usage if kind in kinds else ""
 
 
 def identify_json(raw: RawFile) -> Recognised | None:

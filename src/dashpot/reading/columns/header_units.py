@@ -305,7 +305,7 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
 def split_heading(name: str, word: str | None) -> tuple[str, str | None]:
     """Return the name and the unit of a column, of which its name may state one, too.
 
-    Two that differ become one word that is no unit, so that it is asked which is right.
+    Two different units become an unknown word, so that the user is asked.
 
     >>> split_heading("Force_N", None), split_heading("Force [N]", "N"), split_heading("F_N", "daN")
     (('Force', 'N'), ('Force', 'N'), ('F', 'N or daN'))
@@ -323,7 +323,7 @@ def split_heading(name: str, word: str | None) -> tuple[str, str | None]:
 
 
 def join_units(first: str, second: str) -> str:
-    """Return two units of one column as no unit that anyone knows, so that it is asked for."""
+    """Return two units of one column as an unknown word, so that the user is asked."""
     return f"{first} or {second}"
 
 

@@ -187,7 +187,7 @@ def _likely_accelerations(
 
 
 def _floor(best: float) -> float:
-    """Return the least score of a candidate beside the best one."""
+    """Return the lowest score of an alternative candidate."""
     if best < 2.0:
         return 1.0
     return max(1.5, best - 1.5) if best >= 3.5 else 1.5
@@ -322,7 +322,7 @@ def _reason(column: Column, role: Role) -> str:
 
 
 def acceleration_question(table: FileTable) -> Question:
-    """Ask for the accelerations where no column shows itself as one."""
+    """Ask for the accelerations if no column is recognised as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
     column_options = [
         f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
@@ -337,12 +337,12 @@ def acceleration_question(table: FileTable) -> Question:
 
 
 def _names_something(column: Column) -> bool:
-    """Return whether a name surely says something."""
+    """Return whether a name has a certain meaning."""
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 
 def _ask_missing_role(table: FileTable, role: Role) -> Question:
-    """Ask for the column of a role that none was found for: a wrong label is worth naming."""
+    """Ask for the column of a role without one, and name a column with a contradictory label."""
     option = flag(option_of(role))
     answer = f"{option}=NAME"
     for column in _unlike(table):
@@ -640,7 +640,7 @@ def format_column(columns: Sequence[Column], index: int, names: Counter[str] | N
 def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
     """Return what names one column and no other: its name, or its number where names repeat.
 
-    Who asks it of many columns counts their names once.
+    For many columns the caller counts the names once.
     """
     name = _fold_column_name(columns[index])
     single = (names or _count_column_names(columns))[name] == 1

@@ -296,7 +296,7 @@ def names_magnitude(name: str) -> bool:
 
 @lru_cache(maxsize=1 << 16)
 def replace_channel_number(name: str) -> str:
-    """A name that says the same without its own number, where many are counted on: no word has two.
+    """Return a name with 00 in place of its channel number.
 
     >>> replace_channel_number("ai_0017"), replace_channel_number(
     ...     "Channel [3917]"), replace_channel_number("T2")
@@ -317,7 +317,7 @@ def find_informative_words(name: str) -> str:
 
 
 def matches(name: str) -> MappingProxyType[Role, float]:
-    """Return how well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
+    """Return a score of a name for each role: 3 exact, 2.5 part of a word, 1.5 uncertain."""
     return _matches(replace_channel_number(name))
 
 

@@ -63,7 +63,7 @@ class OpenedFile:
     raw: RawFile
     table: FileTable
     options: ReadOptions
-    once: bool = False
+    is_cached: bool = False
     """Whether the columns read last are kept."""
 
     def column(self, role: Role) -> RoleAssignment | None:
@@ -110,7 +110,7 @@ class Channel:
 def open_file(
     path: str | Path, options: ReadOptions | None, *, refuse_questions: bool = True
 ) -> Iterator[OpenedFile]:
-    """Open a file for a reader: whatever is wrong within is said with the file's name.
+    """Open a file for a reader: errors inside the block name the file.
 
     Raises
     ------
@@ -146,7 +146,7 @@ _MAX_KEPT = 16
 
 
 def cache_open_file(path: str | Path, file: OpenedFile) -> None:
-    """Leave an open file to who reads it next, with the same options: it is parsed once."""
+    """Cache an open file for the next reader with the same options, so that it is parsed once."""
     key = _key(path, file.options)
     if key is not None:
         while len(_LEFT_OPEN) >= _MAX_KEPT:
@@ -169,8 +169,8 @@ def _key(path: str | Path, options: ReadOptions) -> object:
 
 
 def read_once(file: OpenedFile) -> OpenedFile:
-    """Return the file as one whose numbers are not read again where the same columns are."""
-    if file.once:
+    """Return the file with a cache of the loaded columns."""
+    if file.is_cached:
         return file
     columns: dict[tuple[int, ...], LoadedColumns] = {}
 
@@ -182,7 +182,7 @@ def read_once(file: OpenedFile) -> OpenedFile:
         # who cleans them must not clean the next one's
         return replace(columns[requested], values=columns[requested].values.copy(order="K"))
 
-    return replace(file, table=replace(file.table, load=load), once=True)
+    return replace(file, table=replace(file.table, load=load), is_cached=True)
 
 
 def refuse_summary(file: OpenedFile) -> None:
@@ -202,7 +202,7 @@ def expect(
 ) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
-    A user who has named a column of the roles `stated_columns` knows what the file is.
+    A stated column of the roles `stated_columns` decides the kind of the file.
 
     Raises
     ------
@@ -324,14 +324,14 @@ def refuse_all_sizes(
 ) -> list[str]:
     """Ask at once for every unit that is to be answered; return notes on unusual sizes.
 
-    Who obeys the first question may well have to be asked the next: each is taken to be obeyed
-    before the next is looked for. The user's own word for a unit is not doubted.
+    All questions are collected: each is taken as answered before the next is searched for. The
+    user's own word for a unit is not doubted.
 
     Parameters
     ----------
     function : callable
-        From what every role is to be multiplied by, what its unit then is, and the roles whose
-        units are said, to the checks of each.
+        Function of the factor and the unit of every role, and of the roles with stated units;
+        returns the checks of each role.
 
     Raises
     ------
@@ -613,7 +613,7 @@ def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
 
 
 def rows(loaded_columns: LoadedColumns, keep: BoolArray) -> LoadedColumns:
-    """Return some of the rows as one segment; each still knows its line."""
+    """Return some of the rows as one segment, with their line numbers."""
     if keep.all() and len(loaded_columns.starts) == 1:
         return loaded_columns
     indices = np.flatnonzero(keep)

@@ -158,8 +158,8 @@ class Inspection(Plottable):
     def course(self) -> FloatArray | None:
         """A few hundred rows of every column, in the file's units; None if they were not kept.
 
-        Shape (rows, columns), NaN where there is no number. For a picture: it is no part of the
-        inspection's value, nor of its document.
+        Shape (rows, columns), NaN where there is no number. Data for a figure; not part of the
+        inspection's value or document.
         """
         stored_course: FloatArray | None = vars(self).get(_COURSE)
         return stored_course
@@ -176,7 +176,7 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     Raises
     ------
     ReadError
-        If the file cannot be opened, or holds no table and nothing that dashpot knows.
+        If the file cannot be opened, or holds no table and is of no known kind.
     """
     file = open_or_identify(path, options)
     if isinstance(file, Recognised):
@@ -250,7 +250,7 @@ def _judge_sizes(
     roles: dict[int, tuple[Role, str]],
     refuse_sizes: Callable[..., None],
 ) -> None:
-    """Ask what who reads strain and stress asks of their sizes."""
+    """Add the questions on the magnitudes of strain and stress."""
     assigned_roles = {role for role, _ in roles.values()}
     elongated: Role = "strain" if "strain" in assigned_roles else "stretch"
     if not {elongated, "stress"} <= assigned_roles:
@@ -310,7 +310,7 @@ def _propose_roles(
     propose_more = find_handler("propose roles", kind)
     if propose_more:
         questions += propose_more(file, roles)
-    if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].accelerated:
+    if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].takes_all_accelerations:
         for acceleration in _find_accelerations(file, list(roles)):
             roles[acceleration.index] = (acceleration.role, acceleration.reason)
             questions += _make_role_questions(file, acceleration.role, acceleration)
@@ -320,7 +320,7 @@ def _propose_roles(
 def _assign_kind_roles(
     file: OpenedFile, kind: str
 ) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
-    """Return those of the roles that the kind has."""
+    """Return the roles of the kind among the given ones."""
     table, options = file.table, file.options
     clocks = (
         find_separate_clocks(table, options) if "displacement" in _get_usual_roles(kind) else ()

@@ -37,7 +37,7 @@ def read_relaxation(
     path : path
         A text file of any lab, or an instrument's own format.
     options : ReadOptions
-        Answers to what the file leaves open.
+        Reading options of the file.
     specimen : Specimen or None
         What was tested, kept with the record.
 
@@ -88,7 +88,7 @@ def load_signals(
     channels_chosen : sequence of Channel
         The time unless a rate is given, what moves, what pushes.
     clocks : sequence of Channel
-        The clock of what moves, where it has its own.
+        The clock of the displacement, where it has a separate one.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def signals(
     Raises
     ------
     ReadError
-        With what the file leaves open, such as which of two clocks is that of the test.
+        With the open questions, such as which of two clocks is the clock of the test.
     """
     left_out = []
     if file.options.rate or file.find_unambiguous_column("time"):
@@ -264,7 +264,7 @@ def _refuse_swapped(
 def _require_relaxation_kind(file: OpenedFile, other_kinds: Sequence[FileKind] = ()) -> None:
     """Refuse another kind of file; a sweep may hold the columns of a relaxation test too.
 
-    What lacks a clock alone is asked for its rate.
+    If only the clock is missing, the sampling rate is requested.
     """
     channels.expect(
         file,
@@ -312,7 +312,7 @@ def check_joined_segments(time: FloatArray, loaded_columns: LoadedColumns) -> st
 def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:
     """Return the motion in a record or in a list of set-points; ``-`` is stdin.
 
-    Rows without a number are left out, and said in the notes of its source.
+    Rows without a number are left out, with a note in the source.
 
     Raises
     ------

@@ -132,7 +132,7 @@ def _find_part_columns(file: OpenedFile) -> dict[Role, RoleAssignment | Question
 
 
 def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question]) -> str:
-    """Return what the file is instead, where a column is not found."""
+    """Return the actual kind of the file, where a column is not found."""
     if not any(isinstance(assignment, Question) for assignment in assignments.values()):
         return ""
     kind, reason = detect_table_kind(file.table, file.options)
@@ -297,7 +297,7 @@ def _check_loss_factor(
 
 
 def _solid_angle(file: OpenedFile, channel: Channel, angle: FloatArray) -> FloatArray:
-    """Refuse what is no loss angle of a solid, and ask for a unit that is likely the other one."""
+    """Refuse values that are no loss angle of a solid; ask for the unit if it is likely wrong."""
     name, degree = format_column(file.table.columns, channel.index), math.pi / 180
     low, high = float(angle.min(initial=0.0)), float(angle.max(initial=0.0))
     raw = high / channel.unit.factor

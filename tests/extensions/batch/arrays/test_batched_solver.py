@@ -116,7 +116,7 @@ def test_batched_solver_isolates_a_bad_record() -> None:
     data[3] = -data[3]
     data[4] = 1e300
     many = solve_many(family, data, 2)
-    assert many.finite.tolist() == [True, False, True, True, False, True]
+    assert many.is_finite.tolist() == [True, False, True, True, False, True]
     assert many.order[1] == -1
     assert np.isnan(many.log_tau[1]).all()
     assert np.isnan(many.sse[1])

@@ -39,21 +39,21 @@ class ManySolutions(EqualByValue):
     ----------
     log_tau, arms : array, shape (R, N)
         Ascending in tau; NaN beyond `order`.
-    fixed : array, shape (R, q)
+    fixed_coefficients : array, shape (R, q)
     sse : array, shape (R,)
     order : int array, shape (R,)
         Arms found; -1 where nothing was fitted.
-    finite, converged, at_bound : bool array, shape (R,)
+    is_finite, converged, at_bound : bool array, shape (R,)
         Samples and the sum of their squares are finite; the gradient vanished inside the
         window; an arm sits at its edge.
     """
 
     log_tau: FloatArray
     arms: FloatArray
-    fixed: FloatArray
+    fixed_coefficients: FloatArray
     sse: FloatArray
     order: IndexArray
-    finite: BoolArray
+    is_finite: BoolArray
     converged: BoolArray
     at_bound: BoolArray
 
@@ -61,7 +61,7 @@ class ManySolutions(EqualByValue):
 def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySolutions:
     """Fit every row of `records`, shape (R, M), with up to `arms` exponentials.
 
-    Nothing is raised by a bad row: it comes back without a solution.
+    A bad row raises no error: it has no solution.
     """
     _refuse(family.template.samples, family.fixed_count, arms)
     count = len(records)
@@ -71,19 +71,19 @@ def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySo
         chunk = records[first : first + CHUNK]
         index = first + np.arange(len(chunk))
         if search is None:
-            solutions.finite[index] = _select_usable_records(chunk)
-            index = index[solutions.finite[index]]
+            solutions.is_finite[index] = _select_usable_records(chunk)
+            index = index[solutions.is_finite[index]]
         else:
             with np.errstate(over="ignore", invalid="ignore"):
                 reduced = family.reduce(chunk)
                 finite = np.isfinite(reduced.floor + reduced.energy)
-            solutions.finite[index] = finite
+            solutions.is_finite[index] = finite
             index = index[finite]
             if len(index):
-                is_certain = _solve_chunk(family, search, reduced.take(finite), index, solutions)
+                is_certain = _solve_chunk(family, search, reduced.select(finite), index, solutions)
                 index = index[~is_certain]
         for i in index:
-            _solve_record(family.block, records[i], arms, int(i), solutions)
+            _solve_record(family.build_block, records[i], arms, int(i), solutions)
     return solutions
 
 
@@ -93,8 +93,8 @@ def solve_separately(
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
     _refuse(records.shape[1], fixed_count, arms)
     solutions = _make_empty_solutions(len(records), arms, fixed_count)
-    solutions.finite[:] = _select_usable_records(records)
-    for i in np.flatnonzero(solutions.finite):
+    solutions.is_finite[:] = _select_usable_records(records)
+    for i in np.flatnonzero(solutions.is_finite):
         _solve_record(make, records[i], arms, int(i), solutions)
     return solutions
 
@@ -120,10 +120,10 @@ def _make_empty_solutions(count: int, arms: int, fixed_count: int) -> ManySoluti
     return ManySolutions(
         log_tau=np.full((count, arms), np.nan),
         arms=np.full((count, arms), np.nan),
-        fixed=np.full((count, fixed_count), np.nan),
+        fixed_coefficients=np.full((count, fixed_count), np.nan),
         sse=np.full(count, np.nan),
         order=np.full(count, -1),
-        finite=np.zeros(count, dtype=bool),
+        is_finite=np.zeros(count, dtype=bool),
         converged=np.zeros(count, dtype=bool),
         at_bound=np.zeros(count, dtype=bool),
     )
@@ -144,7 +144,7 @@ def _solve_record(
     n = solution.order
     solutions.log_tau[row, :n] = solution.log_tau
     solutions.arms[row, :n] = solution.arms[0]
-    solutions.fixed[row] = solution.fixed
+    solutions.fixed_coefficients[row] = solution.fixed
     solutions.sse[row] = solution.sse
     solutions.order[row] = n
     solutions.converged[row] = solution.converged
@@ -164,25 +164,25 @@ def _solve_chunk(
     is_certain = converged & _is_interior_positive(family, point, reduced)
     weak_rows = np.flatnonzero(is_certain)
     weak_rows = weak_rows[
-        ~_is_well_determined(family, point.take(weak_rows), reduced.take(weak_rows))
+        ~_is_well_determined(family, point.take(weak_rows), reduced.select(weak_rows))
     ]
     if len(weak_rows):
         best, is_certain[weak_rows] = _compare_peak_descents(
-            family, search, gain[:, weak_rows], point.take(weak_rows), reduced.take(weak_rows)
+            family, search, gain[:, weak_rows], point.take(weak_rows), reduced.select(weak_rows)
         )
         point.put(weak_rows, best)
     q, (_, arms) = family.fixed_count, point.log_tau.shape
     small = np.flatnonzero(is_certain & (point.sse < MIN_REMAINDER_SHARE * reduced.energy))
     if len(small):
         point.put(
-            small, evaluate_trials(family, point.log_tau[small], reduced.take(small), exact=True)
+            small, evaluate_trials(family, point.log_tau[small], reduced.select(small), exact=True)
         )
     sse = reduced.floor + point.sse
     rows = index[is_certain]
     order = np.argsort(point.log_tau[is_certain], axis=1)
     solutions.log_tau[rows] = np.take_along_axis(point.log_tau[is_certain], order, axis=1)
     solutions.arms[rows] = np.take_along_axis(point.beta[is_certain, q:], order, axis=1)
-    solutions.fixed[rows] = point.beta[is_certain, :q]
+    solutions.fixed_coefficients[rows] = point.beta[is_certain, :q]
     solutions.sse[rows] = sse[is_certain]
     solutions.order[rows] = arms
     solutions.converged[rows] = True

@@ -57,7 +57,7 @@ def _compute_jacobians(
     time: FloatArray, x: FloatArray, solutions: ManySolutions, rows: IndexArray, order: int
 ) -> tuple[FloatArray, FloatArray]:
     """Jacobians (R, 1 + 2 N, n) by k_inf, k and ln tau, and the forces of the solids (R, n)."""
-    k, k_inf = solutions.arms[rows, :order], solutions.fixed[rows, :1]
+    k, k_inf = solutions.arms[rows, :order], solutions.fixed_coefficients[rows, :1]
     jacobian = np.empty((len(rows), 1 + 2 * order, len(x)))
     jacobian[:, 0] = x
     if not order:

@@ -162,7 +162,7 @@ def fit_many(
         history = _build_recorded_motion(clock, x, method=method)
     solutions = history.solve_records(records, arms)
     return BatchFit(
-        k_inf=solutions.fixed[:, 0],
+        k_inf=solutions.fixed_coefficients[:, 0],
         k=solutions.arms,
         tau=np.exp(solutions.log_tau),
         sse=solutions.sse,
@@ -172,34 +172,34 @@ def fit_many(
 
 
 class _SharedMotion(NamedTuple):
-    """The motion that all records answer to.
+    """The motion that all records share.
 
     Attributes
     ----------
     x : array, shape (M,)
         m, from zero on.
-    first : int
-        The first sample that is fitted.
+    first_sample : int
+        Index of the first fitted sample.
     samples : slice
-        The samples that `block` and `family` take.
-    block : callable
+        The samples that `build_block` and `build_sampling` take.
+    build_block : callable
         Makes the block of one record.
-    family : callable or None
-        Makes what a stack of records shares; None if nothing can be shared.
+    build_sampling : callable or None
+        Returns the sampling that a stack of records shares; None if nothing can be shared.
     """
 
     x: FloatArray
-    first: int
+    first_sample: int
     samples: slice
-    block: Callable[[FloatArray], DataBlock]
-    family: Callable[[], SharedSampling] | None
+    build_block: Callable[[FloatArray], DataBlock]
+    build_sampling: Callable[[], SharedSampling] | None
 
     def solve_records(self, records: FloatArray, arms: int) -> ManySolutions:
         """Fit every record, side by side where there are enough of them."""
         values = records[:, self.samples]
-        if self.family is None or len(values) < _STACK:
-            return solve_separately(self.block, values, arms, fixed_count=1)
-        return solve_many(self.family(), values, arms)
+        if self.build_sampling is None or len(values) < _STACK:
+            return solve_separately(self.build_block, values, arms, fixed_count=1)
+        return solve_many(self.build_sampling(), values, arms)
 
 
 def _make_ideal_family(
@@ -251,7 +251,7 @@ def _get_status(solutions: ManySolutions, row: int, arms: int) -> Status:
     return select_fit_status(
         (),
         {
-            Status.NO_DATA: not solutions.finite[row],
+            Status.NO_DATA: not solutions.is_finite[row],
             Status.NOT_CONVERGED: solutions.order[row] < 0
             or not (solutions.converged[row] or at_bound),
             Status.FEWER_ARMS: solutions.order[row] < arms,
@@ -263,7 +263,7 @@ def _get_status(solutions: ManySolutions, row: int, arms: int) -> Status:
 def _compute_errors(
     clock: FloatArray, records: FloatArray, history: _SharedMotion, solutions: ManySolutions
 ) -> BatchErrors:
-    error = compute_standard_errors(clock, history.x, records, history.first, solutions)
+    error = compute_standard_errors(clock, history.x, records, history.first_sample, solutions)
     arms = solutions.arms.shape[1]
     return BatchErrors(
         error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(solutions.log_tau)

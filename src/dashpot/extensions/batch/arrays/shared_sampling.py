@@ -41,7 +41,7 @@ class ReducedRecords(NamedTuple):
     floor: FloatArray  # (R,)
     energy: FloatArray  # (R,) sum of squares of what the rows hold
 
-    def take(self, index: IndexArray | BoolArray) -> ReducedRecords:
+    def select(self, index: IndexArray | BoolArray) -> ReducedRecords:
         """Return some of the records."""
         return ReducedRecords(
             tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
@@ -54,7 +54,7 @@ class SharedSampling(ABC):
 
     Attributes
     ----------
-    block : callable
+    build_block : callable
         Makes the block of one record, shape (M,).
     template : DataBlock
         That of a record of zeros.
@@ -62,7 +62,7 @@ class SharedSampling(ABC):
         Relative sum of squares that is rounding.
     """
 
-    block: Callable[[FloatArray], DataBlock]
+    build_block: Callable[[FloatArray], DataBlock]
     template: DataBlock
     rounding_floor: ClassVar[float] = ROUNDING
 
@@ -91,7 +91,9 @@ class SharedSampling(ABC):
     def _reduce_records(self, values: FloatArray) -> ReducedRecords: ...
 
     @abstractmethod
-    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
+    def compute_triangular_factors(
+        self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool
+    ) -> FloatArray:
         """Triangular factors of [fixed, arms, slopes, y] at ln tau (R, N), one per record.
 
         `exact` asks for the factor that does not go through a Gram matrix, if there is one.
@@ -153,18 +155,18 @@ class ColumnSpace(NamedTuple):
     Attributes
     ----------
     basis : array, shape (n, q + r)
-    triangle : array, shape (q, q)
+    triangular_factor : array, shape (q, q)
         F.
     inverse : array, shape (q + r, q + r)
         The inverse of B_S.
-    chosen : DataBlock
+    node_columns : DataBlock
         The columns at the nodes S alone.
     """
 
     basis: FloatArray
-    triangle: FloatArray
+    triangular_factor: FloatArray
     inverse: FloatArray
-    chosen: DataBlock
+    node_columns: DataBlock
 
 
 def build_column_space(
@@ -238,19 +240,21 @@ class CompressedFamily(SharedSampling):
             np.vecdot(extra, extra),
         )
 
-    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
+    def compute_triangular_factors(
+        self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool
+    ) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
         fixed_part, extra = reduced.data
         count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
         stacked = np.empty((count, size, q + extra.shape[1]))
-        _, _, columns, slopes = self.space.chosen.evaluate(log_tau.ravel())
+        _, _, columns, slopes = self.space.node_columns.evaluate(log_tau.ravel())
         stacked[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
         stacked[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
         stacked[:, -1, :q], stacked[:, -1, q:] = fixed_part, extra
         projected = stacked[:, :, q:]
         factors = np.zeros((count, q + size, q + size))
-        factors[:, :q, :q] = self.space.triangle
+        factors[:, :q, :q] = self.space.triangular_factor
         factors[:, :q, q:] = stacked[:, :, :q].transpose(0, 2, 1)
         if exact:
             factors[:, q:, q:] = np.linalg.qr(projected.transpose(0, 2, 1), mode="r")
@@ -262,10 +266,10 @@ class CompressedFamily(SharedSampling):
         self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the moments in the space of the columns."""
-        columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
+        columns = self.space.inverse @ self.space.node_columns.evaluate(log_tau, False).arms
         q = self.fixed_count
         fixed = np.zeros((len(columns), q))
-        fixed[:q] = self.space.triangle
+        fixed[:q] = self.space.triangular_factor
         all_columns = np.concatenate((fixed, columns), axis=1)
         projected = np.concatenate(reduced.data, axis=1) @ all_columns
         return all_columns.T @ all_columns, projected[:, :q], projected[:, q:]
@@ -282,7 +286,13 @@ class RecordedFamily(SharedSampling):
         force = Force.from_motion(self.motion, values[:, self.motion.start : self.motion.count])
         return ReducedRecords(force, np.zeros(len(values)), force.energy)
 
-    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:  # noqa: ARG002
+    def compute_triangular_factors(
+        self,
+        log_tau: FloatArray,
+        reduced: ReducedRecords,
+        *,
+        exact: bool,  # noqa: ARG002
+    ) -> FloatArray:
         """Triangular factors by a Gram matrix: it is all that there is."""
         return upper_factor(
             self.motion.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)

@@ -26,7 +26,7 @@ def evaluate_trials(
     """
     q = family.fixed_count
     p = q + log_tau.shape[1]
-    factor = family.factor(log_tau, reduced, exact=exact)
+    factor = family.compute_triangular_factors(log_tau, reduced, exact=exact)
     r = factor[:, :p, :p]
     pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
     dependent = (pivot <= 1e-13 * length).any(axis=1)
@@ -68,14 +68,14 @@ def descend_together(
         is_finished |= change <= FINAL_TOLERANCE
         previous_sse = current.sse
         if is_finished.any():
-            points.put(active[is_finished], current.take(is_finished).ahead(step[is_finished]))
+            points.put(active[is_finished], current.take(is_finished).step_ahead(step[is_finished]))
             converged[active[is_finished]] = True
             active, trial, change, previous_sse = (
                 x[~is_finished] for x in (active, trial, change, previous_sse)
             )
         if not len(active):
             break
-        new = evaluate_trials(family, trial, reduced.take(active))
+        new = evaluate_trials(family, trial, reduced.select(active))
         is_tail, is_better = (
             change < TAIL_CHANGE,
             is_step_acceptable(new.sse, previous_sse, change, rounding[active]),

@@ -104,9 +104,9 @@ _Variances: TypeAlias = dict[str, FloatArray]
 class _Squares:
     """Mean squares with their degrees of freedom, and the variances that they mean."""
 
-    square: FloatArray
-    freedom: FloatArray
-    solved: Callable[[FloatArray], _Variances]
+    mean_squares: FloatArray
+    dof: FloatArray
+    solve_variances: Callable[[FloatArray], _Variances]
 
 
 def gauge(
@@ -150,7 +150,7 @@ def gauge(
         count, value_count = table.shape[0], table.size
     else:
         squares, count, value_count = _compute_repeat_squares(x, part)
-    entries, intervals = squares.solved(squares.square), _draw_variances(squares)
+    entries, intervals = squares.solve_variances(squares.mean_squares), _draw_variances(squares)
     tails = [(1 - level) / 2, (1 + level) / 2]
 
     def compute_interval(draws: FloatArray) -> tuple[float, float]:
@@ -292,6 +292,6 @@ def _add_variance_totals(variances: _Variances, part: FloatArray) -> _Variances:
 def _draw_variances(squares: _Squares) -> _Variances:
     """Variances that could have given these mean squares."""
     chi_square = np.random.default_rng(_SEED).chisquare(
-        squares.freedom, (_DRAWS, len(squares.square))
+        squares.dof, (_DRAWS, len(squares.mean_squares))
     )
-    return squares.solved((squares.square * squares.freedom / chi_square).T)
+    return squares.solve_variances((squares.mean_squares * squares.dof / chi_square).T)

@@ -72,20 +72,20 @@ class _Stratum:
     """Mean square at one level, and in its expectation what this level and those inside count."""
 
     source: str
-    square: float
-    freedom: int
-    expects: tuple[float, ...]
-    away: FloatArray  # of each value from its own mean
+    mean_square: float
+    dof: int
+    variance_coefficients: tuple[float, ...]
+    deviations: FloatArray  # of each value from its own mean
 
     def normal(self) -> float | None:
         """P-value of a test for normality; None if there are too few values."""
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
-        single = self.freedom < _OF_THREE * len(self.away)
-        if single or len(self.away) < _MIN_COUNT or not np.ptp(self.away) > 0:
+        single = self.dof < _OF_THREE * len(self.deviations)
+        if single or len(self.deviations) < _MIN_COUNT or not np.ptp(self.deviations) > 0:
             return None
-        return float(shapiro(self.away).pvalue)
+        return float(shapiro(self.deviations).pvalue)
 
     def limits(self, level: float) -> tuple[float, float]:
         r"""Return both ends of the interval of the mean square, as parts of it.
@@ -102,17 +102,15 @@ class _Stratum:
             from scipy.stats import chi2
 
             tail_probability = (1 - level) / 2
-            upper, lower = (
-                chi2.ppf(p, self.freedom) for p in (1 - tail_probability, tail_probability)
-            )
-            return float(self.freedom / upper), float(self.freedom / lower)
-        d, count = self.away, len(self.away)
+            upper, lower = (chi2.ppf(p, self.dof) for p in (1 - tail_probability, tail_probability))
+            return float(self.dof / upper), float(self.dof / lower)
+        d, count = self.deviations, len(self.deviations)
         z = NormalDist().inv_cdf((1 + level) / 2)
         trimmed_count = int(count / (2 * np.sqrt(count - 4)))
         mean_value = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
         kurtosis = count * float(np.sum((d - mean_value) ** 4)) / float(np.sum(d**2)) ** 2
         c = count / (count - z)
-        half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
+        half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.dof)
         return float(c * np.exp(-half_width)), float(c * np.exp(half_width))
 
 
@@ -201,17 +199,17 @@ def _solve_variances(strata: list[_Stratum], level: float) -> list[Component]:
     estimates: list[float] = []  # of the levels inside, as they came out
     for index in range(len(strata) - 1, -1, -1):
         stratum = strata[index]
-        value, *inner_coefficients = stratum.expects
+        value, *inner_coefficients = stratum.variance_coefficients
         inner_sum = sum(c * v for c, v in zip(inner_coefficients, estimates, strict=True))
-        variance = (stratum.square - inner_sum) / value
+        variance = (stratum.mean_square - inner_sum) / value
         if index == len(strata) - 1:
             low, high = stratum.limits(level)
-            interval = low * stratum.square, high * stratum.square
+            interval = low * stratum.mean_square, high * stratum.mean_square
         else:
             interval = _compute_difference_limits(
                 stratum, strata[index + 1], inner_sum, value, level
             )
-        pair = max(variance, 0.0), interval, stratum.freedom, 0.0, stratum.normal()
+        pair = max(variance, 0.0), interval, stratum.dof, 0.0, stratum.normal()
         components.insert(0, Component(stratum.source, *pair))
         estimates.insert(0, variance)
     return components
@@ -223,10 +221,10 @@ def _compute_difference_limits(
     """Modified large-sample limits of (outer mean square - below) / own."""
     from scipy.stats import f
 
-    tail_probability, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
+    tail_probability, n1, n2 = (1 - level) / 2, outer.dof, inner.dof
     m2 = max(inner_sum, 0.0) / value
     # an estimate below 0 is known no better than one of 0
-    m1 = max(outer.square / value, m2)
+    m1 = max(outer.mean_square / value, m2)
     (low1, high1), (low2, high2) = outer.limits(level), inner.limits(level)
     g1, h1, g2, h2 = 1 - low1, high1 - 1, 1 - low2, high2 - 1
     high, low = f.ppf(1 - tail_probability, n1, n2), f.ppf(tail_probability, n1, n2)

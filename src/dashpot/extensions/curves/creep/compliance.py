@@ -25,7 +25,7 @@ _OF_THE_RAMP = 1.0
 
 
 def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
-    """The displacement that the fit says at every sample, m, with its offset, drift and delay."""
+    """The fitted displacement at every sample, m, with its offset, drift and delay."""
     time = data.time - data.time[0]
     displacement = fit.solid.displacement(time, data.load)
     terms = {

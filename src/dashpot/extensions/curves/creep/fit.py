@@ -167,7 +167,7 @@ def fit_creep(
 
 
 def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retarded]:
-    r"""The record with its load as early as the displacement answers it, and what is found there.
+    r"""The record with its load shifted by the fitted delay, and the result of the fit.
 
     A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
     by half of the next power, which looks like a fast retardation. So the load is moved by what
@@ -208,10 +208,10 @@ def _list_candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
 
 
 def _build_data(record: LoadHold, *, flows: bool) -> FitData:
-    """The displacement as an answer to the load, with what is known of its zero before it."""
+    """The displacement as a response to the load, with priors from the samples before it."""
     baseline = estimate_preload_baseline(record)
     time = regularise_clock(record.time - record.time[0])
-    window = slice(baseline.first, None)
+    window = slice(baseline.first_sample, None)
     block = make_retardation_block(
         build_recorded_block(
             time, record.load, record.displacement, window=window,
@@ -231,7 +231,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     block = replace(block, window=(max(shortest, _RESOLUTION_RATIO * record.resolution), longest))
     return FitData(
         [block], [block.exact], in_time=True,
-        bind=partial(_limit_parameters, block, baseline),
+        build_priors=partial(_limit_parameters, block, baseline),
     )  # fmt: skip
 
 
@@ -239,28 +239,28 @@ class _PreloadBaseline(NamedTuple):
     """Samples before the load, SI units, and the first sample that the fit may use."""
 
     offset: Prior
-    at: float
+    offset_time: float
     drift: Prior
     delay: Prior
-    first: int
+    first_sample: int
     noise: float
-    least: float
+    least_error: float
     default_drift: float
 
     @property
     def terms(self) -> NuisanceTerms:
         """Return the nuisance terms of the columns, which count from the first sample."""
         priors = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
-        return NuisanceTerms(priors, -self.at, self.least)
+        return NuisanceTerms(priors, -self.offset_time, self.least_error)
 
     @property
     def has_measured_drift(self) -> bool:
-        """Whether these samples, and not what is usual, determine the drift."""
+        """Whether these samples determine the drift, and not the default prior."""
         return self.drift.sd < _KNOWN_DRIFT * self.default_drift
 
 
 def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> _PreloadBaseline:
-    """Return what the samples before the load say of its zero, its drift and its clock.
+    """Return the priors of zero, drift and delay from the samples before the load.
 
     `for_limits` for limits, which bear all that a rig may drift without a trace.
     """
@@ -367,7 +367,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     at_rest_or_end = creep.compliance(record.hold_time).item()
     band = find_informed_band(
         [record], retardation.data.rows, stiffness=at_rest_or_end,
-        noise=max(retardation.estimate.spread, 1e-6 * retardation.data.peak, 1e-300),
+        noise=max(retardation.estimate.residual_sd, 1e-6 * retardation.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing shows the loss there
@@ -416,7 +416,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
 
 
 def _list_nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuisance, ...]:
-    """Offset, drift and delay, which is what the load was moved by and what was found beside it."""
+    """Offset, drift and delay: the shift of the load plus the fitted rest."""
     lead = {"delay": record.lead}
     return retardation.nuisances(
         lambda name: retardation.solution.coefficient(name) + lead.get(name, 0.0),
@@ -432,7 +432,7 @@ def _find_delay(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
 
 
 def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
-    """Return what was done to the load."""
+    """Return the processing steps of the load."""
     if not record.lead:
         return ()
     direction = "earlier" if record.lead > 0 else "later"
@@ -460,7 +460,7 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
             break
         order -= 1
     if choice is not None and order < choice.arms:
-        choice = choice._replace(arms=order, by_significance=order, capped=False)
+        choice = choice._replace(arms=order, by_significance=order, is_largest_tried=False)
     return replace(selection, estimate=estimate, choice=choice)
 
 
@@ -486,14 +486,16 @@ def _run_checks(
     """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
     model, estimate = retardation.model, retardation.estimate
     final_checks = []
-    if retardation.alternative is not None:
+    if retardation.alternative_bic_difference is not None:
         ratio = (
             retardation.creep.standard_error(FLOW) / retardation.spectrum.flow
             if retardation.flows
             else None
         )
         final_checks.append(
-            checks.flow_distinguished(retardation.flows, retardation.alternative, ratio)
+            checks.flow_distinguished(
+                retardation.flows, retardation.alternative_bic_difference, ratio
+            )
         )
     return (
         arms_distinct(model),
@@ -534,7 +536,7 @@ def _limit_end_of_test(
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of the hold, and the valid band of the solid.
 
-    Its rig drifts as one that is not described may, and gives under the load.
+    Its rig has the default drift and compliance.
     """
     block, residual = retardation.data.blocks[0], retardation.estimate.residuals[0]
     if FLOW not in block.fixed_names:
@@ -620,7 +622,7 @@ def _fit_curve(
     origin: Superposition | UnshiftedCurve,
     options: FitOptions,
 ) -> Fit:
-    """Return the fit of a compliance after a unit step, relative to what is expected of it."""
+    """Return the fit of a compliance after a unit step, with relative residuals."""
     is_positive_time = curve.time > 0
     t, values = curve.time[is_positive_time], curve.compliance[is_positive_time]
     rises = checks.compliance_rises(values)

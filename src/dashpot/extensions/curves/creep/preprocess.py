@@ -43,11 +43,11 @@ class _HeldLoad(NamedTuple):
     hold_end: float
     level: float
     preload: float
-    turn: int
+    sign: int
 
 
 def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
-    """Find the load and its hold, turn both signals so that they rise; change nothing else.
+    """Find the load and its hold, and give both signals a rising sign; change nothing else.
 
     The load is read from the force alone. A record that begins under load is a step at its first
     sample. What follows the hold, such as a recovery, stays part of the record: the recorded
@@ -62,18 +62,18 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     Raises
     ------
     DataError
-        If no force is held, the displacement does not follow it, or something else is said of
-        the machine.
+        If no force is held, the displacement does not follow it, or a property of the machine is
+        stated that creep does not use.
     """
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="a creep test")
     file_name = test.source.file if test.source is not None else "the record"
     force = remove_spikes(test.time, test.force)
     held_load = _find_longest_hold(test.time, force, file_name)
-    preload_force = held_load.turn * test.force - held_load.preload
+    preload_force = held_load.sign * test.force - held_load.preload
     noise = _estimate_force_noise(test.time, test.force, held_load)
     load, corners, heights = _remove_load_noise(
-        test.time, held_load.turn * force - held_load.preload, noise
+        test.time, held_load.sign * force - held_load.preload, noise
     )
     if held_load.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
@@ -116,7 +116,7 @@ def _find_longest_hold(time: FloatArray, force: FloatArray, file_name: str) -> _
     longest_holds = [_find_cycle(time, sign * force, sign) for sign in (1, -1)]
     loads = [hold for hold in longest_holds if hold is not None]
     if loads:
-        return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.turn))
+        return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.sign))
     level = median(force)
     sign = 1 if level > 0 else -1
     if not abs(level) > 4 * float(np.std(force)):
@@ -357,5 +357,5 @@ def _make_step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
         f"{held_load.preload:.3g} {word} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
-    options = (("force turned", str(held_load.turn)), ("displacement turned", str(sign)))
+    options = (("force turned", str(held_load.sign)), ("displacement turned", str(sign)))
     return Step("load_hold", options, message)

@@ -20,7 +20,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock:
-    r"""Return the block with each arm turned into a retardation: what a force has yet to move.
+    r"""Return the block with each arm as a retardation: the displacement that a force still causes.
 
     An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
 
@@ -44,13 +44,13 @@ def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock
         block,
         rows=rows,
         sampling=None,
-        full=None
-        if block.full is None
+        build_full=None
+        if block.build_full is None
         else lambda: make_retardation_block(block.exact, equilibrium_name),
-        widen=lambda name, column: make_retardation_block(
+        add_fixed_column=lambda name, column: make_retardation_block(
             block.with_column(name, column), equilibrium_name
         ),
-        delayed=None,
+        add_delayed_column=None,
     )
 
 
@@ -125,12 +125,11 @@ class Retarded(SelectedModel):
 
     Attributes
     ----------
-    alternative : float or None
-        How much higher the BIC of the other kind of part is: of one that flows, or of one that
-        comes to rest.
+    alternative_bic_difference : float or None
+        BIC of the alternative (a part that flows, or one that comes to rest) less that of this one.
     """
 
-    alternative: float | None = None
+    alternative_bic_difference: float | None = None
 
     @cached_property
     def spectrum(self) -> CreepSpectrum:

@@ -259,7 +259,7 @@ def fit_dynamic(
                 *of_data,
                 *check_temperature(data.specimen),
                 *_run_checks(
-                    selection, data, records, end, [n for item in sets for n in item.freedom]
+                    selection, data, records, end, [n for item in sets for n in item.record_dof]
                 ),
                 *family_choice.checks(other),
                 *overlap_check,
@@ -323,14 +323,14 @@ class _Set(NamedTuple):
     """
 
     block: DataBlock
-    rows: tuple[DataBlock, ...]
-    freedom: tuple[float, ...]
+    record_blocks: tuple[DataBlock, ...]
+    record_dof: tuple[float, ...]
 
 
 def _select_one_temperature(
     data: DynamicTest | Superposition, temperature: float | None
 ) -> tuple[DynamicTest, Superposition | UnshiftedCurve]:
-    """Return what is fitted, in order of frequency, and where it comes from."""
+    """Return the fitted data in order of frequency, and their source."""
     if isinstance(data, DynamicTest) and temperature is None and data.several_temperatures:
         data = superpose(data)
     if isinstance(data, Superposition):
@@ -347,7 +347,7 @@ def _select_one_temperature(
 
 
 def _validate_temperature_options(family: str, records: Sequence[RampHold]) -> None:
-    """Refuse what goes with a sweep of one temperature alone."""
+    """Refuse options that apply only to a sweep at one temperature."""
     require_maxwell_family(family)
     if records:
         raise FitError(
@@ -373,7 +373,9 @@ def _build_records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[R
 
 
 def _stack_parts(sets: Sequence[_Set]) -> FitData:
-    return FitData([item.block for item in sets], [row for item in sets for row in item.rows])
+    return FitData(
+        [item.block for item in sets], [row for item in sets for row in item.record_blocks]
+    )
 
 
 def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int) -> _Set:
@@ -385,7 +387,7 @@ def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: in
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     block = _build_sweep_block(data, scale, dashpot=dashpot)
-    return _Set(block, _split_storage_and_loss(block, n), best.freedom)
+    return _Set(block, _split_storage_and_loss(block, n), best.record_dof)
 
 
 def _build_sweep_block(
@@ -440,7 +442,9 @@ def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     for block in blocks:
         fit = fit_single_test([block], [block.exact], max_arms)
         factor = 1 / fit.scatter[0]
-        sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.freedom))
+        sets.append(
+            _Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.record_dof)
+        )
     return sets
 
 

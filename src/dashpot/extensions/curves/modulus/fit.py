@@ -106,7 +106,7 @@ def fit_modulus(
     Raises
     ------
     DataError
-        If the arrays are not what they should be.
+        If the arrays are invalid.
     FitError
         If an option makes no sense, or there are fewer samples than parameters.
     """
@@ -249,7 +249,7 @@ def _compute_misfit_in_band(
 def _select_one_temperature(
     data: RelaxationModulus | Superposition,
 ) -> tuple[RelaxationModulus, Superposition | UnshiftedCurve]:
-    """Return what is fitted, and where it comes from."""
+    """Return the fitted data, and their source."""
     if isinstance(data, RelaxationModulus):
         if data.temperature is None:
             return data, UnshiftedCurve(list_sources([data]))

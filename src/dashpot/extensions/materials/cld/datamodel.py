@@ -276,7 +276,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     ----------
     cycles : tuple of Cycle
     index : int
-        Index of the cycle that the figures are of, in `cycles`.
+        Index in `cycles` of the evaluated cycle.
     contact, contact_se : float
         Where the plate first met the seal, on the scale of the record, and its standard error, m.
     zero_se : float
@@ -291,7 +291,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         Compression at which cycles are compared, m.
     nominal : AtCompression
     least, most : AtCompression or None
-        At the ends of the tolerance, where they are asked for and reached.
+        At the limits of the tolerance, where requested and reached.
     time : array, shape (n,), or None
         Duration of the whole record, s; None without a clock.
     compression, force : array, shape (n,)
@@ -345,7 +345,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def cycle(self) -> Cycle:
-        """The cycle that the figures are of."""
+        """The evaluated cycle."""
         return self.cycles[self.index]
 
     @property
@@ -418,7 +418,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The verdict, the force at the nominal compression, and the cycle that it is of."""
+        """The verdict, the force at the nominal compression, and the evaluated cycle."""
         point, cycle = self.nominal, self.cycle
         loss_ratio = cycle.hysteresis
         return (
@@ -526,10 +526,10 @@ class RateLaw(EqualByValue, Serialisable):
     k, tau, k_se, ln_tau_se : tuple of float
         Stiffnesses, relaxation times and standard errors of the arms, N/m and s.
     residual : float
-        Rms of what it leaves, N.
+        Rms residual, N.
     bic : float
-        Over that of one elastic law with one relaxation function, for the same records: below 0
-        this model explains them better.
+        Difference from the BIC of one elastic law with one relaxation function for the same
+        records: below 0 this model is better.
     checks : tuple of Check
     """
 

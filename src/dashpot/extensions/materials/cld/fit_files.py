@@ -255,7 +255,7 @@ def cld_files(
     machine : Machine, optional
         What is known of the machine: its `sync`.
     options : ReadOptions, optional
-        What the user said of the files; `cycle` is the cycle that the figures are of.
+        Reading options of the files; `cycle` is the cycle that the figures are of.
 
     Raises
     ------

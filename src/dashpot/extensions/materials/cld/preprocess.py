@@ -50,13 +50,13 @@ _MIN_COMPLETE_SHARE = 0.9
 
 
 class _RecordCycles(NamedTuple):
-    """The cycles of a record, before one is chosen; a compression may exceed them by `excess`."""
+    """Cycles of a record; a compression may exceed them by `max_extrapolation`."""
 
     cycles: tuple[Cycle, ...]
     zero: Zero
-    excess: float
-    common: float
-    uneven: tuple[float | None, ...]
+    max_extrapolation: float
+    common_depth: float
+    speed_variations: tuple[float | None, ...]
     compression: FloatArray
     force: FloatArray
 
@@ -135,7 +135,7 @@ def cld(
         zero.preload,
         zero.drift,
         zero.noise,
-        cycles.common,
+        cycles.common_depth,
         middle,
         mark_below,
         mark_above,
@@ -233,7 +233,7 @@ def _evaluate_record_cycle(
     return evaluate_cycle(
         cycle,
         nominal,
-        excess=cycles.excess,
+        excess=cycles.max_extrapolation,
         contact_se=cycles.zero.contact_se,
         force_se=cycles.zero.force_se,
     )
@@ -249,7 +249,7 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     zero = find_zero(clock, x, force, pairs[0][0], resolution=resolution)
     x, force = x - zero.contact, force - zero.force
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
-    if not zero.air:
+    if not zero.comes_through_air:
         _refuse_loops(float(-x.min()), max(depths), rated=test.time is not None)
     excess = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
     if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _MIN_COMPLETE_SHARE * max(depths):
@@ -344,7 +344,7 @@ def _choose_cycle(
     reaching_cycles = [
         i
         for i, cycle in enumerate(cycles)
-        if nominal is None or cycle.depth >= nominal - new_cycles.excess
+        if nominal is None or cycle.depth >= nominal - new_cycles.max_extrapolation
     ]
     complete_cycles = [i for i in reaching_cycles if cycles[i].unloading is not None]
     return (complete_cycles or reaching_cycles or [len(cycles) - 1])[-1]
@@ -353,7 +353,7 @@ def _choose_cycle(
 def _measure_pull(cycle: Cycle, zero: Zero) -> float | None:
     """The greatest pull of a release, over the greatest force; less than noise makes is none."""
     unloading = cycle.unloading
-    if unloading is None or not zero.air or len(unloading.force) < _SMOOTHED:
+    if unloading is None or not zero.comes_through_air or len(unloading.force) < _SMOOTHED:
         return None
     means = np.convolve(unloading.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
     chance = _SIGNIFICANT_SD * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
@@ -367,7 +367,7 @@ def _run_checks(
     chosen_cycle, earlier_cycles = cycles[index], cycles[:index]
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
-        checks.zero_recorded(zero.begins, air=zero.air),
+        checks.zero_recorded(zero.initial_force_ratio, air=zero.comes_through_air),
         *check_machine(list_sources([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
             chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
@@ -380,9 +380,9 @@ def _run_checks(
             else None,
             chosen_cycle.number,
         ),
-        checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.excess),
+        checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.max_extrapolation),
         checks.load_cell_steady(drift),
-        checks.plate_speed_constant(new_cycles.uneven[index]),
+        checks.plate_speed_constant(new_cycles.speed_variations[index]),
         checks.no_energy_gained(chosen_cycle.hysteresis),
         checks.no_adhesion_on_release(_measure_pull(chosen_cycle, zero)),
         checks.unloading_recorded(recorded=chosen_cycle.unloading is not None),

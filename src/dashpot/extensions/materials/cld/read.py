@@ -33,7 +33,7 @@ def read_cld(
         Displacement and force of a seal that is pressed and released, once or in cycles; with a
         column of time, or evenly sampled at ``options.rate``, or without a clock.
     options : ReadOptions
-        Answers to what the file leaves open.
+        Reading options of the file.
     specimen : Specimen or None
         What was tested; its length makes forces those of 100 mm.
 

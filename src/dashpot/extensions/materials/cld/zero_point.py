@@ -32,8 +32,8 @@ class Zero(NamedTuple):
     ----------
     contact, contact_se : float
         Compression of first contact on the scale of the record, and its standard error, m.
-    air : bool
-        Whether the plate was seen to come through air.
+    comes_through_air : bool
+        Whether the record shows the plate in air before contact.
     force : array, shape (n,)
         What is to be taken off the force, N.
     force_se : float
@@ -42,7 +42,7 @@ class Zero(NamedTuple):
         Change of the zero over the record, N.
     preload : float
         Force that the first samples carry and that is left, N.
-    begins : float
+    initial_force_ratio : float
         Force at the first samples over the rise, where no air was crossed.
     noise : float
         N.
@@ -50,12 +50,12 @@ class Zero(NamedTuple):
 
     contact: float
     contact_se: float
-    air: bool
+    comes_through_air: bool
     force: FloatArray
     force_se: float
     drift: float
     preload: float
-    begins: float
+    initial_force_ratio: float
     noise: float
 
 

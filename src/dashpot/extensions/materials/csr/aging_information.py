@@ -55,7 +55,7 @@ class AgingTest:
         Standard deviation of the temperature of an oven, K.
     drift : float
         Standard deviation of the drift of the load cell, in parts of F0 in 1000 h.
-    longest : float
+    last_reading_time : float
         Time of the last reading, s.
     """
 
@@ -63,13 +63,15 @@ class AgingTest:
     scatter: float
     oven_sd: float
     drift: float
-    longest: float
+    last_reading_time: float
 
     @property
     def times(self) -> FloatArray:
         """Usual times of readings up to the longest, s."""
-        reading_times = [HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.longest]
-        return np.array([*reading_times, self.longest])
+        reading_times = [
+            HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.last_reading_time
+        ]
+        return np.array([*reading_times, self.last_reading_time])
 
     def compute_specimen_information(self, temperature: float) -> FloatArray:
         """Return the information of a specimen on loss, ln tau, ln exponent and drift, (4, 4)."""

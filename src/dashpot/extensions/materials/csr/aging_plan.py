@@ -79,7 +79,7 @@ class AgingAlternative(Serialisable):
     Attributes
     ----------
     change : str
-        In what it differs.
+        The changed quantity.
     specimens : int
         In all its ovens.
     life_sd : float
@@ -231,7 +231,7 @@ def plan_aging(
     Raises
     ------
     DataError
-        If a number makes no sense, or the law that is supposed says nothing of the life.
+        If a number is invalid, or the assumed law does not determine the life.
     """
     kelvin = _read_temperature("use_at", use_at)
     law = USUAL_LAW if aging is None else aging.law
@@ -333,7 +333,7 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
 
 
 def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
-    """Iterate over temperatures of ovens: the hottest is given, the coldest near that of use."""
+    """Iterate over oven temperatures: the hottest is given, the coldest is near that of use."""
     furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hot - kelvin))
     inner = np.arange(hot - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
@@ -404,10 +404,12 @@ def _list_alternatives(
 
     doubled = best._replace(specimens=tuple(2 * n for n in best.specimens))
     yield compare("twice as many specimens", test, doubled)
-    longer_test = replace(test, longest=2 * test.longest)
-    yield compare(f"{format_quantity(longer_test.longest, 'h', '.4g')} in the ovens", longer_test)
-    shorter = replace(test, longest=test.longest / 2)
-    yield compare(f"{format_quantity(shorter.longest, 'h', '.4g')} in the ovens", shorter)
+    longer_test = replace(test, last_reading_time=2 * test.last_reading_time)
+    yield compare(
+        f"{format_quantity(longer_test.last_reading_time, 'h', '.4g')} in the ovens", longer_test
+    )
+    shorter = replace(test, last_reading_time=test.last_reading_time / 2)
+    yield compare(f"{format_quantity(shorter.last_reading_time, 'h', '.4g')} in the ovens", shorter)
     if test.oven_sd:
         better_oven = replace(test, oven_sd=test.oven_sd / 2)
         yield compare(f"ovens known to {better_oven.oven_sd:.2g} K", better_oven)

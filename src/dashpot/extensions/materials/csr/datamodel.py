@@ -50,8 +50,8 @@ class CSRTest(EqualByValue, HasSummary):
     Raises
     ------
     DataError
-        If the arrays differ in length, a time or a force is not above 0, or a temperature is none
-        of an oven.
+        If the arrays differ in length, a time or a force is not above 0, or a temperature is
+        impossible for an oven.
 
     Examples
     --------

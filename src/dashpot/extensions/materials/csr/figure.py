@@ -50,7 +50,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
     ----------
     aging : Aging
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     time = np.geomspace(F0_TIME, aging.longest, 200)
     hours = convert_to_unit(time, "h")
@@ -75,7 +75,7 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     ----------
     prediction : Aged
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     law, kelvin = prediction.aging.law, prediction.temperature
     law = law.lower_limit() if law.bound_alone else law
@@ -108,9 +108,9 @@ def draw_life(aged: Aged, *, stamp: str = "") -> Picture:
     Parameters
     ----------
     aged : Aged
-        Where it was asked for a time alone, or of one oven, only the second is drawn.
+        For a prediction of times only, or from one oven, only the second panel is drawn.
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     force, part = draw_aged_force(aged, stamp=stamp), aged.first_part
     if part is None or not has_arrhenius_line(aged.aging):
@@ -154,7 +154,7 @@ def draw_life_chart(
     temperature : float, optional
         Temperature of use, K, whose life is marked.
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
     kelvin_range = (coldest - 40.0, hottest, *(() if temperature is None else (temperature,)))

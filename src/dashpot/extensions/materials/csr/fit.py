@@ -115,7 +115,7 @@ def _build_problem(
     values = [sd for sd in prior_sds if sd > 0]
     specimen_columns = np.eye(readings.specimens)[readings.specimen_number]
     derivative = np.zeros((len(values), readings.specimens))
-    drift_force = readings.time / THOUSAND_HOURS * readings.weak * prior_sds[-1]
+    drift_force = readings.time / THOUSAND_HOURS * readings.force_scale * prior_sds[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
@@ -148,7 +148,7 @@ def _fit_oven_rates(readings: Readings, drift: float) -> Estimate:
         problem = _build_problem(
             readings,
             parameters,
-            lambda theta: (theta[1 : 1 + ovens] / readings.longest, 1.0),
+            lambda theta: (theta[1 : 1 + ovens] / readings.last_reading_time, 1.0),
             [drift],
             scatter,
         )

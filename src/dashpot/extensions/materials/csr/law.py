@@ -66,7 +66,7 @@ class AgingLaw(EqualByValue):
     quantile : float
         Standard errors to either end of a 95 % interval.
     bound_alone : bool
-        No chemistry was seen: tau is what it is at least, up to the reference.
+        No chemical relaxation was detected: tau is a lower limit, valid up to the reference.
     """
 
     physical: float

@@ -48,9 +48,9 @@ class Aged(HasVerdict, Serialisable):
     temperature : float
         K.
     until : tuple of str
-        The parts of F0 and the times that were asked.
+        The requested fractions of F0 and times.
     furthest : float
-        The latest time that was asked, or found, s.
+        The latest requested or computed time, s.
     checks : tuple of Check
     """
 
@@ -75,7 +75,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def first_part(self) -> float | None:
-        """The first part of F0 that was asked; None where only times were."""
+        """The first requested fraction of F0; None if only times were requested."""
         parts = (part for part, _ in map(_parse_end, self.until) if not math.isnan(part))
         return next(parts, None)
 
@@ -132,7 +132,7 @@ def predict_aging(
     Raises
     ------
     DataError
-        If no temperature is given, or the ovens say nothing of it.
+        If no temperature is given, or the ovens do not determine the result there.
     """
     if temperature is None:
         raise DataError(
@@ -185,7 +185,7 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
 def make_life_interval(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
     """Return the life with a lower end that holds a lower activation energy, and what narrows it.
 
-    None where another value is asked, and where the life is robust to the lower energy.
+    None for other values, and where the life is robust to the lower energy.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def age_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) ->
     Raises
     ------
     DataError
-        If the ovens say nothing of it, or only what is left at least.
+        If the ovens do not determine it, or give only a lower limit.
     """
     seconds = convert_to_si(time, "time")
     prediction = predict_aging(aging, temperature=temperature, until=f"{seconds!r}s")
@@ -300,12 +300,12 @@ def _parse_questions(ends: str | Sequence[str] | float) -> tuple[str, ...]:
 
 
 def _parse_end(text: str) -> tuple[float, float]:
-    """Return the part of F0 that an end names, or else the time, s; the other is nan.
+    """Return the fraction of F0 or the time, s, that a text states; the other is nan.
 
     Raises
     ------
     DataError
-        If it is neither, or out of range.
+        If the text is neither, or out of range.
     """
     if text.strip().endswith("%"):
         try:
@@ -385,7 +385,7 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
 
 
 def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[int | None, float]:
-    """Return in how many ovens the mean force fell to the least part asked, and the part."""
+    """Return how many ovens reached the smallest requested fraction of F0, and the fraction."""
     parts = [part for part, _ in map(_parse_end, questions) if not math.isnan(part)]
     if not parts or aging.law.bound_alone:
         return None, math.nan
@@ -479,7 +479,7 @@ def scale_for_aging(
     Raises
     ------
     DataError
-        If the part is not known, or only what it is at least.
+        If the fraction is not known, or only its lower limit.
     """
     error = factor.error or 0.0
     if factor.is_lower_bound or not np.isfinite(error):

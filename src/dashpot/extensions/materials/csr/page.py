@@ -76,7 +76,7 @@ def page(aging: Aging) -> KindPage:
         table_title="The aging law",
         groups=(group("", aging.facts), *_make_life_groups(life_rows[::2], USUAL_RETAINED_FORCE)),
         sources=aging.sources,
-        folds=(*_make_life_sections(aging, life_rows, USUAL_RETAINED_FORCE),
+        collapsible_sections=(*_make_life_sections(aging, life_rows, USUAL_RETAINED_FORCE),
         make_law_ranking(aging.orders)),
     )  # fmt: skip
 
@@ -102,7 +102,7 @@ def lay_out_aged(aged: Aged) -> KindPage:
         ),
         sources=aging.sources,
         note=f"{KindPage.note} {aged.interval_note}".rstrip(),
-        folds=_make_life_sections(aging, life_rows, part or USUAL_RETAINED_FORCE),
+        collapsible_sections=_make_life_sections(aging, life_rows, part or USUAL_RETAINED_FORCE),
         name="aged" if aged._saved_result is aged else "csr",
     )
 

@@ -82,7 +82,7 @@ def read_csr(
         Hours or days and force, or F/F0, with columns of temperature, specimen and method, or one
         oven a file. Without a column of specimens a new one begins where the clock does.
     options : ReadOptions
-        Answers to what the file leaves open.
+        Reading options of the file.
     specimen : Specimen or None
         Its temperature is that of the oven, where the file says none.
 

@@ -33,8 +33,8 @@ def has_counterforce(columns: NamedColumns) -> bool:
 def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     """Return the options with the columns of time and force; None for another table.
 
-    A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
-    that nothing depends on, for the F0 of every specimen is free.
+    A column that is called hours or days is a clock of that unit. Fractions of F0 are forces in an
+    arbitrary unit, for the F0 of every specimen is fitted.
     """
     if any(_has_role(table, role, options) for role in _OTHER_TEST_ROLES):
         return None

@@ -8,6 +8,6 @@ from dashpot.text_output.results import render_facts
 
 
 def render_aged(aged: Aged) -> Text:
-    """Return the answers with their intervals, and what these do not include."""
+    """Return the results with their intervals, and the errors that these do not include."""
     text, note = render_facts(aged), aged.interval_note
     return text._replace(lines=[*text.lines, *([f"  {note}"] if note else [])])

@@ -42,7 +42,7 @@ class DropTest(EqualByValue, HasSummary):
     Raises
     ------
     DataError
-        If there is neither, arrays differ in length, are not finite, or sampling is not even.
+        If both are missing, arrays differ in length, are not finite, or the sampling is uneven.
 
     Examples
     --------

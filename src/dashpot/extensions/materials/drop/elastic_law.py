@@ -37,20 +37,20 @@ class ElasticLawPrior(EqualByValue):
     precision: FloatArray
 
     @classmethod
-    def free(cls) -> ElasticLawPrior:
+    def without_law(cls) -> ElasticLawPrior:
         """Return the prior without a known law."""
         return cls(None, np.zeros((0, len(POWERS))))
 
     @classmethod
     def from_fit(cls, fit: Fit, length_ratio: float = 1.0) -> ElasticLawPrior:
-        """Return the law in a fit of load deflection, or :meth:`free` where the fit has one depth.
+        """Return the law of a load deflection fit; of a fit at one depth :meth:`without_law`.
 
         The tangent at each knot is known to its standard error, or to 1 %. Errors of neighbouring
         knots are taken as equal, so that three numbers are each known as well as one knot.
         """
         law = fit.elastic_law
         if law is None or law.kind == "linear":
-            return cls.free()
+            return cls.without_law()
         law = length_ratio * law
         knots, tangent = np.asarray(law.knots), np.asarray(law.tangents)
         error = law.stiffness * np.asarray(law.ratio_se or np.zeros(len(knots)))

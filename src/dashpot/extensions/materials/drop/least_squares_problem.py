@@ -94,7 +94,7 @@ class DropProblem:
     impacts : tuple of RecordedImpact
     mass : float
         kg.
-    pulls : array, shape (impacts,)
+    gravity_accelerations : array, shape (impacts,)
         m/s^2.
     stated_speeds : array, shape (impacts,)
         Speeds that were given, m/s; nan where none was.
@@ -106,7 +106,7 @@ class DropProblem:
 
     impacts: tuple[RecordedImpact, ...]
     mass: float
-    pulls: FloatArray
+    gravity_accelerations: FloatArray
     stated_speeds: FloatArray
     speed_sd: float
     law: ElasticLawPrior
@@ -115,7 +115,7 @@ class DropProblem:
     @property
     def step(self) -> float:
         """Time step of the integration, s."""
-        return max(hit.contact for hit in self.impacts) * 1.3 / STEPS
+        return max(hit.contact_duration for hit in self.impacts) * 1.3 / STEPS
 
     @property
     def relaxation_parameter_count(self) -> int:
@@ -176,7 +176,9 @@ class DropProblem:
     def compute_forces(self, theta: FloatArray) -> list[FloatArray]:
         """Return the modelled force of every impact."""
         rows = np.repeat(theta[None, :], len(self.impacts), axis=0)
-        force = self.integrate_motion(rows, self.select_speeds(theta), self.pulls)[2]
+        force = self.integrate_motion(rows, self.select_speeds(theta), self.gravity_accelerations)[
+            2
+        ]
         return [
             self.sample_force(force[:, i], hit.time - contact_time)
             for i, (hit, contact_time) in enumerate(
@@ -201,7 +203,7 @@ class DropProblem:
         motions_per_impact = 2 * (shared + 1) + 1
         rows = np.repeat(theta[None, :shared], motions_per_impact * impact_count, axis=0)
         speed = np.repeat(self.select_speeds(theta), motions_per_impact)
-        acceleration = np.repeat(self.pulls, motions_per_impact)
+        acceleration = np.repeat(self.gravity_accelerations, motions_per_impact)
         for i in range(impact_count):
             block = slice(i * motions_per_impact + 1, (i + 1) * motions_per_impact)
             rows[block] += steps[:, :shared] * scale[:shared]
@@ -281,19 +283,21 @@ class DropProblem:
         impulse = np.array(
             [float(np.trapezoid(np.maximum(hit.force, 0.0), hit.time)) for hit in self.impacts]
         )
-        contact = np.array([hit.contact for hit in self.impacts])
-        rebound_speed = (impulse / self.mass - self.pulls * contact) / (1 + _USUAL_RESTITUTION)
+        contact = np.array([hit.contact_duration for hit in self.impacts])
+        rebound_speed = (impulse / self.mass - self.gravity_accelerations * contact) / (
+            1 + _USUAL_RESTITUTION
+        )
         speed = np.where(
             np.isfinite(self.stated_speeds), self.stated_speeds, np.maximum(rebound_speed, 1e-3)
         )
-        return np.stack((speed, [hit.touch for hit in self.impacts]), axis=1).ravel()
+        return np.stack((speed, [hit.contact_start for hit in self.impacts]), axis=1).ravel()
 
     @property
     def parameters(self) -> list[Parameter]:
         """Bounds and scales of theta."""
         peak = max(float(hit.force.max()) for hit in self.impacts)
         depth = self.depth
-        contact = min(hit.contact for hit in self.impacts)
+        contact = min(hit.contact_duration for hit in self.impacts)
         cubic = [Parameter(scale=0.1 * peak / depth**i) for i in POWERS.tolist()]
         relaxation = []
         if self.relaxation.free:
@@ -309,9 +313,13 @@ class DropProblem:
         for i, impact in enumerate(self.impacts):
             speed = float(self.initial_speeds_and_contact_times[2 * i])
             parameters.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
-            shift = 0.3 * impact.contact
+            shift = 0.3 * impact.contact_duration
             parameters.append(
-                Parameter(impact.touch - shift, impact.touch + shift, 0.02 * impact.contact)
+                Parameter(
+                    impact.contact_start - shift,
+                    impact.contact_start + shift,
+                    0.02 * impact.contact_duration,
+                )
             )
         return [*cubic, *relaxation, *arm, *parameters]
 
@@ -319,7 +327,7 @@ class DropProblem:
     def depth(self) -> float:
         """Largest compression, roughly, m: a fast mass is brought to rest over half a contact."""
         return max(
-            2 / np.pi * 0.5 * hit.contact * float(speed)
+            2 / np.pi * 0.5 * hit.contact_duration * float(speed)
             for hit, speed in zip(
                 self.impacts, self.initial_speeds_and_contact_times[::2], strict=True
             )
@@ -362,7 +370,7 @@ class DropProblem:
     @property
     def starting_points(self) -> list[FloatArray]:
         """Starting points, one for each arm that is tried."""
-        contact = float(np.median([hit.contact for hit in self.impacts]))
+        contact = float(np.median([hit.contact_duration for hit in self.impacts]))
         relaxation = (
             np.concatenate((self.relaxation.g, np.log(self.relaxation.tau)))
             if self.relaxation.free
@@ -386,9 +394,12 @@ class DropProblem:
         force_ratio = 1 + float(self.relaxation.g.sum()) + 0.1
         columns, forces = [], []
         for hit, speed, acceleration in zip(
-            self.impacts, self.initial_speeds_and_contact_times[::2], self.pulls, strict=True
+            self.impacts,
+            self.initial_speeds_and_contact_times[::2],
+            self.gravity_accelerations,
+            strict=True,
         ):
-            in_contact = hit.time >= hit.touch
+            in_contact = hit.time >= hit.contact_start
             time, force = hit.time[in_contact], hit.force[in_contact]
             step = np.diff(time, prepend=time[0])
             velocity = speed + np.cumsum(step * (acceleration - force / self.mass))

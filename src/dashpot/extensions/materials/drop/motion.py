@@ -40,13 +40,13 @@ class Masses(NamedTuple):
     ----------
     mass, speed : array, shape (n,)
         kg and m/s.
-    pull : array, shape (n,) or (steps + 1, n)
+    gravity_acceleration : array, shape (n,) or (steps + 1, n)
         m/s^2.
-    path : callable
+    compute_path : callable
         The path u, m, of compressions x, m, both of shape (n,).
     k_inf, b : array, shape (n,)
         N/m and N s/m.
-    factor : callable
+    compute_path_derivative : callable
         :math:`du/dx` at compressions, where there is any b.
     k, tau : array, shape (n, arms)
         N/m and s.
@@ -54,13 +54,13 @@ class Masses(NamedTuple):
 
     mass: FloatArray
     speed: FloatArray
-    pull: FloatArray
-    path: Callable[[FloatArray], FloatArray]
+    gravity_acceleration: FloatArray
+    compute_path: Callable[[FloatArray], FloatArray]
     k_inf: FloatArray
     k: FloatArray
     tau: FloatArray
     b: FloatArray | None = None
-    factor: Callable[[FloatArray], FloatArray] | None = None
+    compute_path_derivative: Callable[[FloatArray], FloatArray] | None = None
 
 
 class MotionHistory(NamedTuple):

@@ -156,7 +156,7 @@ def _find_mode_error(
 def _compute_extrapolation_ratio(
     curves: Sequence[ElasticCurve], poisson: float, use_range: Span | None
 ) -> float:
-    """Return the largest logarithmic strain of use over that of the tests, by sign."""
+    """Return the ratio of the largest logarithmic strains of use and of the tests, by sign."""
     if use_range is None:
         return 1.0
     end_strains = np.concatenate([

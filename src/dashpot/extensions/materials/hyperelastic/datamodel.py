@@ -48,7 +48,8 @@ class StressStrainTest(EqualByValue, HasSummary):
     time : array, shape (n,), or None
         s.
     stated : bool
-        Whether it was said what stress and strain are over; else both were taken to be nominal.
+        Whether the file or the user stated true or nominal stress and strain; else both are assumed
+        nominal.
     source : Source or None
     poisson : float or None
         Poisson's ratio that the strain sideways shows, of a uniaxial test: 0 to 0.6, where 0.5

@@ -85,7 +85,7 @@ def fit_hyperelastic(
     Raises
     ------
     FitError
-        If there is no test that changes the shape, or what was asked for does not fit together.
+        If no test changes the shape, or the options contradict each other.
     """
     curves = [extract_elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
     measured_poisson, foam = _find_poisson(tests, law, poisson)

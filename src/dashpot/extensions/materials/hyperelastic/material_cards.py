@@ -42,7 +42,7 @@ class _Card(NamedTuple):
     units : UnitSystem
     constants : tuple of float
     bulk : float
-        0 of a foam, whose Poisson's ratio says it.
+        0 for a foam, whose Poisson's ratio determines it.
     density : float or None
         SI.
     """
@@ -111,12 +111,13 @@ def hyperelastic_card(
     temperature : float, optional
         Temperature of the tests, K, where the fit does not know it.
     allow : collection of str
-        ``"temperature"``, ``"not_identified"`` (a check that says not to use the law), ``"all"``.
+        ``"temperature"``, ``"not_identified"`` (a failed check that forbids the use of the law),
+        ``"all"``.
 
     Raises
     ------
     ExportError
-        If something is not stated, or a check says not to use the law.
+        If a needed value is not stated, or a check forbids the use of the law.
     """
     if target not in TARGETS:
         raise ExportError(

@@ -28,7 +28,7 @@ class _LoadingRows(NamedTuple):
 
     rows: IndexArray
     loss_fraction: float | None
-    softer: float | None
+    softening: float | None
 
 
 def extract_elastic_curve(
@@ -59,7 +59,8 @@ def extract_elastic_curve(
     x, y = _average_points(test.stretch[rows], stress[rows])
     duration = None if test.time is None else float(np.ptp(test.time[rows]))
     return ElasticCurve(
-        test.mode, x, y, len(rows), chosen_samples.loss_fraction, chosen_samples.softer, duration,
+        test.mode, x, y, len(rows), chosen_samples.loss_fraction, chosen_samples.softening,
+        duration,
         test.stated,
         test.source
     )  # fmt: skip

@@ -49,7 +49,7 @@ def read_stress_strain(
     mode : str
         ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``.
     is_compression : bool
-        The specimen was pressed: strain and stress are sizes whatever their sign. Always so of a
+        The specimen was compressed: strain and stress count as magnitudes. Always so of a
         volumetric test, whose stress is a pressure.
     measures : Measures, optional
     options : ReadOptions, optional
@@ -165,7 +165,7 @@ def refuse_sizes(
 
 
 def _is_sideways(column: Column) -> bool:
-    """Return whether a column is of a strain square to the force."""
+    """Return whether a column holds a transverse strain."""
     is_named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
     return (
         column.content == "number"
@@ -177,7 +177,7 @@ def _is_sideways(column: Column) -> bool:
 def _read_lateral_strain(
     file: OpenedFile, axial_channel: Channel, measures: Measures, *, is_compression: bool
 ) -> tuple[float | None, list[str]]:
-    """Poisson's ratio of a column of strain square to the force, and what is said of it."""
+    """Poisson's ratio from a column of transverse strain, and a note."""
     columns = file.table.columns
     indices = [
         i for i, column in enumerate(columns) if i != axial_channel.index and _is_sideways(column)

@@ -57,26 +57,26 @@ class Law:
         Parameters: those of the law's own numbers and the pull, without units.
     build_law : callable
         The contact of k, the unit of time and the law's own numbers.
-    starts : tuple of tuple
-        Values of its loss, and of its time, that are tried, each with each.
-    numbers : callable
-        The law's own numbers of its loss and its time.
+    starting_values : tuple of tuple
+        Starting values of its loss and of its time, tried in all combinations.
+    build_coefficients : callable
+        Returns the coefficients of the law from its loss and its time.
     """
 
     exponent: float
     shape: Callable[..., Shape]
     build_law: Callable[..., ContactLaw]
-    starts: tuple[tuple[float, ...], ...] = ()
-    numbers: Callable[..., Sequence[float]] = lambda *values: values
+    starting_values: tuple[tuple[float, ...], ...] = ()
+    build_coefficients: Callable[..., Sequence[float]] = lambda *values: values
 
     def fix_loss(self, values: Sequence[float]) -> Law:
         """Return the law with its loss and its time held."""
-        numbers = self.numbers(*values)
-        return replace(self, starts=(), numbers=lambda: numbers)
+        numbers = self.build_coefficients(*values)
+        return replace(self, starting_values=(), build_coefficients=lambda: numbers)
 
     def parameters(self, duration: float, change: float) -> list[Parameter]:
         """Return the range of each, but for the touch."""
-        value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starts)]
+        value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starting_values)]
         first, last = np.log((duration, change))
         ranges = [
             [first - _LOG_RANGE, first + _LOG_RANGE],
@@ -93,10 +93,10 @@ class Law:
         return np.array([first, *np.arcsinh(values / _ARSINH_UNITS[: len(values)]), last])
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
-        """Return the unit of time, the law's own numbers and the speed of parameters."""
+        """Return time unit, coefficients of the law and speed from the parameters."""
         duration, change = np.exp(theta[[0, -2]]).tolist()
         value = np.sinh(theta[1:-2]) * _ARSINH_UNITS[: len(theta) - 3]
-        values = self.numbers(*value.tolist())
+        values = self.build_coefficients(*value.tolist())
         free = self.shape(*values, 0.0)
         return duration / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
 
@@ -154,16 +154,17 @@ class Recorded(NamedTuple):
 
     Attributes
     ----------
-    value : array
+    signal : array
     rate : array
         By time.
-    stretched : array
-        By the logarithm of the unit of time, the speed kept, and the pull in that unit.
+    time_unit_derivative : array
+        Derivative by the logarithm of the time unit, at constant speed and acceleration in that
+        unit.
     """
 
-    value: FloatArray
+    signal: FloatArray
     rate: FloatArray
-    stretched: FloatArray
+    time_unit_derivative: FloatArray
 
 
 def simulate_sensor_signal(
@@ -171,8 +172,8 @@ def simulate_sensor_signal(
 ) -> Recorded:
     """Return what a sensor would record, positive for a push, at times since the touch, s.
 
-    An acceleration is the specific force F/m, for what falls freely weighs nothing. A force that
-    jumps at the touch is averaged over a sample, as every recorder does.
+    An acceleration is the specific force F/m, zero in free fall. A force that jumps at the touch is
+    averaged over a sample, as every recorder does.
     """
     from scipy.interpolate import CubicHermiteSpline
 

@@ -66,7 +66,7 @@ def run_checks(
         contact_sampled(T / test.step),
         flights_recorded(duration_before, duration_after),
         sensor_in_range(clipped),
-        first_contact(contact.before, contact.after),
+        first_contact(contact.contacts_before, contact.contacts_after),
         law_residual_small(relative, fit.residual),
         no_adhesion_on_release(*_compute_undershoot(fit, size)),
         parameters_determined(
@@ -256,7 +256,7 @@ def parameters_determined(
 
 
 def _get_widest_interval(fit: IndentationFit) -> float:
-    """The widest interval, a factor, of what a contact is made for."""
+    """The widest interval, as a factor, of the main results of a contact."""
     return max(
         reported_value.high / reported_value.value
         for reported_value in fit.found

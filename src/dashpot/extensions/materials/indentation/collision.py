@@ -111,7 +111,7 @@ def collide(
     Raises
     ------
     DataError
-        If a number is not above zero, or the body is never let go.
+        If a number is not above zero, or the body never rebounds.
     """
     require_positive(mass=mass, velocity=velocity, expected="a finite number above 0")
     n = law.exponent

@@ -91,15 +91,15 @@ class _NearHit:
     contact: ContactInterval
     time: FloatArray
     signal: FloatArray
-    used: BoolArray
-    clipped: int
+    is_used: BoolArray
+    clipped_count: int
     mass: float
     fixed: FloatArray
     prior: FloatArray  # inverse standard deviation of each column, over the noise's
 
     def sample_collision(self, hit: Collision, touch_time: float) -> Recorded:
         signal = simulate_sensor_signal(hit, self.test.of, self.time - touch_time, self.test.step)
-        return Recorded(*(values[self.used] for values in signal))
+        return Recorded(*(values[self.is_used] for values in signal))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
@@ -118,7 +118,7 @@ class _NearHit:
             """Return the derivatives, exact except for the law's own parameters and the pull."""
 
             def differentiate_signal(theta: FloatArray, acceleration: float) -> FloatArray:
-                return (self.simulate_signal(law, theta, acceleration).value - value) / STEP
+                return (self.simulate_signal(law, theta, acceleration).signal - value) / STEP
 
             J = np.zeros((len(value) + len(no_residual), len(theta)))
             J[: len(value), [0, -2, -1]] = np.stack((stretched, value, -rate), axis=1)
@@ -133,7 +133,7 @@ class _NearHit:
             return J
 
         return Rows(
-            np.append(self.signal[self.used] - value, no_residual),
+            np.append(self.signal[self.is_used] - value, no_residual),
             np.concatenate((self.fixed, np.diag(self.prior))),
             slope,
         )
@@ -144,10 +144,10 @@ class _LawOptimum:
     """One contact law at its optimum."""
 
     name: str
-    hit: Collision
+    collision: Collision
     model: FloatArray
     estimate: Estimate
-    valleys: tuple[Optimum, ...]
+    local_optima: tuple[Optimum, ...]
 
     @property
     def law(self) -> Law:
@@ -167,7 +167,7 @@ class _LawOptimum:
 
     @property
     def contact(self) -> ContactLaw:
-        return self.law.contact(self.optimum.theta, self.hit.mass)
+        return self.law.contact(self.optimum.theta, self.collision.mass)
 
 
 def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> IndentationFit:
@@ -229,22 +229,23 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     fitted = IndentationFit(
         best.name, best.contact, reported_values, tuple((item.name,
         scores[item.name]) for item in candidates),
-        test.indenter, test.of, window.time[window.used] - touch_time, best.model + best.residual,
-        best.model, noise, remainder / size, touch_time, best.hit.duration, (), test.source,
+        test.indenter, test.of, window.time[window.is_used] - touch_time,
+        best.model + best.residual,
+        best.model, noise, remainder / size, touch_time, best.collision.duration, (), test.source,
     )  # fmt: skip
     checked_checks = checks.run_checks(
         fitted,
-        best.hit,
+        best.collision,
         test,
         contact=window.contact,
-        clipped=window.clipped,
+        clipped=window.clipped_count,
         other_laws=other_laws,
     )
     return replace(fitted, checks=(*checked_checks, *caution_checks(list_sources([test]))))
 
 
 def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | None) -> None:
-    """Refuse mass and radius that give a modulus outside that of any rubber."""
+    """Refuse a mass and a radius that give a modulus impossible for rubber."""
     entries = {reported_value.name: reported_value.value for reported_value in reported_values}
     remedy = "Check the mass and the radius of the indenter, and their units."
     if radius is None or "modulus" not in entries:
@@ -328,8 +329,10 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         start[rest] = optimum.theta
         return optimum.cost, start
 
-    table = [nearly(values) for values in product(*law.starts)]
-    cost = np.array([value for value, _ in table]).reshape([len(start) for start in law.starts])
+    table = [nearly(values) for values in product(*law.starting_values)]
+    cost = np.array([value for value, _ in table]).reshape(
+        [len(start) for start in law.starting_values]
+    )
     starts = [table[i][1] for i in _find_valleys(cost)]
     full_problem = problem(law, window.test.indenter.pull)
     optima = full_problem.valleys(
@@ -342,7 +345,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     if not optima:
         return None
     best = min(optima, key=lambda optimum: optimum.cost)
-    if len(law.starts) == 1:
+    if len(law.starting_values) == 1:
         # where the force jumps, or rises as a root, a touch between two other samples is a valley
         extra = np.outer(_CONTACT_SHIFTS, np.eye(len(best.theta))[-1]) * window.test.step
         refined = full_problem.solve(
@@ -370,13 +373,13 @@ def _estimate_law_errors(
     """Return a law with noise and parameter errors by its residual."""
     hit = window.simulate_collision(LAWS[name], best.theta)
     signal = window.sample_collision(hit, float(best.theta[-1]))
-    model = signal.value
+    model = signal.signal
     count = len(best.residual)
     noise = estimate_noise(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
-        nearest = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
+        nearest = int(np.argmin(np.abs(window.time[window.is_used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
         change[nearest] = _AT_TOUCH * window.test.step * signal.rate[nearest]
         uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
@@ -389,8 +392,8 @@ def _compute_rounding(model: FloatArray) -> float:
 
 
 def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray:
-    time_since_touch = window.time[window.used] - optimum.touch
-    return np.asarray((time_since_touch >= 0) & (time_since_touch <= optimum.hit.duration))
+    time_since_touch = window.time[window.is_used] - optimum.touch
+    return np.asarray((time_since_touch >= 0) & (time_since_touch <= optimum.collision.duration))
 
 
 def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
@@ -405,7 +408,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
 
     slices = (
         _collect_slices(optimum)
-        if len(optimum.law.starts) > 1
+        if len(optimum.law.starting_values) > 1
         else [ProfileSlice(0.0, optimum.estimate)]
     )
     widest = optimum.estimate.quantile(_LEVEL)
@@ -464,11 +467,12 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
 def _collect_slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     """Return the limits over all minima that the record does not reject.
 
-    A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
+    Loss and time are correlated along a curved valley of the misfit, in which the normal
+    approximation fails.
     """
     noise, best = optimum.estimate.noises[0], optimum.optimum
     slices = optimum.estimate.profile(_TIME)
-    for valley in optimum.valleys:
+    for valley in optimum.local_optima:
         cost_increase = (valley.cost - best.cost) / noise.power
         if valley is best or cost_increase > optimum.estimate.quantile() ** 2:
             continue

@@ -29,18 +29,18 @@ class ContactInterval(NamedTuple):
     Attributes
     ----------
     sign : float
-        Times the record: what a push from the surface makes of it is then positive.
+        Sign that makes a push from the surface positive.
     start, duration : float
         s.
-    before, after : int
-        How many other contacts come earlier and later.
+    contacts_before, contacts_after : int
+        Numbers of earlier and later contacts.
     """
 
     sign: float
     start: float
     duration: float
-    before: int
-    after: int
+    contacts_before: int
+    contacts_after: int
 
 
 def largest_contact(test: IndentationTest) -> ContactInterval:
@@ -49,7 +49,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     Raises
     ------
     DataError
-        If nothing stands out of the scatter.
+        If no pulse exceeds the noise.
     """
     push, width = _compute_push(test)
     # a record may be cut so close that most of it is contact, or begin in one

@@ -69,7 +69,7 @@ def read_indentation(
 
 
 def _find_motion_column(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
-    """Return the column that is fitted, and what it is."""
+    """Return the fitted column, and its kind."""
     roles_named = [role for role in _NAMED if getattr(file.options, role)]
     for role in roles_named or _NAMED:
         answer = (

@@ -52,7 +52,7 @@ class ViscoelasticCard:
     law : TemperatureLaw or None
         Law of the relaxation times.
     notes : tuple of str
-        What was not read, and what was taken for granted.
+        Unread parts of the card, and assumptions.
     """
 
     name: str
@@ -69,11 +69,11 @@ class ViscoelasticCard:
 
     @property
     def is_material(self) -> bool:
-        """Whether its model is of a material's modulus, not of a part's stiffness."""
+        """Whether its model is a material's modulus, not a part's stiffness."""
         return self.spring is None and self.table is None
 
     def convert_to_model(self, units: UnitSystem, modulus: float | None) -> GeneralizedMaxwell:
-        """Return the model in SI; of a material that of Young's modulus.
+        """Return the model in SI; for a material, of Young's modulus.
 
         Parameters
         ----------

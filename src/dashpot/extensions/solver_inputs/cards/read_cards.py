@@ -1,4 +1,4 @@
-"""Viscoelastic cards of a file, whatever solver it is for."""
+"""Viscoelastic cards of a file, for any solver."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class TestableArm(Serialisable):
     k, tau : float
         N/m or Pa, and s.
     k_sd, tau_sd : float
-        Relative; infinite where the test says nothing.
+        Relative; infinite where the test does not determine the arm.
     is_determined : bool
         k exceeds three standard deviations, and that of ln tau is below a half.
     """
@@ -99,7 +99,7 @@ def _find_known_band(
 ) -> tuple[float, float] | None:
     """Return the widest range of frequencies, Hz, in which stiffness and loss factor are known.
 
-    Below the inverse of the hold nothing is known, whatever the arms of the card.
+    Below the inverse of the hold time a test determines nothing.
     """
     low = 1 / (2 * np.pi * hold_time)
     high = 1 / (2 * np.pi * min(model.tau)) * _BAND_MARGIN

@@ -34,7 +34,7 @@ def export_requested_draws(
     Raises
     ------
     UsageError
-        If something is said of draws, and none are asked for.
+        If options of draws are given without draws.
     """
     if choices["draws"] is None:
         for name in ("seed", "record"):

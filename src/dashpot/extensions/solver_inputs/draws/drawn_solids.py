@@ -1,4 +1,4 @@
-r"""Solids drawn from the covariance of a fit, and from what its test leaves open.
+r"""Solids drawn from the covariance of a fit, with arms that its test does not resolve.
 
 An arm faster than the ramp is not in the fit, for the test hardly shows it. In each draw its
 relaxation time lies between what matters at the peak and the end of the valid band, or the fastest
@@ -140,7 +140,7 @@ def draw_solids(
 def choose_unresolved_times(fit: Fit, peak: float) -> tuple[float, float] | None:
     """Return the relaxation times, s, of arms that act on a peak, Hz, above the valid band.
 
-    None where the test informs the peak, and where it says nothing of any frequency.
+    None if the test determines the peak, or no frequency at all.
     """
     high = fit.band[1]
     if not 0 < high < peak:

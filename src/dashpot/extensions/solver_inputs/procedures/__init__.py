@@ -36,7 +36,7 @@ class Run(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """Whether the answer is that of the model."""
+        """Whether the solver's result agrees with the model."""
         return self.deviation <= MAX_RELATIVE_DIFFERENCE
 
 

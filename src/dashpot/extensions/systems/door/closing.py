@@ -48,13 +48,13 @@ class ClosingDoor:
     compression : array, shape (stations,)
         With the door closed, m; below 0 where the seal does not reach.
     length : array, shape (stations,)
-        m of seal that each stands for, by the factor of its joints where it is stiffer.
+        Length of seal that each station represents, m, times the stiffness factor of its joints.
     section : SealSection
         One metre of it.
     weight : (float, float)
         Moments of gravity against closing, N m, by the cosine and the sine of the angle.
     setup : ClosingSetup
-        All else.
+        All other data.
     """
 
     inertia: float
@@ -135,7 +135,7 @@ class ClosingHistory:
     kinetic, time : array, shape (n + 1, doors)
         J, nan once a door has stopped, and s.
     work : mapping of str to array, shape (n, doors)
-        Work of every term in every step, J: what it took from the motion.
+        Work of every term in every step, J: the energy that it removed from the motion.
     stored : mapping of str to array, shape (doors,)
         The part of the work that it would give back, J, at the end of the march; nan for
         doors that stopped.
@@ -232,7 +232,7 @@ class _Doors:
 
 class _Instants(NamedTuple):
     work: dict[str, FloatArray | float]
-    taken: FloatArray
+    total_work: FloatArray
     seconds: FloatArray
 
 
@@ -280,7 +280,7 @@ def simulate_closing(
         # of one door alone it is asked with what it comes back
         previous_state = state.copy_state() if doors == 1 else state
         energy_done = state.step(float(angle[i + 1]), kinetic[i], moment)
-        kinetic[i + 1] = kinetic[i] - energy_done.taken
+        kinetic[i + 1] = kinetic[i] - energy_done.total_work
         is_moving = kinetic[i + 1] > 0
         kinetic[i + 1, ~is_moving] = np.nan
         for name, values in energy_done.work.items():
@@ -288,7 +288,7 @@ def simulate_closing(
         for chamber in state.chambers:
             pressure[chamber.name][i + 1] = np.where(is_moving, chamber.gauge, 0.0)
         time[i + 1] = time[i] + np.where(is_moving, energy_done.seconds, 0.0)
-        moment = energy_done.taken / float(angle[i] - angle[i + 1])
+        moment = energy_done.total_work / float(angle[i] - angle[i + 1])
         if not is_moving.any():
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
@@ -313,8 +313,8 @@ def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
             trial = copy(state.seal).step(step_angle, np.full(1, 1e-3))
             moment = np.full(1, (trial[0][0] + trial[1][0]) / turned_angle)
         energy_done = state.step(step_angle, kinetic, moment)
-        kinetic = np.maximum(kinetic - energy_done.taken, 0.0)
-        moment = energy_done.taken / turned_angle
+        kinetic = np.maximum(kinetic - energy_done.total_work, 0.0)
+        moment = energy_done.total_work / turned_angle
         if not kinetic[0]:
             break
     return float(kinetic[0])

@@ -134,7 +134,7 @@ class SealDoubt:
         s: so long, times the stiffness, is the dashpot that they may hide as. inf where the test
         does not limit it.
     highest : float
-        To which frequency it informs, Hz: what is slower hides nothing.
+        Upper end of its valid band, Hz.
     """
 
     relative: float = 0.0
@@ -146,8 +146,8 @@ class SealDoubt:
         """Return the uncertainty of a fit: its covariance, and arms that look like a delay.
 
         A fast arm and clocks that differ are one column of the fit: the lead that was found may be
-        all of the arms', and more by as much as the clocks may hide. A hold alone, a bent ramp and
-        a sweep limit neither.
+        all of the arms', and more by as much as the clocks may hide. A fit of the hold alone, a
+        nonlinear ramp and a sweep limit neither.
         """
         names = fit.estimate.parameters
         is_stiffness = np.array([name.startswith("k_") for name in names], dtype=float)

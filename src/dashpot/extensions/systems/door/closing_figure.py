@@ -31,7 +31,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     ----------
     result : ClosingResult
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     closing_result = result.closing
     strips: list[tuple[Panel, ...]] = [
@@ -123,7 +123,7 @@ def make_moments_panel(closing: ClosingAnalysis) -> Panel:
         -np.diff(closing.march.angle),
     )
     is_shown = np.isfinite(closing.march.kinetic[1:, 0]) & (midpoint <= axis_limit)
-    marks: list[Mark] = [Rule(0.0, REF, across=True)]
+    marks: list[Mark] = [Rule(0.0, REF, is_horizontal=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
     pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]

@@ -132,6 +132,6 @@ class Chambers:
         return np.asarray(self.pressure.max(axis=1) - air_flow.AMBIENT_PRESSURE)
 
     def compute_stored_energy(self) -> FloatArray:
-        """Return what the air would give back, J, shape (doors,)."""
+        """Return the stored energy of the air, J, shape (doors,)."""
         row = air_flow.compute_stored_energy(self.density, self.volume, self.kind.exponent)
         return np.asarray(row.sum(axis=1))

@@ -35,12 +35,12 @@ def close_file(
     speed : float
         At the door's edge where it begins, m/s.
     temperature : float, optional
-        Temperature of the seal, K, instead of what the file says.
+        Temperature of the seal, K, in place of the value in the file.
 
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     DataError
         If the file lacks what closing needs.
     """

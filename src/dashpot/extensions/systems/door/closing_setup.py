@@ -28,9 +28,9 @@ class DoorPosition(NamedTuple):
     angle : float
         From closed, rad.
     pressed, gap : array, shape (doors, stations)
-        How far the seal is pressed, and what it lacks to its counterpart, m, >= 0.
+        Compression of the seal, and its gap to the counterpart, m, >= 0.
     length : array, shape (stations,)
-        m of seal that each stands for.
+        Length of seal that each station represents, m.
     lever : array, shape (stations,)
         By how much the gap grows with the angle, m.
     """
@@ -93,7 +93,7 @@ class Vents(Air):
         require_nonnegative("the vents: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """Return the hollow less what is pressed out of it."""
+        """Return the free volume of the hollow under compression."""
         hollow = self.section - self.width * door.pressed
         if (hollow <= 0).any():
             raise DataError(
@@ -231,7 +231,7 @@ class Tolerances:
     load : float
         Tolerance of the seal's force, a part of it: likewise.
     correlation : float or None
-        Length along the line over which the gap forgets itself, m; None moves it as one.
+        Correlation length of the gap along the line, m; None: the gap varies as a whole.
     count : int
         Doors drawn.
     seed : int

@@ -68,7 +68,7 @@ def door(result: DoorResult, *, stamp: str = "") -> Picture:
     ----------
     result : DoorResult
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     strips: list[tuple[Panel, ...]] = []
     view = View.from_result(result)
@@ -212,11 +212,14 @@ def make_compression_panel(result: DoorResult) -> Panel:
     if stations is not None and stations.compression is not None:
         mm = convert_to_unit(stations.compression, "mm")
     law = None if result.fit is None else result.fit.elastic_law
-    marks: list[Mark] = [Line(arc_length, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
+    marks: list[Mark] = [
+        Line(arc_length, mm, FIT, "compression"),
+        Rule(0.0, REF, is_horizontal=True),
+    ]
     limits = [mm, np.zeros(1)]
     if law is not None:
         tested = convert_to_unit(law.depth, "mm")
-        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
+        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", is_horizontal=True))
         limits.append(np.array([tested]))
     return Panel(
         Scale("along the line, m", (0.0, length)),

@@ -42,12 +42,12 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it.
     temperature : float, optional
-        Temperature of the new seal, K, instead of what the file says.
+        Temperature of the new seal, K, in place of the value in the file.
 
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     DataError
         If the file lacks what a leak speed needs.
     """

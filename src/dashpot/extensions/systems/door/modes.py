@@ -57,11 +57,11 @@ class DoorMode(Serialisable):
         return sum(share.loss for share in self.shares)
 
     def share(self, name: str) -> float:
-        """Part of the energy that one of its parts stores; 0 of what is not there."""
+        """Fraction of the energy that one of its parts stores; 0 for a missing part."""
         return sum(share.energy for share in self.shares if share.name == name)
 
     def loss_share(self, name: str) -> float:
-        """Part of the loss that one of its parts makes; 0 where next to nothing is lost."""
+        """Fraction of the loss in one of its parts; 0 if hardly any energy is lost."""
         loss = sum(share.loss for share in self.shares if share.name == name)
         return loss / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
 
@@ -136,7 +136,7 @@ def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, st
 
 
 def count_free_motions(system: System) -> int:
-    """Motions that stretch no spring; those of a whole car that flies are none."""
+    """Motions that stretch no spring, without rigid motions of a free car."""
     flying = 0 if system.grounds else 6
     return max(len(system.dofs) - int(np.linalg.matrix_rank(_scale_stretches(system))) - flying, 0)
 

@@ -44,7 +44,7 @@ def make_line_mounts(
         Wanted distance of the mounts, m.
     friction_sticks : bool
         Friction sticks, as under small vibration: a spring beside the arms. Otherwise the mounts
-        have it, and what they are depends on how far they move.
+        have the friction, and depend on amplitude.
 
     Raises
     ------

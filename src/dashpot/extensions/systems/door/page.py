@@ -77,12 +77,12 @@ class ModeRow(NamedTuple):
     frequency: str
     frequency_without_seal: str
     damping: str
-    holds: tuple[Bar, ...]
+    energy_bars: tuple[Bar, ...]
     seal_energy: str
-    loses: tuple[Bar, ...]
+    loss_bars: tuple[Bar, ...]
     seal_loss: str
     extrapolation: str
-    marked: bool
+    is_marked: bool
 
 
 class ModesTable(NamedTuple):
@@ -91,7 +91,7 @@ class ModesTable(NamedTuple):
     rows: tuple[ModeRow, ...]
     parts: tuple[tuple[str, str], ...]
     note: str
-    more: int
+    hidden_count: int
 
 
 def door_html(*results: DoorResult | ClosingResult) -> str:
@@ -103,7 +103,7 @@ def door_html(*results: DoorResult | ClosingResult) -> str:
 
 
 def build_page_contents(result: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
-    """Return what the page of a door holds: how it vibrates, how it closes, or both."""
+    """Return the contents of the page of a door: vibration, closing, or both."""
     results = [item for item in (result, closed) if item is not None]
     checks = tuple(dict.fromkeys(check for result in results for check in result.checks))
     sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
@@ -285,7 +285,7 @@ def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
             _make_share_bars({share.name: share.loss for share in mode.shares}, colours),
             f"{100 * lossy:.1f}",
             "" if math.isnan(excess) else "inside" if excess <= 1 else f"×{excess:.3g}",
-            marked=mode.share(SEAL) >= _MIN_ENERGY_SHARE and excess > 1,
+            is_marked=mode.share(SEAL) >= _MIN_ENERGY_SHARE and excess > 1,
         )
 
 

@@ -147,7 +147,7 @@ class DoorLimit(NamedTuple):
     value : float
         Hz or m/s.
     is_upper : bool
-        Whether it is the most that is accepted; else the least.
+        Whether it is an upper limit; else a lower one.
     """
 
     quantity: str
@@ -358,9 +358,10 @@ def predict_population(
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     DataError
-        If neither or both of lot and spread are given, or a limit is of what the door has not.
+        If neither or both of lot and spread are given, or a limit concerns a quantity that the door
+        lacks.
     """
     if (lot is None) is (spread is None):
         raise DataError(
@@ -521,7 +522,7 @@ def _follow_modes(
 def _follow_closing(
     assembly: Assembly, u: FloatArray, *, is_wanted: bool
 ) -> list[tuple[str, FloatArray, float | None]]:
-    """Return the least closing speed for the factors e^u; nothing of a door that does not close."""
+    """Return the lowest closing speed for the factors e^u; None for a door that does not close."""
     if assembly.door.closing in (None, ClosingSetup()) and not is_wanted:
         return []
     speed = find_least_speed(make_closing_door(assembly.door), load=np.exp(u))
