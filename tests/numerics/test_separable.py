@@ -128,7 +128,7 @@ def test_no_junk_arm_on_clean_data() -> None:
     for arms in (1, 2, 3):
         solution = solve([build_hold_block(TIME, clean)], arms)
         assert solution.order == 1
-        assert solution.requested == arms
+        assert solution.requested_arms == arms
         assert solution.converged
         np.testing.assert_allclose(solution.tau, [3.0], rtol=1e-10)
         np.testing.assert_allclose(solution.arms, [[2.0]], rtol=1e-10)
