@@ -20,7 +20,7 @@ NORMAL = 1.96
 INTERVAL_LEVELS = (0.025, 0.975)
 """Probabilities at the ends of a 95 % interval of draws."""
 AT_MOST = "at most"
-"""Text before the upper limit of a number that has no lower limit."""
+"""Text before a one-sided upper limit."""
 ASYMMETRY_LIMIT = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
 END_AT_VALUE_SHARE = 1e-2

@@ -130,7 +130,7 @@ class PlainNumber(click.ParamType[float]):
 DENSITY = PlainNumber(" of kg/m^3", "1000")
 
 DIMENSION_NAMES = {"strain": "share", "force rate": "rate"}
-"""What a dimension is called in the help, where not by its own name."""
+"""Name of a dimension in the help, if different from its own name."""
 
 
 class Range(WithUnit):

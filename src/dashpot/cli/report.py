@@ -243,7 +243,7 @@ def _write_loop_page(
 
 
 _MASS_FLAGS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "--relative")
-"""What is said of the mass on the seals, where the relaxation tests alone are fitted."""
+"""Options of the mass on the seals, if only the relaxation tests are fitted."""
 
 
 def _format_next_command(files: Sequence[str], job: Job, study: Study) -> str:

@@ -35,7 +35,7 @@ from dashpot.numerics.design_matrices.data_compression import uniform_step
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
 SETTLED_DISTANCE = 0.002
 SETTLING_SHARE = 0.2
-# motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
+# largest motion in a hold, relative to the depth, for a fit of the hold alone
 MAX_CREEP = 0.01
 # samples of a free seal that show the zero of its force
 MIN_UNLOADED_SAMPLES = 5

@@ -17,18 +17,18 @@ from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 # no law of free volume is trusted nearer to the glass transition, K
 GLASS_MARGIN = 10.0
-# two temperatures within so many kelvin are one
+# temperatures that differ by less, K, count as equal
 SAME_TEMPERATURE = 0.5
 # fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
 MIN_CONTRADICTING_TESTS = 3
-# the relaxation time, s, that is shifted by a_T however arms shift apart
+# relaxation time, s, that is shifted by a_T for any slope
 REFERENCE_TAU = 0.5
 _LN10 = float(np.log(10.0))
-# part of a step between two tests by which a rubber's shifts lie off the straight line in 1/T
+# deviation of a rubber's shifts from a straight line in 1/T, relative to the step between tests
 _MAX_BEND = 0.03
 # of a parameter, for a slope by differences
 _DIFFERENCE_STEP = 1e-6
-# how the constant of a law is called, and its unit
+# name and unit of the constants of a law
 _CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
 
 

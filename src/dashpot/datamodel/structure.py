@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 
 
 LINE_TOLERANCE = 1e-6
-"""Part of a line's frequency by which files that round it differently may differ."""
+"""Relative difference of a frequency in files that round it differently."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,7 +44,7 @@ CARRIERS = MappingProxyType(
 """Forms of each target that can represent nonlinear springs."""
 
 _CUBIC_RANGE = 2.0
-"""Range of the table of a cubic spring, over the largest tested amplitude."""
+"""Range of the table of a cubic spring, relative to the largest tested amplitude."""
 _CUBIC_POINTS = 80
 _UNTESTED_AMPLITUDE = 0.01
 """Largest amplitude, m, that is assumed where none was tested."""

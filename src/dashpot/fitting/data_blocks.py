@@ -387,16 +387,16 @@ def fit_all_orders(
     data: FitData,
     max_arms: int,
     *,
-    auto: bool = True,
+    is_automatic: bool = True,
     thorough: bool = False,
     only_max_arms: bool = False,
     log_tau_start: FloatArray | None = None,
 ) -> InitialFit:
     """Solve up to `max_arms` arms, with the weight of the priors set by the residual noise.
 
-    Where ``auto`` chooses the number, records in time need no more arms than one beyond those
-    that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last, which with
-    `log_tau_start` is the one next to these ln tau.
+    Where ``is_automatic`` chooses the number, records in time need no more arms than one beyond
+    those that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last,
+    which with `log_tau_start` is the one next to these ln tau.
     """
     data = data.weight_priors()
 
@@ -412,7 +412,11 @@ def fit_all_orders(
             )
             return (solution,)
         return solve_orders(
-            data.rows, max_arms, negligible=negligible, every_order=not auto, thorough=thorough
+            data.rows,
+            max_arms,
+            negligible=negligible,
+            every_order=not is_automatic,
+            thorough=thorough,
         )
 
     solutions = solve_once()

@@ -32,7 +32,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # a dashpot is an arm far faster than anything in the window
 DASHPOT_TAU_RATIO = 1e-3
 SOLID_PARAMETERS = ("k_inf", "b")
-# of a doubtful drift, what a baseline of 10 s and a data sheet leave
+# ratio of the drift error with a baseline of 10 s and a data sheet to the default
 NAMED_DRIFT_RATIO = 0.2
 LN_10 = float(np.log(10.0))
 EXACT_PRIOR = Prior(0.0)
@@ -217,7 +217,7 @@ class RelaxationData:
         self,
         log_tau: FloatArray,
         *,
-        slopes: bool = True,
+        with_slopes: bool = True,
         extra_priors: Mapping[str, Prior] = MappingProxyType({}),
     ) -> RelaxationRows:
         """Rows that depend on the solid, whitened for the effects of the rig.
@@ -235,7 +235,7 @@ class RelaxationData:
             np.concatenate(
                 (shift.log_tau(log_tau), np.log(self.model.tau), effect_log_tau, [shortest])
             ),
-            slopes or doubtful,
+            with_slopes or doubtful,
         )
         spring = evaluation.fixed[:, kinds.index("k_inf")]
         fast_column = evaluation.arms[:, -1] / np.exp(shortest)

@@ -382,7 +382,7 @@ def select_order(
     auto, max_arms = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
     if auto:
         max_arms = min(max_arms, max_determinable_arms(data.blocks))
-    first = first or fit_all_orders(data, max_arms, auto=auto, thorough=options.thorough)
+    first = first or fit_all_orders(data, max_arms, is_automatic=auto, thorough=options.thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: max_arms + 1], data, noises)

@@ -171,7 +171,7 @@ def _compute_pulse_row(
 # Uncertainty of a solution, from residuals in order of time.
 
 
-# residual over the largest force that rounding of the data leaves
+# relative residual by rounding of the data
 _ROUNDING = 1e-10
 
 

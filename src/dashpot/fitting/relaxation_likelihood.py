@@ -54,7 +54,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 _LOAD_CELL_TERMS = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
 MIN_TAU = 1e-6
-# readings that stand for a while on the way, at most
+# largest number of pauses of the encoder during the ramp
 MAX_PAUSES = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
@@ -73,9 +73,9 @@ HUM_RATIO = 20.0
 SLOW_NOISE_RATIO = 2.0
 # standard errors of a shift within which other spectra may move it, and never less than this, ln
 _FREE_SE, _MIN_SHIFT = 5.0, 0.007
-# standard errors of a slope from which on arms do shift apart
+# significance of a slope, in standard errors
 _SIGNIFICANT_SE = 3.0
-# another temperature may change every stiffness by so much more than b_T
+# relative change of stiffness with temperature beyond b_T, sd
 _GAIN_SD = 0.02
 
 
@@ -467,10 +467,10 @@ def compute_unmeasured_effects(
         model,
         time,
         x,
-        since=time + test.time[0] - test.ramp_end,
+        time_since_stop=time + test.time[0] - test.ramp_end,
         ramp_time=test.ramp_time,
         depth=test.depth,
-        settles=not test.changed_readings,
+        has_settling=not test.changed_readings,
     )
     peak = float(np.abs(model.force(time, x)).max())
     if test.preload and peak > 0:
@@ -488,7 +488,7 @@ def compute_unmeasured_effects(
         )
     # its temperature is that of its contact, however long the machine stood before
     rest_time = max(test.onset - test.ramp_time - test.time[0], 0.0)
-    warming_force = compute_warming(time, x, model, since=rest_time)
+    warming_force = compute_warming(time, x, model, start_time=rest_time)
     terms["warming"] = warming_force, build_warming_prior(test.specimen).sd
     if test.machine.force_filter is None:
         lines = build_folded_mains(time, step=test.step)

@@ -305,7 +305,7 @@ class ArmInsertion:
     def _descend(
         self,
         start: FloatArray,
-        rivals: Sequence[FloatArray],
+        known_optima: Sequence[FloatArray],
         *,
         restricted: BoolArray | None = None,
         expected_positive: BoolArray | None = None,
@@ -316,7 +316,7 @@ class ArmInsertion:
             start,
             restricted=restricted,
             expected_positive=expected_positive,
-            rivals=rivals,
+            known_optima=known_optima,
             step_tolerance=step_tolerance,
             cost_tolerance=0.0 if step_tolerance == FINAL_TOLERANCE else FLAT_DEVIANCE,
         )

@@ -271,7 +271,7 @@ def descend(
     *,
     restricted: BoolArray | None = None,
     expected_positive: BoolArray | None = None,
-    rivals: Sequence[FloatArray] = (),
+    known_optima: Sequence[FloatArray] = (),
     step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
     damping: float = 1e-3,
@@ -279,7 +279,7 @@ def descend(
     """As :func:`dashpot.numerics.least_squares.descend`, in ln tau, inside the
     window.
 
-    Returns None when it runs into one of the `rivals` (optima already known) or when the
+    Returns None when it runs into one of the `known_optima` (optima already known) or when the
     start cannot be evaluated.
     """
     low, high = (np.full(len(start), end) for end in stack.bounds)
@@ -291,7 +291,9 @@ def descend(
         objective,
         np.sort(start),
         expected_positive=expected_positive,
-        is_known_optimum=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
+        is_known_optimum=(lambda log_tau: _is_near_rival(log_tau, known_optima))
+        if known_optima
+        else None,
         step_tolerance=step_tolerance,
         cost_tolerance=cost_tolerance,
         damping=damping,
@@ -304,8 +306,8 @@ def is_inside_window(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
     return all(low < value < high for value in log_tau.tolist())
 
 
-def _is_near_rival(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
-    return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
+def _is_near_rival(log_tau: FloatArray, known_optima: Sequence[FloatArray]) -> bool:
+    return bool(np.abs(np.sort(log_tau) - known_optima).max(axis=1).min() < 1e-2)
 
 
 def relative_offset(point: StackTrial, sse: float) -> float:

@@ -195,7 +195,7 @@ class Bench(PlannedRamp):
         ))  # fmt: skip
         nodes = time_since_ramp + self.ramp_time
         x = self.depth * np.minimum(nodes / self.ramp_time, 1.0)
-        warming = compute_warming(nodes, x, model, since=-min(self.baseline, self.ramp_time))
+        warming = compute_warming(nodes, x, model, start_time=-min(self.baseline, self.ramp_time))
         terms = {"warming": (warming, DEFAULT_UNCERTAINTIES["warming"].size)}
         # of a seal that was pressed before; what it carries in the middle of the rest is offset
         times = np.append(nodes + self.baseline, self.baseline / 2)
@@ -206,7 +206,7 @@ class Bench(PlannedRamp):
             model,
             nodes,
             x,
-            since=time_since_ramp,
+            time_since_stop=time_since_ramp,
             ramp_time=self.ramp_time,
             depth=self.depth,
         )

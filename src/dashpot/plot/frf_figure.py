@@ -118,7 +118,7 @@ def half_power(value: ComplexArray) -> list[int]:
 
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
-# what people read: the unit, and the factor from SI
+# display unit, and its factor from SI
 DISPLAY_UNITS = {
     Kind.RECEPTANCE: ("mm/N", convert_to_unit(1.0, "mm/N")),
     Kind.MOBILITY: ("(mm/s)/N", convert_to_unit(1.0, "mm/s")),
@@ -321,7 +321,7 @@ def resonance(
     height : float
         Height of the plotted part, px.
     """
-    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
+    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, alternative=rival)
     view = about_peaks(curves)
     panel = magnitude_panel(
         curves, make_prediction_bands(band)[:1], view=view, height=height, tagged=True
@@ -391,7 +391,7 @@ def resonance_curves(
     *,
     joint: Comparison | None = None,
     failed: bool = False,
-    rival: FRF | None = None,
+    alternative: FRF | None = None,
 ) -> list[Curve]:
     """Return the curves of :func:`resonance`, each with its peak."""
     if comparison is None:
@@ -402,8 +402,10 @@ def resonance_curves(
         at, top = _peak_of(predicted)
         if not frequency_range[0] < at < frequency_range[1]:
             curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
-    if rival is not None:
-        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
+    if alternative is not None:
+        curves.append(
+            Curve(alternative, "other family from relaxation", SIMPLER[0], _peak_of(alternative))
+        )
     return curves
 
 

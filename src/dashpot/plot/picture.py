@@ -18,9 +18,9 @@ from dashpot.base.result_mixins import load_function
 COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
 _SMALL = 3
-"""Small multiples beside each other in it."""
+"""Number of small multiples side by side in a column."""
 _DRAWINGS = 2
-"""Drawings of a thing, which have no axes to read."""
+"""Number of drawings side by side in a column."""
 SLIDE, MIN_STRIP = 640.0, 300.0
 """px of a slide, and of each of the strips that stand side by side on one."""
 
@@ -52,7 +52,7 @@ PREDICTED = Pen("fit", 2.0, (7, 4))
 JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
 FIT_BAND, DATA_ON_FIT = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
-"""A fit as a band, and what was measured as the thin line upon it: a miss leaves the band."""
+"""Pens of a fit, drawn as a band, and of the measurement, a thin line on it."""
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
 

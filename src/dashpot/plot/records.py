@@ -38,7 +38,7 @@ from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 ACCEPTED = Pen("fit", 1.1)
 USABLE_DB = 20.0
-"""The hammer excites the part where its force is within so many dB of that at 0 Hz."""
+"""Drop of the force spectrum below 0 Hz up to which the hammer excites the part, dB."""
 
 
 class PlottedHit(NamedTuple):

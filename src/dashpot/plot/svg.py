@@ -128,7 +128,7 @@ def _frame(frame: Frame, name: str) -> str:
 # -- marks ----------------------------------------------------------------------------------------
 
 
-def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
+def _path(parts: Iterable[FloatArray], *, is_closed: bool = False) -> str:
     """Return the data of a path: whole units, each point from the last one."""
     sentences = []
     for part in parts:
@@ -139,7 +139,7 @@ def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
         sentences.append(
             start + (f"l{' '.join(map(str, steps.ravel().tolist()))}" if len(steps) else "")
         )
-    return "".join(sentences).replace(" -", "-") + "z" * closed
+    return "".join(sentences).replace(" -", "-") + "z" * is_closed
 
 
 def _pen(pen: Pen) -> str:
@@ -159,7 +159,7 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
         read += f' data-edge="{mark.edge}"' if mark.edge else ""
         return f'<path{read} d="{_path(mark.parts)}" fill="none" {_pen(mark.pen)} {FIXED_STROKE}/>'
     if isinstance(mark, Fill):
-        d = _path(mark.parts, closed=True)
+        d = _path(mark.parts, is_closed=True)
         plain_path = f'<path d="{d}" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
         lines = f'<path d="{d}" fill="url(#{name}-{mark.colour})"/>' if mark.hatched else ""
         return plain_path + lines

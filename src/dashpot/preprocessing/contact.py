@@ -197,11 +197,15 @@ def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
 
 
 def _compute_misfits(
-    reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within_sse: float
+    displacement: FloatArray,
+    mean: FloatArray,
+    count: IndexArray,
+    contact: FloatArray,
+    within_sse: float,
 ) -> FloatArray:
     """Return the sum of squares for each trial contact, by singular values of all at once."""
     weight = np.sqrt(count)
-    columns, force = weight[:, None] * _build_contact_columns(reading, contact), weight * mean
+    columns, force = weight[:, None] * _build_contact_columns(displacement, contact), weight * mean
     basis, singular_values, right_vectors = np.linalg.svd(columns, full_matrices=False)
     is_determined = singular_values > 1e-10 * singular_values[:, :1]
     coefficients = np.where(is_determined, force @ basis, 0.0)
@@ -258,7 +262,7 @@ def find_first_contact(
     rest_position: float,
     level: float,
     least_gap: float,
-    rested: bool,
+    is_rested: bool,
 ) -> Touch:
     """Return the first contact: behind an air gap, or where the plate rested.
 
@@ -272,12 +276,12 @@ def find_first_contact(
         Displacement before the ramp and in the hold, m.
     least_gap : float
         Smallest gap that is detected, m.
-    rested : bool
+    is_rested : bool
         False if the record starts on the ramp: then at least 20 quiet samples must show the air,
         for there is no other baseline.
     """
     contact = find_contact(displacement, force, noise=noise)
-    if contact is None or (not rested and contact.sample < 20):
+    if contact is None or (not is_rested and contact.sample < 20):
         return Touch(rest_position, 0.0)
     air_gap = contact.displacement - rest_position
     if not max(least_gap, 3 * contact.standard_error) < air_gap < 0.9 * (level - rest_position):

@@ -19,13 +19,13 @@ from dashpot.solids.maxwell import arm_response
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
-# means of windows disagree if they are farther apart than this many standard deviations
+# difference of window means, in standard deviations, above which they disagree
 MAX_MEAN_DISTANCE = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
 COUNT_SCATTER, COUNT_REMAINDER = 0.025, 0.2
 # a mean leaves more than this part of the noise only where the motion bends
 MIN_NOISE_SHARE = 0.1
-# a reading that stays so many times as long as its neighbours is a rest
+# ratio of durations above which a constant reading is a rest
 REST_FACTOR = 4.0
 # readings so few samples apart repeat their errors, as counts beat with samples
 BEAT_SAMPLES = 5.0
@@ -35,7 +35,7 @@ CORNERS = 6
 MIN_LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
 # the most that counts bend a motion, in counts, and three standard deviations of what noise does
 MAX_COUNT_BEND, NOISE_BEND = 0.11, 3 * 6**0.5 / 8
-# equal neighbours so much closer than the depth are arithmetic, not counts
+# relative difference below which equal neighbours are rounding, not quantisation
 MIN_COUNT = 1e-6
 # second difference, in counts, from which a quarter of it is more than half a count
 MIN_SHARP_BEND = 2.0

@@ -215,7 +215,7 @@ def prepare(
             checks.baseline_recorded(baseline),
             checks.contact_found(first_contact, record.depth, is_given=contact is not None),
             checks.preload_absent(
-                preload, rise, moving=earlier_loading is None and motion.cycle.rest is None
+                preload, rise, is_moving=earlier_loading is None and motion.cycle.rest is None
             ),
             checks.overshoot_small(loading, ramp_count=motion.cycle.ramp_count),
             checks.samples_unbroken(loading),
@@ -276,7 +276,7 @@ def _check_history(
         )
     no_history = EarlierLoadings(0.0, 0, converged=True)
     return (
-        [checks.history_explained(no_history, broken=False, was_pressed=True)]
+        [checks.history_explained(no_history, has_missing_rows=False, was_pressed=True)]
         if begins_loaded
         else []
     )
@@ -469,7 +469,7 @@ def _find_contact(
                 rest_position=motion.rest_position,
                 level=motion.cycle.hold.level,
                 least_gap=least_gap,
-                rested=motion.cycle.rest is not None,
+                is_rested=motion.cycle.rest is not None,
             )
 
         first_contact = _correct_delayed_contact(

@@ -257,9 +257,9 @@ _MAX_LINES = 8
 _MIN_SAMPLES = 400
 # a line of the plate, looked for at one frequency, stands out by so much: by chance once in 1e5
 _MIN_PLATE_POWER_RATIO = 12.0
-# a seal answers a vibration with at most so many times its stiffness in the hold
+# largest ratio of dynamic stiffness and stiffness in the hold
 _MAX_STIFFNESS_RATIO = 10.0
-# a line below this part of the scatter does nothing
+# share of the scatter below which a line is negligible
 _MIN_LINE_SHARE = 0.02
 
 

@@ -46,7 +46,7 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
 Vector: TypeAlias = tuple[float, float, float]
 
 _MAX_SIZE = 1 << 24
-"""Bytes: nobody writes more by hand."""
+"""Largest size of a file, bytes."""
 
 
 def read_tables(path: str | Path) -> tuple[RawFile, dict[str, Any]]:

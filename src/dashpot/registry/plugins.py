@@ -35,7 +35,7 @@ NO_PLUGINS = "none"
 """The value of :data:`SWITCH` with which no plug-in is used."""
 SWITCH = "DASHPOT_PLUGINS"
 _MAX_LENGTH = 300
-"""Characters of what a plug-in says of its own failure."""
+"""Largest length of a plug-in's error message, characters."""
 
 _MODULE = r"\w+(\.\w+)*"
 _PLUGGED: Mapping[str, tuple[Any, str, str, str]] = {

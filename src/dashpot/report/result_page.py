@@ -246,7 +246,7 @@ _COLUMNS = 2
 
 
 _NUMBERS = "numbers.json"
-"""Every number of a result of which a file keeps the fit."""
+"""File with all numbers of a result whose fit is in another file."""
 
 
 def build_page_contents(

@@ -89,7 +89,7 @@ def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
     return max(median(side_values) for side_values in sides if len(side_values))
 
 
-# steps of a clock that differ by less than this part are even but for rounding
+# relative difference below which steps of a clock count as even
 _EVEN_TOLERANCE = 0.2
 
 

@@ -158,10 +158,10 @@ class EvenStep(NamedTuple):
         onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - mean_decay) / ratio)
         return cls(mean_decay, 1 - ratio * mean_decay, onward)
 
-    def mean(self, carried: FloatArray, force_step: FloatArray) -> FloatArray:
+    def mean(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:
         """Return what arms carry on the average of the step, N."""
-        return carried * self.mean_factors + force_step * self.increment_factors
+        return previous_force * self.mean_factors + force_step * self.increment_factors
 
-    def end(self, carried: FloatArray, force_step: FloatArray) -> FloatArray:
+    def end(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:
         """Return the forces at the end of the step, N."""
-        return carried * self.end_factors + force_step * self.mean_factors
+        return previous_force * self.end_factors + force_step * self.mean_factors

@@ -68,14 +68,16 @@ def bonded_cylinder(S: float, poisson: float = RUBBER_POISSON_RATIO) -> float:
     )
 
 
-def _compressible(single: float, S: float, poisson: float, edges: tuple[float, ...]) -> float:
+def _compressible(
+    incompressible_excess: float, S: float, poisson: float, edges: tuple[float, ...]
+) -> float:
     """Return the bonded factor, of what an incompressible one is more than 1."""
     from scipy.special import i0e, i1e
 
     p_1, p_2, p_3, p_4 = edges
     nu = min(poisson, 0.5 - 1e-7)
     M = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) - 1
-    u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * single / M
+    u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * incompressible_excess / M
     x = np.sqrt(8 * u)
     edge_term = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
     return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge_term)

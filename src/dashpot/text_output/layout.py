@@ -123,7 +123,7 @@ def format_for_screen(
     count_lines = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
         _format_check(check, verdict, style, columns)
-        for check in _select_failed_checks(verdict, checks, everything=verbose)
+        for check in _select_failed_checks(verdict, checks, show_all=verbose)
     ]
     if verbose:
         return [
@@ -208,12 +208,12 @@ def _format_marked_sentence(
 
 
 def _select_failed_checks(
-    verdict: Verdict | None, checks: Sequence[Check], *, everything: bool
+    verdict: Verdict | None, checks: Sequence[Check], *, show_all: bool
 ) -> Sequence[Check]:
     """Return the failed checks to list, the gravest first."""
-    if verdict is not None and not everything:
+    if verdict is not None and not show_all:
         return verdict.failed_checks
-    grades = ("stop", "limit", "note") if everything else ("stop", "limit")
+    grades = ("stop", "limit", "note") if show_all else ("stop", "limit")
     return [check for grade in grades for check in checks if check.failed and check.grade == grade]
 
 

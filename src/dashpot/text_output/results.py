@@ -487,7 +487,7 @@ class Measured(Protocol):
         """Lines that determine both."""
         ...
 
-    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
+    def changes(self, name: str, size: float) -> tuple[FloatArray, FloatArray]:
         """Return the changes of storage and loss factor by an error of a kind and size."""
         ...
 
@@ -557,7 +557,7 @@ def _select_lines(measured: Measured, line_count: int) -> IndexArray:
 _SEAL_COUNT_CHECK = "seals_counted"
 """Check whose failure changes every stiffness shown."""
 _SHOWN_LINES = 3
-"""Lines shown of a transmissibility: both ends of its band, and one between."""
+"""Number of shown lines of a transmissibility: both ends of its band, and the middle."""
 
 
 def render_identification(result: Identified) -> Text:

@@ -37,7 +37,7 @@ def prepared_tests(
     machine: Machine | None = None,
     time_limits: TimeLimits | None = None,
     cycle: int | None = None,
-    checked: bool = True,
+    with_checks: bool = True,
     each_depth: bool = False,
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds; prepared records are returned unchanged.
@@ -71,13 +71,13 @@ def prepared_tests(
         "filter": filter,
         "machine": machine,
         "cycle": cycle,
-        "with_checks": checked,
+        "with_checks": with_checks,
         **asdict(time_limits),
     }
     if each_depth and len(tests) == 1 and cycle is None and time_limits == TimeLimits():
         (test,) = tests
         if isinstance(test, RelaxationTest):
-            return split_depths(test, filter=filter, machine=machine, with_checks=checked)
+            return split_depths(test, filter=filter, machine=machine, with_checks=with_checks)
     return tuple(
         record if isinstance(record, RampHold) else prepare(record, **preparation)
         for record in tests
@@ -274,9 +274,9 @@ def prepare_ramps(
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds, those that are fitted with other tests with all their checks."""
     prepared = prepared_tests(
-        tests, filter=result.filter, machine=result.machine,
-        time_limits=result.time_limits, cycle=result.cycle,
-        checked=result.intervals or among_others, each_depth=result.depth_law and not among_others,
+        tests, filter=result.filter, machine=result.machine, time_limits=result.time_limits,
+        cycle=result.cycle, with_checks=result.intervals or among_others,
+        each_depth=result.depth_law and not among_others,
     )  # fmt: skip
     require_test_for_machine(result.machine, tests=len(prepared), add="a ramp and hold")
     return prepared

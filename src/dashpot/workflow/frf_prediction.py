@@ -663,16 +663,18 @@ class MountedMass:
             find_alternative_modes(self.fit, self.equilibrium.point, self.mass_on_seals),
         )
 
-    def compute_limits(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
+    def compute_limits(
+        self, frf: FRF, compute_bounds: Callable[..., FRFBounds] | None
+    ) -> ResponseLimits:
         """Return the limits of the response, over fewer lines."""
         kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
         lines, bounds = frf.frequency[frf.frequency > 0], None
         limit_frequencies = np.linspace(lines[0], lines[-1], LIMIT_LINES)
-        if bounded is not None:
+        if compute_bounds is not None:
             limit_frequencies = np.linspace(
                 max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES
             )
-            bounds = bounded(frequency=limit_frequencies, kind=kind)
+            bounds = compute_bounds(frequency=limit_frequencies, kind=kind)
             limit_frequencies = bounds.frequency
         formal = formal_limits(
             self.fit,
@@ -684,12 +686,14 @@ class MountedMass:
         return ResponseLimits(kind, limit_frequencies, formal, bounds)
 
     def predict_base_response(
-        self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+        self, base_psd: str | None, compute_bounds: Callable[..., FRFBounds] | None
     ) -> ShakenMass | None:
         """Return the response to a random base, with its limits."""
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        shaken_mass: ShakenMass = require_handler("random base", "mass")(self, base_psd, bounded)
+        shaken_mass: ShakenMass = require_handler("random base", "mass")(
+            self, base_psd, compute_bounds
+        )
         return shaken_mass
 
 

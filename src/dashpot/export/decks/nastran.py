@@ -218,10 +218,10 @@ def _format_bushings(row: SpringRow, first_id: int) -> list[str]:
 
 
 def _format_coordinate_system(
-    system_id: int, normal: Sequence[float], along: Sequence[float]
+    system_id: int, normal: Sequence[float], z_axis: Sequence[float]
 ) -> list[str]:
     """Return a CORD2R card: z along the line, x along the normal."""
-    return _format_large_card("CORD2R*", [system_id, 0, 0.0, 0.0, 0.0, *along, *normal])
+    return _format_large_card("CORD2R*", [system_id, 0, 0.0, 0.0, 0.0, *z_axis, *normal])
 
 
 def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:

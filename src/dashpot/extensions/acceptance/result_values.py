@@ -39,15 +39,15 @@ _RECOMMENDED_QUANTITIES = {
     "frequency": "frequency", "damping_ratio": "damping", "peak": "peak",
     "loss_factor": "loss factor", "storage": "dynamic stiffness",
 }  # fmt: skip
-"""Names of quantities, and what a recommendation calls them."""
+"""Names of quantities, and their names in a recommendation."""
 _WORDS = {
     "frequency": "peak frequency", "damping_ratio": "damping ratio", "peak": "peak height",
     "storage": "storage", "loss_factor": "loss factor",
 }  # fmt: skip
 _BOUND_RATIO = 1.1
-"""A bound wider than so many times the interval of the parameters is not random."""
+"""Ratio to the interval of the parameters above which a bound is not random."""
 _TIME_TOLERANCE = 0.01
-"""Relative distance within which a time is that of the end of the hold."""
+"""Relative difference below which a time counts as the end of the hold."""
 
 
 class ResultValue(NamedTuple):

@@ -16,13 +16,13 @@ from dashpot.base.units import find_unit
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
 MAX_LENGTH = 4096
-"""Bytes of a line, at most."""
+"""Largest length of a line, bytes."""
 RESTART_LINES = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
 _GAP_RATIO = 1.5
 """Steps of the usual size that a missing sample makes at least."""
 _MIN_STEPS, _MAX_STEPS = 3, 101
-"""Steps of which the usual one is the median: at least, and at most."""
+"""Smallest and largest number of steps for their median."""
 _SEPARATOR = re.compile(rb"[,;\s]")
 _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 

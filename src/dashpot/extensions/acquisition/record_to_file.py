@@ -18,7 +18,7 @@ from dashpot.base.version import __version__
 from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
 
 SYNC_INTERVAL = 1.0
-"""Seconds after which what was read is on the disk."""
+"""Period of writing to the disk, s."""
 
 
 def record(

@@ -27,17 +27,17 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.jenkins import jenkins_reduction
 
 LAWS = get_choice_values(AmplitudeLaw)
-"""Kraus's law as a factor or beside the solid, a cubic spring, and both."""
+"""Kraus's law as a factor or in parallel to the solid, a cubic spring, and both."""
 _EXPONENTS = (0.1, 0.95)
 DEFAULT_EXPONENT = 0.5
 """The exponent where it cannot be known."""
 _MIN_SCATTER = 3e-3
-"""Part of a modulus that laws of amplitude leave: scatter counts beyond it."""
+"""Relative misfit of amplitude laws; only larger scatter counts as noise."""
 _PER_DECADE = 10
 _RISE_RESIDUALS = 3.0
-"""Residuals by which the storage rises again where a spring stiffens beside friction."""
+"""Rise of the storage, in residuals, that shows a stiffening spring in parallel to friction."""
 _ROUNDING_POWER = 1e-20
-"""Mean square, over the size of the samples, that rounding leaves."""
+"""Relative mean square of rounding errors."""
 
 
 @dataclass(frozen=True, eq=False)

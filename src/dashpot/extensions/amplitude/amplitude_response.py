@@ -56,13 +56,13 @@ STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
 shear beside a sweep in tension, by equal energy."""
 HITS = ("impact",)
-"""Kinds of files that, as responses, show what a mass on the seals does."""
+"""Kinds of vibration records of a mass on the seals."""
 _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
-"""Kinds of a record of time, displacement and force; here it is one of loops."""
+"""Kinds of records with time, displacement and force, read here as loops."""
 _MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING_LEVEL = 1e-9
-"""A level, N or m/s^2, at which nothing that slips does."""
+"""Amplitude of excitation, N or m/s^2, without any slip."""
 _COARSE_LINES, _FINE_LINES, _LINE_RANGE = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
 
@@ -310,7 +310,7 @@ class SweptPart(Serialisable):
         return tuple(resonances)
 
     def compute_relative_errors(
-        self, strain: float, hz: float, anchor: ReferencePoint
+        self, strain: float, frequency: float, anchor: ReferencePoint
     ) -> tuple[float, float]:
         r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.
 
@@ -327,7 +327,9 @@ class SweptPart(Serialisable):
         storage, loss = self._compute_law_misfit(strain)
         reference_misfit, _ = self._compute_law_misfit(anchor.strain)
         differ, height = self._between_tones(strain, anchor.strain)
-        log_distance = 0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / hz)
+        log_distance = (
+            0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / frequency)
+        )
         of_stiffness = np.sqrt(
             storage**2 + reference_misfit**2 + differ**2 + _MASTER**2 + log_distance**2
         )
@@ -379,7 +381,7 @@ class SweptPart(Serialisable):
             amplitude_in_tested_range(
                 resonance.amplitude / self.stretch(self.factors[0]),
                 self.law.amplitudes,
-                at=f"{resonance.level:.4g} {resonance.unit}",
+                location=f"{resonance.level:.4g} {resonance.unit}",
                 subject=self.law.of,
             )
             for resonance in resonances

@@ -36,7 +36,7 @@ from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.preprocessing.checks import check_machine
 
 _MIN_SAMPLES = 6
-"""Samples: two numbers of a level, three of the law, one to spare."""
+"""Smallest number of samples: two of the stiffness, three of the law, one spare."""
 _MIN_OF_LEVEL = 2
 """Loops at one amplitude, which have no law."""
 _WORDS = {
@@ -49,9 +49,9 @@ _WORDS = {
 _DISTINCT_BIC = 2.0
 """Difference of BIC below which two laws are not distinguished (Kass and Raftery 1995)."""
 _ONE_AMPLITUDE = 1.05
-"""Largest over smallest amplitude of a frequency within which a drive holds one amplitude."""
+"""Ratio of amplitudes at one frequency up to which the amplitude counts as constant."""
 _OUTLIER_SD = 5.0
-"""A leading sample so many robust SD off is of an instrument that is not yet in its range."""
+"""Robust SD by which a leading sample is an outlier of the instrument's lower range."""
 
 
 def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:

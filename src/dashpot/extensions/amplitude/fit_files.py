@@ -314,7 +314,9 @@ def hits_at_levels(
             PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
         )
     covered = tuple(
-        amplitude_in_tested_range(peak.amplitude, hit_levels.amplitudes, at=f"{peak.level:.4g} N")
+        amplitude_in_tested_range(
+            peak.amplitude, hit_levels.amplitudes, location=f"{peak.level:.4g} N"
+        )
         for peak in peaks
     )
     return AmplitudeResult(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
@@ -339,7 +341,9 @@ def frfs_at_levels(
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_find_peak(level_fit, level) for level in at)
     covered = tuple(
-        amplitude_in_tested_range(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
+        amplitude_in_tested_range(
+            peak.amplitude, level_fit.amplitudes, location=f"{peak.level:.4g} N"
+        )
         for peak in peaks
     )
     return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))

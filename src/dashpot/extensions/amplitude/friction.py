@@ -128,11 +128,11 @@ class Berg(RateIndependent):
     def __post_init__(self) -> None:
         require_positive_parameters(self, "limit", "half_way")
 
-    def _compute_force_from(self, turning_point: Any, distance: Any, up: Any) -> Any:
-        """Return force after moving `distance` >= 0 from a turning point; `up` is +1 or -1."""
-        mu = up * turning_point / self.limit
+    def _compute_force_from(self, turning_point: Any, distance: Any, direction: Any) -> Any:
+        """Return the force at `distance` >= 0 from a turning point, in `direction` +1 or -1."""
+        mu = direction * turning_point / self.limit
         return turning_point + distance / (self.half_way * (1 - mu) + distance) * (
-            up * self.limit - turning_point
+            direction * self.limit - turning_point
         )
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:

@@ -15,13 +15,13 @@ _PASSES = 3
 _MIN_COUNT = 2
 """Cycles: a creep that its drift is taken off looks like one."""
 _MIN_SAMPLES, _MANY = 7, 32
-"""Fewest samples of a cycle that distinguish a sine from a triangle, and noise from misfit."""
+"""Fewest samples per cycle that distinguish sine from triangle, and noise from misfit."""
 _MAX_DISTORTION = 0.04
-"""Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
+"""Rms deviation from a sine beyond noise, over the amplitude; a triangle has 0.08."""
 _MIN_HARMONIC_SHARE = 0.65
-"""Part of the time from the first harmonic cycle to the last that such cycles fill."""
+"""Fraction of the time between first and last harmonic cycle that consists of such cycles."""
 _MIN_SPAN_SHARE = 0.4
-"""Part of a record that this time is at least: before it may be a ramp and a rest."""
+"""Smallest fraction of this time in the record, which may start with a ramp and a rest."""
 
 
 def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
@@ -86,11 +86,11 @@ def estimate_scatter(x: FloatArray) -> float:
     return float(1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6))
 
 
-def _find_rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
+def _find_rises(t: FloatArray, x: FloatArray, tolerance: float) -> FloatArray:
     """Times at which x rises through its median; noise at a slow crossing is no cycle."""
     # a loop may stand on a preload, and small ones follow large ones about the same middle
     deviation = x - median(x)
-    is_clear = np.abs(deviation) > unsure
+    is_clear = np.abs(deviation) > tolerance
     t, deviation = t[is_clear], deviation[is_clear]
     turns = np.flatnonzero((deviation[:-1] < 0) & (deviation[1:] > 0))
     ratio = deviation[turns] / (deviation[turns] - deviation[turns + 1])

@@ -28,7 +28,7 @@ from dashpot.solids.rate_independent import InParallel, RateIndependent
 Elements: TypeAlias = tuple[RateIndependent, ...]
 """Elements in parallel with a solid: sliders and a cubic spring."""
 Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
-"""A solid, and what stands beside it."""
+"""A solid, and its parallel elements."""
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.job import LevelJob
 
 _MIN_RELATIVE_ERROR = 1e-6
-"""Part of a number to which it is known at best: no sweep has more digits."""
+"""Smallest relative error of a number."""
 
 
 def page(levels: AmplitudeResult) -> KindPage:

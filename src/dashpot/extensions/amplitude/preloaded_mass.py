@@ -46,7 +46,7 @@ REPORTED_HARMONICS = 5
 _MAX_HARMONICS, _HARMONIC_TOLERANCE = 80, 1e-7
 """Harmonics at most, and what twice as many may change of those shown, of the largest."""
 _PER_HARMONIC, _MIN_COUNT = 32, 256
-"""Samples of a cycle for each harmonic, and at least."""
+"""Samples per cycle for each harmonic, and their smallest number."""
 _FLOQUET_STEPS = 256
 _JUMP_RATIO, _MAX_HALVINGS, _STEP = 0.2, 8, 1e-5
 """Part of the first harmonic by which neighbours differ that may be two answers, and how often the

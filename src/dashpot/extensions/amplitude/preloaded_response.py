@@ -453,11 +453,15 @@ class _AtLevels:
 
 
 def _find_adjacent_jumps(
-    low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
+    low: Orbit, peak_orbit: Orbit, high: Orbit, jumps: Sequence[Jump]
 ) -> tuple[Jump | None, Jump | None]:
     """The jump into the largest response from the one below it, and out of it to the one above."""
-    jumps_into = (jump for jump in jumps if low.frequency < jump.after.frequency <= top.frequency)
-    jumps_out = (jump for jump in jumps if top.frequency <= jump.before.frequency < high.frequency)
+    jumps_into = (
+        jump for jump in jumps if low.frequency < jump.after.frequency <= peak_orbit.frequency
+    )
+    jumps_out = (
+        jump for jump in jumps if peak_orbit.frequency <= jump.before.frequency < high.frequency
+    )
     return next(jumps_into, None), next(jumps_out, None)
 
 
@@ -489,10 +493,10 @@ def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
 
 
 def _find_unsteady_runs(
-    lines: FloatArray, lasting: Sequence[Orbit]
+    lines: FloatArray, stable_orbits: Sequence[Orbit]
 ) -> tuple[tuple[float, float], ...]:
     """Runs of lines without an answer that lasts, Hz."""
-    is_missing = ~np.isin(lines, [orbit.frequency for orbit in lasting])
+    is_missing = ~np.isin(lines, [orbit.frequency for orbit in stable_orbits])
     turns = np.flatnonzero(np.diff(np.concatenate(([0], is_missing.astype(int), [0]))))
     return tuple(
         (float(lines[a]), float(lines[b - 1])) for a, b in zip(turns[::2], turns[1::2], strict=True)

@@ -20,9 +20,9 @@ _MIN_SAMPLES_PER_CYCLE = 12
 _STEADY_CHANGE = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
 _ONE_TONE = 1.05
-"""Cycles whose frequencies lie no farther apart than this factor were asked for at one."""
+"""Ratio up to which frequencies of cycles count as equal."""
 _MAX_TILT = 1e-3
-"""Part of a force by which a drift tilts its flat end."""
+"""Relative slope of a clipped force by drift."""
 _ELASTIC = "a law of stress over strain is fitted with --kind stress-strain"
 
 

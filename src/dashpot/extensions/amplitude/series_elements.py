@@ -135,7 +135,7 @@ _STEPS_PER_HALF_CYCLE, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
 _DASHPOT_OMEGA_TAU = 1e-4
 """Product omega tau of a dashpot that is represented by an arm."""
 _TABULATED_RATIOS = np.geomspace(1e-3, 1e8, 130)
-"""Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
+"""Tabulated ratios of amplitude and slip amplitude, less 1."""
 
 
 def compute_slip_ratio(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:

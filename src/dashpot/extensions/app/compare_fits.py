@@ -46,7 +46,7 @@ from dashpot.workflow.study import Study
 
 PENS = {"A": Pen("fit", 2.0, (7, 4)), "B": Pen("joint-ink", 2.0)}
 MULTIPLE_FROM = 1.5
-"""Above which a number is so many times another, and not so many per cent more."""
+"""Ratio above which a difference is stated as a multiple, not in per cent."""
 
 
 class ComparedFit(NamedTuple):
@@ -109,8 +109,8 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def _get_source_name(side: ComparedFit) -> str:
-    return "joint model" if side.study.joint is not None else "relaxation"
+def _get_source_name(compared_fit: ComparedFit) -> str:
+    return "joint model" if compared_fit.study.joint is not None else "relaxation"
 
 
 def _make_indicators(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
@@ -273,19 +273,19 @@ def _format_comparison(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]
     return f"B against A: {', '.join(differences)}.{count}"
 
 
-def _get_response(side: ComparedFit) -> Curve | None:
+def _get_response(compared_fit: ComparedFit) -> Curve | None:
     """Return the prediction of a model, with the peak of its own tab; None without a mass."""
-    study = side.study
+    study = compared_fit.study
     comparison = study.joint_comparison if study.joint is not None else study.comparison
     frf = study.joint_prediction if study.joint is not None else study.prediction
-    pen = PREDICTED if side.name == "A" else JOINT
+    pen = PREDICTED if compared_fit.name == "A" else JOINT
     if comparison is not None:
         peak = comparison.predicted_hz, comparison.predicted_peak
-        return Curve(comparison.predicted, side.name, pen, peak)
+        return Curve(comparison.predicted, compared_fit.name, pen, peak)
     if frf is None:
         return None
     (curve,) = resonance_curves(None, frf)
-    return Curve(curve.frf, side.name, pen, curve.peak)
+    return Curve(curve.frf, compared_fit.name, pen, curve.peak)
 
 
 # -- figures --------------------------------------------------------------------------------------

@@ -8,9 +8,9 @@ from typing import Any
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 HEAD_SECONDS = 10.0
-"""From the first byte, or from the connection, to the end of a request's head."""
+"""Time limit of a request's head, from its first byte or the connection, s."""
 BODY_SECONDS = 30.0
-"""Between two parts of a request's body."""
+"""Time limit between two parts of a request's body, s."""
 
 
 class LimitedProtocol(H11Protocol):

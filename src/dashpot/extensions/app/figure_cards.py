@@ -84,7 +84,7 @@ def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
 
 
 def _make_card(
-    name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
+    name: str, panels: tuple[Panel, ...], width: float, cards_per_row: int, key: AbstractSet[str]
 ) -> FigureCard:
     """One strip under its title; an axis that says no more than the title is named there."""
     first, *lower_panels = panels
@@ -93,13 +93,16 @@ def _make_card(
         first.y.label if has_y_label_as_title else first.y.label.partition(",")[0]
     )
     drawing = (replace(first, title="", without_y_label=has_y_label_as_title), *lower_panels)
-    across = across if width >= TWO_CARDS_WIDTH else 1
+    cards_per_row = cards_per_row if width >= TWO_CARDS_WIDTH else 1
     svg = strip(
-        drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD_BORDER, kind="figure"
+        drawing,
+        name=name,
+        width=(width - 8 * (cards_per_row - 1)) / cards_per_row - CARD_BORDER,
+        kind="figure",
     )
     samples = [sample for sample in _make_key(drawing, name) if sample[1] in key]
     html = render_template("figure", key=samples, svg=svg, title="", note="")
-    return FigureCard(title[:1].upper() + title[1:], html, across)
+    return FigureCard(title[:1].upper() + title[1:], html, cards_per_row)
 
 
 def _make_key(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:

@@ -29,13 +29,13 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
 MAX_HITS = 24
-"""Hits whose own FRFs are estimated, at most."""
+"""Largest number of hits with separate FRFs."""
 BAND_RATIO = 2.3
 """Highest of the compared frequencies over the resonance, and the resonance over the lowest."""
 MIN_HITS = 3
 """Hits that are kept at least."""
 DEVIATION_RATIO, MIN_DEVIATION = 3.0, 0.05
-"""Times the median deviation, and the deviation, above which a hit is left out."""
+"""Multiple of the median deviation, and deviation, above which a hit is left out."""
 
 
 class HitSelection(NamedTuple):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 MAX_CURVE_POINTS = 2000
-"""Stretches of a curve beyond which two become one."""
+"""Number of points of a curve above which neighbours are merged."""
 _AXES_HEIGHT = 60.0
 """Height of the axes of a drawing below and above its plot, px."""
 _WIDTH_RANGE, _HEIGHT_RANGE = (240.0, 2000.0), (60.0, 600.0)

@@ -28,7 +28,7 @@ COLUMNS = (
     "file", "part", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
     "k_end_high_N_per_m", "k_inf_N_per_m", "verdict", "outcome", "reason",
 )  # fmt: skip
-"""What the page shows of a row."""
+"""Columns of a row on the page."""
 
 
 def open_folder(request: Mapping[str, Any], path: Path) -> bytes:

@@ -30,9 +30,9 @@ from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
 
 MAX_TESTS = 60
-"""Tests that are laid over each other, at most."""
+"""Largest number of overlaid tests."""
 MAX_NAMES = 6
-"""Tests that have names in the key, at most; others have theirs in the table."""
+"""Largest number of names in the key; other names are only in the table."""
 
 
 class OverlaidTest(NamedTuple):

@@ -18,7 +18,7 @@ from dashpot.workflow.job import Job
 LABELS = {
     "full": "ramp and hold", "hold": "hold", "nonlinear": "curved", "maxwell": "Maxwell",
 }  # fmt: skip
-"""Labels on the page of the choices of a command."""
+"""Labels on the page for the values of options."""
 
 
 def fill_form(page: str) -> str:

@@ -16,7 +16,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json, to_json
 
 FOLDER = "records"
-"""Folder of the records, in the folder of the files; no identity of a file is called so."""
+"""Folder of the records, in the folder of the files; no file identity has this name."""
 _PREVIEW_SAMPLES = 8
 _SIGNALS = ("time", "displacement", "force")
 
@@ -38,14 +38,14 @@ def read_relaxation_test(
     return replace(test, specimen=replace(known_specimen, temperature=test.specimen.temperature))
 
 
-def cache_record(path: str, reading: ReadOptions, record: RelaxationTest) -> RelaxationTest:
+def cache_record(path: str, options: ReadOptions, record: RelaxationTest) -> RelaxationTest:
     """Read a test without a stated specimen, and cache it."""
-    _save_record(_get_cache_path(path, reading, None), record)
+    _save_record(_get_cache_path(path, options, None), record)
     return record
 
 
-def _get_cache_path(path: str, reading: ReadOptions, temperature: float | None) -> Path:
-    key = sha256(repr((path, reading, temperature)).encode()).hexdigest()
+def _get_cache_path(path: str, options: ReadOptions, temperature: float | None) -> Path:
+    key = sha256(repr((path, options, temperature)).encode()).hexdigest()
     return Path(path).parents[1] / FOLDER / key
 
 

@@ -351,7 +351,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "colour": VERDICT_COLOURS[verdict.use],
         "hint": MASS_HINT if asks_for_mass else "",
         "answers": view_models.list_values(study, recommendation),
-        "solid": view_models.render_arms(solid, single=study.fit if study.joint else None),
+        "solid": view_models.render_arms(solid, relaxation_fit=study.fit if study.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
         "checks": view_models.render_checks(sorted(checks, key=lambda check: not check.failed)),
         "more": view_models.format_next_test(study, checks),

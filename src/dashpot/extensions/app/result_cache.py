@@ -64,7 +64,7 @@ def prepare_job_tests(job: Job, max_samples: int | None) -> tuple[RampHold, ...]
     downsampled_tests = [downsample_test(test, max_samples) for test in full_tests]
     return prepared_tests(
         downsampled_tests,
-        checked=max_samples != MAX_PREVIEW_SAMPLES,
+        with_checks=max_samples != MAX_PREVIEW_SAMPLES,
         filter=job.filter,
         machine=job.machine,
         time_limits=_shorten_hold(job.time_limits, full_tests, downsampled_tests),
@@ -175,7 +175,7 @@ def prepare_uncut_test(job: Job, prepared: RampHold) -> RampHold | None:
 
 
 _fitted_tests: dict[tuple[Any, ...], tuple[tuple[RelaxationTest, ...], FittedTests]] = {}
-"""Records and what was made of them, by which they are and how they were fitted."""
+"""Fitted records by their identity and the options of the fit."""
 
 
 def fit_study_tests(
@@ -195,7 +195,7 @@ def fit_study_tests(
 
 
 _ANY_MASS = 1.0
-"""Mass, kg, for a check that is then replaced."""
+"""Placeholder mass, kg, of a check that is replaced later."""
 
 
 @lru_cache(MAX_CACHED)

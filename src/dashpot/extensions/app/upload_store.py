@@ -20,13 +20,13 @@ MAX_FILE_BYTES = 200 << 20
 MAX_TOTAL_BYTES = 2 << 30
 """Bytes of all files of a server, at most."""
 MAX_NAME_BYTES = 240
-"""Bytes of a name, at most: its start is kept, and its end, which says the format."""
+"""Largest length of a name, bytes; its start and its suffix are kept."""
 _FOLDER_PREFIX, _LOCK_NAME = "dashpot-", ".lock"
-"""How the folder of a server is named, and what in it says that the server lives."""
+"""Prefix of a server's folder, and its lock file."""
 _IDENTITY = re.compile(r"([0-9a-f]{16})(?:-[0-9a-f]{8})?")
-"""An identity; what stands behind a dash says which specimen of the file is meant."""
+"""Identity of a file, with the specimen after a dash."""
 _DIGITS = 16
-"""Of the identity of a file."""
+"""Digits of the identity of a file."""
 _ORIGINS = "origins"
 """Folder that says from where on this machine a file was read; no identity is called so."""
 

@@ -83,9 +83,9 @@ from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
-"""What a column of a relaxation test or of a hammer test can be."""
+"""Roles of the columns of a relaxation test or hammer test."""
 _SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
-"""Places of the page where a file is no part of a job, or not of one only."""
+"""Sections of the page with files that belong to no job, or to several."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
 EQ5_PEN = Pen("ref", 1.6, (2, 3))
@@ -100,18 +100,18 @@ SHORT_LABELS = {
     "fitted mode": "mode", "new pole": "new", "stable in frequency": "stable in frequency",
     "stable in frequency and damping": "stable in damping",
 }  # fmt: skip
-"""What the key calls a mark where the title has said the rest."""
+"""Short labels in the key of a figure with a title."""
 STIFFNESS_LABELS = {
     "relaxation fit": "valid band", "relaxation fit, extrapolated": "extrapolated",
     "fit, extrapolated": "extrapolated", "fit": "valid band",
     "95 % interval of the parameters": "95 % interval",
     "95 % bounds over all spectra": "bounds over all spectra",
 }  # fmt: skip
-"""What the key of a stiffness over frequency calls a mark."""
+"""Labels in the key of stiffness over frequency."""
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
 HIDDEN_SIZE = (400.0, 180.0)
-"""Size of a panel one that is not shown yet, px."""
+"""Size of a panel that is not shown yet, px."""
 LABELLED_AT_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
 MIN_WIDTH, NARROW_WIDTH = 160.0, 480.0
@@ -121,13 +121,13 @@ HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 PULSE_SIZE, PULSE_EDGE = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 MAX_SAME_TAU_FACTOR = 3.0
-"""Factor within which the arms of two solids stand for the same."""
+"""Ratio of relaxation times up to which arms of two solids count as the same."""
 MAX_LISTED_ARMS = 8
-"""Arms of a table that is read; more are a spectrum for a solver."""
+"""Largest number of arms in a table."""
 MIN_PLOT_HEIGHT = 44.0
 """Least height of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
-"""Points of a curve that follows a handle: more than a panel has px across a bend."""
+"""Points of a curve while a handle is dragged."""
 
 
 def render_template(name: str, **values: Any) -> str:
@@ -384,12 +384,12 @@ def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBa
 
 def _make_predicted_curves(study: Study) -> list[Curve]:
     """Return the prediction from the relaxation test, as the figure of a resonance has it."""
-    return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
+    return resonance_curves(study.comparison, study.prediction, alternative=study.rival)  # type: ignore[arg-type]
 
 
-def render_base_response(prediction: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
+def render_base_response(prediction: Prediction, is_joint: bool, sizes: Sizes, title: str) -> str:
     """Return the transmissibility to the mass, its peak, and from where on the mass is isolated."""
-    pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
+    pen, name = joint_pen(failed=False) if is_joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(prediction.frf, name, pen, prediction.peak)], tagged=True)
     if prediction.isolation is not None:
         text = f"less than its base above {round_to_error(prediction.isolation, digits=4)} Hz"
@@ -612,8 +612,8 @@ def _is_near_any(tau: float, values: Iterable[float]) -> bool:
     return any(1 / MAX_SAME_TAU_FACTOR < tau / value < MAX_SAME_TAU_FACTOR for value in values)
 
 
-def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
-    """The solid of one seal, one row an arm; those that no test `single` shows are the hammer's.
+def render_arms(fit: Fit, *, relaxation_fit: Fit | None = None) -> str:
+    """Return the solid of one seal, one row an arm; arms not in `relaxation_fit` are marked.
 
     A solid without arms, or with too many to read, is shown by its parameters.
     """
@@ -631,8 +631,8 @@ def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
         marks = [make_term(fact).mark for fact in facts]
         is_new = (
             len(facts) > 1
-            and single is not None
-            and not _is_near_any(facts[1].value, single.model.tau)
+            and relaxation_fit is not None
+            and not _is_near_any(facts[1].value, relaxation_fit.model.tau)
         )
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
         mark = max(marks, key=first_screen.MARK_ORDER.index)

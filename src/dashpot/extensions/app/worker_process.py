@@ -50,7 +50,7 @@ def trim_memory(max_bytes: int) -> None:
 
 
 MAX_IDLE_BYTES = 200 << 20
-"""Bytes of a worker that has had a long record: what it needed in between it gives back."""
+"""Memory above which an idle worker returns free memory to the system, bytes."""
 IDLE_SECONDS = 1.0
 """Time without a question after which a worker collects its garbage."""
 

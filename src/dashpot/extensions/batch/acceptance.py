@@ -85,10 +85,10 @@ def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
     return {(lot, seal or file): None for lot, seal, file, end in rows if seal or end == "fitted"}
 
 
-def _decide_acceptance(limits: Limits, value: float, guard: float | None) -> Decision:
+def _decide_acceptance(limits: Limits, value: float, guard_band: float | None) -> Decision:
     if limits.judge(value, value) == "missed":
         return "fail"
-    band = guard or 0.0
+    band = guard_band or 0.0
     return "pass" if limits.judge(value - band, value + band) == "met" else "not proven"
 
 

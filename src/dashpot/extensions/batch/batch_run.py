@@ -41,7 +41,7 @@ from dashpot.extensions.batch.table_row import make_row
 from dashpot.reading.read_options import ReadOptions
 
 CHUNK = SMALL_PART
-"""Files of a chunk: what a run that is cut short loses at most, for each process."""
+"""Files of a chunk, the largest loss of an interrupted run for each process."""
 _LAST_CHUNK_FILES = 5
 """Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
 _LOCK = ".lock"

@@ -18,7 +18,7 @@ from dashpot.extensions.batch.parquet_parts import Task
 from dashpot.extensions.batch.process_pool import Worker
 
 WAITING_TIME = 60.0
-"""Seconds that a process waits for the next chunk, if nobody tells it to go."""
+"""Time that an idle process waits for the next chunk, s."""
 
 _idle: list[tuple[tuple[str, str], Worker]] = []
 _lock = threading.Lock()

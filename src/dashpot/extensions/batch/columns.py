@@ -28,11 +28,11 @@ TRAILING_COLUMNS = (
     "failed_checks", "status", "method", "arms", "samples", "bytes", "origin", "version", "hammer",
     "sha256", "key",
 )  # fmt: skip
-"""The columns with which a written table ends: what a file is, rather than what its test says."""
+"""Last columns of a written table: metadata of the file."""
 REQUIRED_COLUMNS = ("file", "kind", "outcome", "verdict", "reason")
 """The columns that are written even where they are empty."""
 RETRIED_OUTCOMES = ("died", "changed")
-"""Outcomes that another run may mend: such a file is tried again."""
+"""Outcomes that may change in another run: such a file is tried again."""
 COUNT_COLUMNS = ("bytes", "samples", "arms")
 _STIFFNESS_SUFFIXES = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
 

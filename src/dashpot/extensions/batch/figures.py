@@ -29,7 +29,7 @@ _BARS, _MAX_BARS = 6, 24
 CHART = 210.0
 """Height of the chart and of the histogram beside it, px."""
 _GROUPS = 8
-"""Groups of lots, or names, that stand above a chart at most."""
+"""Largest number of group names above a chart."""
 _CURVE = Pen("measured", 0.8)
 _OUTLIER_PEN = Pen("care", 1.6)
 _MEAN = Pen("fit", 2.0)
@@ -280,7 +280,7 @@ def _make_error_bars(
     return Line(x, y, pen, label)
 
 
-def _group_lots(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
+def _group_lots(names: Sequence[str], means: FloatArray, label_height: float) -> Iterator[Mark]:
     """Lots that are named alike but for a number: where each group begins, and its mean.
 
     Of lots that are one group, or of no group, some are named.
@@ -293,11 +293,11 @@ def _group_lots(names: Sequence[str], means: FloatArray, top: float) -> Iterator
             if start:
                 yield Rule(start + 0.5, Pen("edge", 1.0))
             words = f"{span}  mean {round_to_error(float(means[start:stop].mean()), digits=4)}"
-            yield Tag(start + 0.7, top, words, "soft")
+            yield Tag(start + 0.7, label_height, words, "soft")
         return
     step = -(-len(names) // _GROUPS) if len(names) > 2 * _GROUPS else 1
     for i in range(0, len(names), max(step, 1)):
-        yield Tag(i + 1.0, top, names[i], "soft")
+        yield Tag(i + 1.0, label_height, names[i], "soft")
 
 
 def _make_repeats_panel(

@@ -27,12 +27,12 @@ POLL_PERIOD = 0.5
 """Seconds between two looks."""
 
 _State: TypeAlias = tuple[int, ...]
-"""Size, times of change and number of a file: what is replaced or written to has another."""
+"""Size, modification times and inode of a file, which change with its contents."""
 
 
 def watch_batch(
     job: BatchJob,
-    refreshed: Callable[[Lot], None],
+    on_refresh: Callable[[Lot], None],
     *,
     wait: Callable[[float], object] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
@@ -45,7 +45,7 @@ def watch_batch(
     Parameters
     ----------
     job : BatchJob
-    refreshed : callable
+    on_refresh : callable
         Takes the lot, each time that its rows are others.
     wait, clock : callable
         Waits for so many seconds; tells the seconds.
@@ -69,7 +69,7 @@ def watch_batch(
     with lock_results_folder(job.output):
         try:
             while True:
-                lot = watched.look(lot, refreshed)
+                lot = watched.look(lot, on_refresh)
                 wait(POLL_PERIOD)
         except KeyboardInterrupt:
             return lot
@@ -86,7 +86,7 @@ class _Watched:
         self._reported = ""
         self._idle_state: tuple[Any, str] | None = None
 
-    def look(self, lot: Lot | None, refreshed: Callable[[Lot], None]) -> Lot | None:
+    def look(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
         """Make the rows of what has become still since the last look, if anything has."""
         states, idle = self._read_folder_states(), self._idle_state
         if idle is not None and idle[0] == states:
@@ -99,7 +99,7 @@ class _Watched:
             keys = tuple(task.key for task in tasks)
             if keys and keys != self._lot_keys:
                 lot = compute_missing_rows(self._job, tasks)
-                refreshed(lot)
+                on_refresh(lot)
                 self._lot_keys = keys
                 self._drop_missing(lot)
         except (DashpotError, OSError) as error:
@@ -147,7 +147,7 @@ class _Watched:
         return current - unchanged_since >= UNCHANGED_SECONDS
 
     def _tasks(self, entries: list[Entry]) -> tuple[Task, ...]:
-        return make_tasks(entries, self._job.choices, hashed=self._compute_hash)
+        return make_tasks(entries, self._job.choices, compute_hash=self._compute_hash)
 
     def _compute_hash(self, file: str) -> str:
         """Return the hash of its contents, computed once while it stays as it is."""

@@ -46,7 +46,7 @@ _COLUMN_SYNONYMS: Mapping[str, str] = {
     ),
     "test_date": "date", "temp": "temperature", "tester": "operator",
 }  # fmt: skip
-"""Column of a manifest by another name, in lower case with underscores."""
+"""Column of a manifest by its synonyms, in lower case with underscores."""
 _DELIMITERS = ",;\t"
 _DECIMAL_COMMA = re.compile(r"(\s*[-+]?\d+),(\d+\s*[^\d\s,].*)")
 _MAX_MANIFEST_BYTES = 1 << 26

@@ -42,9 +42,9 @@ BY_SEALS, FEW_LOTS, MAX_FLAGS = 100, 6, 6
 """Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
 flags."""
 CURVES = 200
-"""Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
+"""Largest number of drawn curves, evenly over the lot, and as many outliers."""
 CHART_WIDTH, SIDE_WIDTH = 920.0, 250.0
-"""Widths of the chart and of what stands beside it, px."""
+"""Widths of the chart and of the figure beside it, px."""
 _GRAVITY = {"fail": 0, "not proven": 1, "no result": 2, "look": 3}
 _MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
 _SOURCES = {

@@ -83,16 +83,16 @@ class Task:
 
 def make_tasks(
     entries: Iterable[Entry],
-    choices: BatchOptions,
+    options: BatchOptions,
     *,
-    hashed: Callable[[str], str] = compute_file_hash,
+    compute_hash: Callable[[str], str] = compute_file_hash,
 ) -> tuple[Task, ...]:
     """Return one task for each test, with a key from configuration, version and contents."""
-    decides = [_FORM, __version__, to_plain_value(choices), choices.calibration()]
-    common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
+    key_parts = [_FORM, __version__, to_plain_value(options), options.calibration()]
+    common = hashlib.sha256(json.dumps(key_parts, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
-        key, hashes = common.copy(), entry.hashes(hashed)
+        key, hashes = common.copy(), entry.hashes(compute_hash)
         key.update(json.dumps([to_plain_value(entry), hashes], sort_keys=True).encode())
         return Task.from_entry(entry, hashes, key.hexdigest())
 
@@ -111,12 +111,14 @@ def import_polars() -> Any:
     return pl
 
 
-def get_schema(choices: BatchOptions) -> dict[str, Any]:
+def get_schema(options: BatchOptions) -> dict[str, Any]:
     """Return the columns of the table and their types."""
-    kind = import_polars()
-    numbers = list_number_columns(choices)
-    texts = dict.fromkeys((*TEXT_COLUMNS, KEY), kind.String)
-    return texts | dict.fromkeys(COUNT_COLUMNS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
+    polars = import_polars()
+    numbers = list_number_columns(options)
+    texts = dict.fromkeys((*TEXT_COLUMNS, KEY), polars.String)
+    return (
+        texts | dict.fromkeys(COUNT_COLUMNS, polars.Int64) | dict.fromkeys(numbers, polars.Float64)
+    )
 
 
 def write_part(folder: Path, rows: pl.DataFrame) -> Path:
@@ -129,9 +131,9 @@ def write_part(folder: Path, rows: pl.DataFrame) -> Path:
     return path
 
 
-def build_row_frame(rows: Sequence[Mapping[str, Any]], choices: BatchOptions) -> pl.DataFrame:
+def build_row_frame(rows: Sequence[Mapping[str, Any]], options: BatchOptions) -> pl.DataFrame:
     """Return rows as a table."""
-    return cast("pl.DataFrame", import_polars().DataFrame(rows, schema=get_schema(choices)))
+    return cast("pl.DataFrame", import_polars().DataFrame(rows, schema=get_schema(options)))
 
 
 def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:

@@ -95,13 +95,13 @@ def _compute_chunks(
 
 def _run_worker(
     worker: Worker,
-    waiting: queue.SimpleQueue[Chunk],
+    chunk_queue: queue.SimpleQueue[Chunk],
     results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
     stop_event: threading.Event,
 ) -> None:
     try:
         while not stop_event.is_set():
-            chunk = waiting.get_nowait()
+            chunk = chunk_queue.get_nowait()
             results.put((chunk, [row for task in chunk for row in worker.rows(task, stop_event)]))
     except queue.Empty:
         worker.end()

@@ -537,7 +537,7 @@ _NOT_JUDGED = {
     "control": "not known: too few seals",
     "limits": "no limits given",
 }
-"""Message of a light without a result."""
+"""Message of an indicator without a result."""
 
 
 def _mark(checks: Sequence[Check], *, is_certain: bool) -> str:

@@ -140,9 +140,12 @@ def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, 
     return ()
 
 
-def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
-    """Return the first file that has changed since `read`, if any."""
-    current_hashes = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
+def _find_changed_file(entry: Entry, hashes: Sequence[str], read_hash: str | None) -> str:
+    """Return the first file that has changed since `read_hash`, if any."""
+    current_hashes = (
+        read_hash or compute_file_hash(entry.file),
+        *map(compute_file_hash, entry.hammer),
+    )
     files = zip((entry.file, *entry.hammer), current_hashes, hashes, strict=True)
     return next((file for file, name, former_hash in files if name != former_hash), "")
 

@@ -32,11 +32,11 @@ MIN_LOADED_SHARE = 0.05
 _CONTACT_SHARE = 0.01
 """Part of the largest force that a contact begins with."""
 _MAX_SHIFTS, _DELAY_TOLERANCE = 8, 1e-7
-"""Shifts of the motion at most, and a step of the delay that ends them, s."""
+"""Largest number of shifts of the motion, and the step of the delay that ends them, s."""
 _MIN_COUNT = 20
 """Samples of a baseline or of a press that an estimate needs."""
 _PEAK_SHARE = 0.05
-"""Part of a record's samples, the most loaded, by which its largest force is measured."""
+"""Fraction of the samples, those with the largest load, that give the peak force."""
 _REST_SPEED, _TRAVEL_SPEED = 0.05, 0.5
 """Parts of the largest speed: below the first a plate rests, above the second it travels."""
 _MIN_SPAN, _LARGEST_SPAN, _SPEED_OVER_NOISE = 0.01, 0.25, 50.0
@@ -45,17 +45,17 @@ it is to be."""
 _MIN_EIGENVALUE = 1e-13
 """Least eigenvalue of a Gram matrix of columns of size 1."""
 _MISFIT_BLOCKS = 32
-"""Means of residuals that show a misfit."""
+"""Number of block means of the residuals for the misfit."""
 _CHANCE_ERRORS = 3.5
-"""Standard errors that such a mean may have by chance."""
+"""Largest deviation of such a mean by chance, standard errors."""
 _DELAY_COLUMN, _OFFSET_COLUMN = 4, 5
 """Columns of delay and offset; before them line, stiffness, creep and drift."""
 _GAP_ERRORS = 3.0
 """Standard errors by which a contact is off the rest of the plate."""
 _MOTION_OVER_NOISE = 20.0
-"""Scatter of a displacement beyond which a plate moved."""
+"""Range of a displacement over its noise above which the plate moved."""
 _SLOW_BLOCKS = 20
-"""Parts of an empty run whose means show a slow wander."""
+"""Number of block means of an empty run for slow drift."""
 _MAINS_SEARCH = 0.5
 """Hz either way of the mains at which a weak line is looked for."""
 

@@ -26,7 +26,7 @@ SPRING = parse_quantity("1N/mm", "stiffness")
 """Stiffness of the spring that is supposed."""
 _GAP_FACTOR = 2.0
 _WORTHWHILE_RATIO = 0.9
-"""Part of a standard deviation below which a blank test is worth a sentence."""
+"""Ratio of standard deviations below which a blank test is recommended."""
 
 
 def expect_machine(bench: Bench) -> Machine:

@@ -206,11 +206,11 @@ def _compute_gain(
     return RigEstimate(gain, gain * math.hypot(error, relative_error))
 
 
-def _report_hum(empties: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
+def _report_hum(empty_runs: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
     """Return amplitude and frequency of the strongest line, or an upper limit."""
-    if not empties:
+    if not empty_runs:
         return ()
-    strongest = max(empties, key=lambda run: run.hum.value)
+    strongest = max(empty_runs, key=lambda run: run.hum.value)
     value, error = strongest.hum
     if math.isnan(strongest.hum_frequency):
         bound = value + NORMAL * error

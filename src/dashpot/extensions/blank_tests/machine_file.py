@@ -30,7 +30,7 @@ _FILE_UNITS = {
     "sync": "ms", "delay": "ms", "drift": "mN/s", "compliance": "um/N", "compliance_error": "um/N",
     "creep": "um", "settling": "um",
 }  # fmt: skip
-"""Units in which a file states what it holds."""
+"""Units of the values in a machine file."""
 _ORIGIN = (
     "date", "dashpot", "verdict", "files", "roles", "sha256", "spring_stiffness", "spring_error",
     "intervals",

@@ -89,9 +89,9 @@ class CurveData:
     common_errors: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     terms: NuisanceTerms = field(default_factory=lambda: NuisanceTerms({}))
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+    def rows(self, log_tau: FloatArray, *, with_slopes: bool = True) -> RelaxationRows:
         """Return the rows that depend on the solid, whitened by the priors and common errors."""
-        evaluation = self.block.evaluate(log_tau, slopes)
+        evaluation = self.block.evaluate(log_tau, with_slopes)
         names = self.block.fixed_names
         prior_columns, mean = self.terms.build_prior_columns(evaluation.fixed, names)
         error_columns = (
@@ -119,7 +119,7 @@ def weight_curve(
     abscissa: FloatArray,
     *,
     window: tuple[float, float],
-    common: float = COMMON_ERROR,
+    common_error: float = COMMON_ERROR,
 ) -> CurveData:
     """Weight a curve by its residual about the nearest non-negative spectrum.
 
@@ -131,7 +131,7 @@ def weight_curve(
         Times or frequencies, > 0, of each of its parts: one, or storage and loss.
     window : (float, float)
         Shortest and longest relaxation time of the spectra, s.
-    common : float
+    common_error : float
         Common error of neighbouring values, relative, one standard deviation.
     """
     n, low, high = len(abscissa), *np.log(window)
@@ -149,11 +149,11 @@ def weight_curve(
         rounding_limit = DIGITS_ERROR * float(np.sqrt(np.mean(size**2)))
         series = ResidualSeries(rows.target[part] - fitted_curve[part])
         noise = estimate_noise(
-            series, JacobianColumns(active[part], shared=True), rounding=rounding_limit
+            series, JacobianColumns(active[part], is_shared=True), rounding=rounding_limit
         )
         weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
         effective += noise.effective
-    common_errors = common * np.kron(
+    common_errors = common_error * np.kron(
         np.eye(len(fitted_curve) // n), _make_hat_functions(np.log10(abscissa))
     )
     return CurveData(
@@ -252,9 +252,9 @@ class BeforeCurve:
         """Degrees of freedom of the noise."""
         return self.data.dof
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+    def rows(self, log_tau: FloatArray, *, with_slopes: bool = True) -> RelaxationRows:
         """Return those of the curve, and one of what may relax before it."""
-        rows = self.data.rows(log_tau, slopes=slopes)
+        rows = self.data.rows(log_tau, with_slopes=with_slopes)
         start, relaxed_later = (
             float(self.solid.relaxation(n * self.first_time)) for n in (1.0, 10.0)
         )
@@ -268,7 +268,7 @@ class BeforeCurve:
             # a dashpot is no arm that a curve can show
             dashpot=np.append(rows.dashpot, DASHPOT_WEIGHT * weight / self.first_time),
             arms=np.vstack((rows.arms, relaxed_before)),
-            slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if slopes else rows.slopes,
+            slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if with_slopes else rows.slopes,
         )
 
 
@@ -285,7 +285,7 @@ class BeforeCurve:
 # lowest line, and less of it below; of creep the compliance.
 
 
-# times T at which the resting stiffness of a compliance is evaluated, as flow has no end
+# multiple of T at which the equilibrium stiffness is evaluated, as flow is unlimited
 AT_REST = 100.0
 
 

@@ -25,7 +25,7 @@ _SIGNS = {"polarity", "invert", "inverted", "sign", "vorzeichen", "polarität"}
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
 _MAX_FULL_SCALE_RATIO = 1.5
-"""Times its full scale that a channel reaches at most."""
+"""Largest value of a channel over its full scale."""
 _UNIT_WORDS = {"n", "v", "mv", "mm", "count", "counts", "volt", "volts", "newton", "unit", "units"}
 _LINKS = {
     "of",
@@ -40,7 +40,7 @@ _LINKS = {
     "y",
     "add",
 }
-"""Words beside a factor that say of no channel."""
+"""Words beside a factor that name no channel."""
 _OF_THE_CLOCK = {"start", "begin", "time", "trigger", "wf", "x"}
 """Words beside which an offset is when a signal begins."""
 _ACCOMPANYING_WORDS = {
@@ -65,7 +65,7 @@ _FILLS = {
     "fillvalue", "fill", "missingvalue", "missing", "nodata", "nodatavalue", "nullvalue", "navalue",
     "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",
 }  # fmt: skip
-"""Names of what stands where there is no number, without signs."""
+"""Names of fill values, without signs."""
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 _VALID = {
     "validrange": (0, 1), "validlimits": (0, 1), "actualvalidrange": (0, 1),
@@ -78,7 +78,7 @@ _FULL_SCALE = re.compile(
     r"([\s_.-].*)?\Z",
     re.IGNORECASE,
 )
-"""Names of what the largest number means, and of what channel."""
+"""Names of a full scale, with the channel."""
 _EXPRESSION = re.compile(
     r"=\s*[-+]?\.?\d|\d\s*[*·×]\s*[a-z(]|[a-z)]\s*[*·×]\s*[-+]?\.?\d", re.IGNORECASE
 )

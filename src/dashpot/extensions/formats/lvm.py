@@ -24,7 +24,7 @@ from dashpot.reading.text.rows import load_rows
 
 _HEAD = 1 << 20
 _RATE_TOLERANCE = 1e-4
-"""Relative uncertainty of a rate that is not worth a word."""
+"""Relative uncertainty of a rate that needs no note."""
 _END = "***End_of_Header***"
 _KEYS = re.compile(
     r"^(Separator|Decimal_Separator|X_Columns|Channels|Samples|Y_Unit_Label|X0|Delta_X|Notes|X_Value)"

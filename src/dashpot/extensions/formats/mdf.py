@@ -14,7 +14,7 @@ from dashpot.reading.sandbox import parent_process
 from dashpot.reading.table import FileTable, LoadedColumns
 
 _CACHED_COLUMNS = 8
-"""Columns of a large file that are kept for who asks for them again."""
+"""Cached columns of a large file."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:

@@ -24,7 +24,7 @@ _MAX_BLOCKS = 1 << 18
 """Groups, channels and lists of data of a file, at most."""
 _LARGEST_TEXT = 1 << 20
 _LAST_BYTE = 1 << 62
-"""Byte beyond which no file can be asked for one."""
+"""Largest valid offset in a file."""
 _LARGEST_BLOCK = 1 << 26
 """Bytes to which one packed block may unpack."""
 _TEXT = re.compile(r"<TX\b[^>]*>(.*?)</TX>", re.S)
@@ -49,7 +49,7 @@ _MAKERS: dict[int, Callable[[Sequence[float]], Conversion]] = {
     5: conversions.nearest_table,
 }
 _REMOTE = 8
-"""Flag of a group whose time stands in another."""
+"""Flag of a group whose time channel is in another group."""
 _VLSD = 1
 
 
@@ -215,10 +215,10 @@ def _iterate_channels(
     blocks: _Mdf4Blocks,
     address: int,
     sizes: tuple[int, int],
-    passed: dict[str, str],
+    skipped_channels: dict[str, str],
     depth: int = 0,
 ) -> Iterator[MdfChannel]:
-    """Yield the channels of a group that hold numbers; name the others in `passed`."""
+    """Yield the channels of a group that hold numbers; name the others in `skipped_channels`."""
     for block in blocks.chain(address, b"##CN"):
         name = blocks.text(block.link(2))
         inner = block.link(1)
@@ -227,14 +227,14 @@ def _iterate_channels(
                 inner, b"##CN", b"##CA", b"##CL", b"##CV", b"##CU", b"##DS"
             ).kind
             if kind == b"##CN" and depth < 8:
-                yield from _iterate_channels(blocks, inner, sizes, passed, depth + 1)
+                yield from _iterate_channels(blocks, inner, sizes, skipped_channels, depth + 1)
             else:
-                passed[name] = "arrays" if kind == b"##CA" else "structures"
+                skipped_channels[name] = "arrays" if kind == b"##CA" else "structures"
             continue
         try:
             yield _read_channel(blocks, block, name, sizes)
         except NoNumbersError as error:
-            passed[name or "a channel without a name"] = str(error)
+            skipped_channels[name or "a channel without a name"] = str(error)
 
 
 def _read_channel(

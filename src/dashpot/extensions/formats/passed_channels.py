@@ -14,7 +14,7 @@ _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "
 _MAX_LISTED = 8
 
 
-def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
+def note_passed(skipped_channels: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
     """Note the channels that are left out, by their content.
 
     A caution where one is named for a role of a test as well as any channel that is kept: another
@@ -22,7 +22,7 @@ def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[st
     """
     kept_names = list(kept_names)
     reasons: dict[tuple[str, bool], list[str]] = {}
-    for name, reason in passed.items():
+    for name, reason in skipped_channels.items():
         has_role = names_role_as_well([name], kept_names)
         reasons.setdefault((reason, has_role), []).append(f"'{name}'")
     notes: list[str] = []
@@ -34,13 +34,13 @@ def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[st
     return notes
 
 
-def names_role_as_well(passed: Iterable[str], names: Iterable[str]) -> bool:
+def names_role_as_well(skipped_names: Iterable[str], names: Iterable[str]) -> bool:
     """Return whether a channel is named for a role of a test as well as any of those kept.
 
     >>> names_role_as_well(["Force"], ["t", "Ch 3"]), names_role_as_well(["Temp"], ["t", "Force"])
     (True, False)
     """
-    scores, best = _score_roles(passed), _score_roles(names)
+    scores, best = _score_roles(skipped_names), _score_roles(names)
     return any(
         max(scores[role], default=0.0) >= max(vocabulary.MIN_SCORE, *best[role], 0.0)
         for role in _ROLES

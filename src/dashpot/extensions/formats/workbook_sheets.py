@@ -20,11 +20,11 @@ from dashpot.reading.sandbox import limits
 
 HIDDEN = "hidden/"
 FORMULAS = "formulas/"
-"""Start of a path that no name of a sheet has."""
+"""Prefix of a path that no sheet name has."""
 _MAX_SIZE = 1 << 31
 """Bytes of an unpacked workbook."""
 _MIN_CELL_BYTES = 4
-"""Bytes of a workbook that no filled cell is without."""
+"""Smallest size of a filled cell in a workbook, bytes."""
 _FIRST_YEARS = {1899, 1900, 1904}
 """The years in which the calendars of spreadsheets begin: who counts time by them means no date."""
 _ZERO = dt.datetime(1899, 12, 31)

@@ -99,13 +99,17 @@ def _find_turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
     return _refine_turning_points(x, rough)
 
 
-def _refine_turning_points(x: FloatArray, rough: IndexArray) -> IndexArray:
+def _refine_turning_points(x: FloatArray, coarse_indices: IndexArray) -> IndexArray:
     """Return each turning point at the extreme sample between its neighbours."""
     indices = []
-    for i, rough_index in enumerate(rough):
-        first = int(rough[i - 1]) if i else 0
-        last = int(rough[i + 1]) if i + 1 < len(rough) else len(x) - 1
-        parallel = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[rough_index]
+    for i, rough_index in enumerate(coarse_indices):
+        first = int(coarse_indices[i - 1]) if i else 0
+        last = int(coarse_indices[i + 1]) if i + 1 < len(coarse_indices) else len(x) - 1
+        parallel = (
+            x[coarse_indices[i - 1] if i else coarse_indices[i + 1]]
+            if len(coarse_indices) > 1
+            else x[rough_index]
+        )
         part = x[first : last + 1]
         indices.append(
             first + int(np.argmax(part) if x[rough_index] >= parallel else np.argmin(part))

@@ -133,7 +133,7 @@ def _transform_segments(test: ShakenTest, signal: FloatArray, length: int) -> Co
 
 
 _UNIT = 1.0
-"""kg; the mass that a transmissibility leaves open."""
+"""Mass, kg, which a transmissibility does not determine."""
 
 
 def estimate_base_transmissibility(

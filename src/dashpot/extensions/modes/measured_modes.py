@@ -37,7 +37,7 @@ from dashpot.workflow.measured_frf import (
 )
 
 _UNIT = 1.0
-"""kg; the mass that a transmissibility leaves open."""
+"""Mass, kg, which a transmissibility does not determine."""
 SAME_MODE = 0.2
 """Relative: no mode of another set is the same one farther off than this."""
 

@@ -418,13 +418,13 @@ def _check_equations() -> Iterator[Statement]:
     )
 
 
-def _check_transfer_function(two: Coefficients, s: np.ndarray) -> float:
+def _check_transfer_function(coefficients: Coefficients, s: np.ndarray) -> float:
     """Return how far eq. (6) is from 1 / (m s^2 + K(s)) at complex frequencies, as a part of it."""
     shift, lines = float(s.real[0]), s.imag / (2 * np.pi)
     computed = predict_frf(
         SEALS * PAPER, mass=PAPER_MASS, frequency=lines, kind=Kind.RECEPTANCE, shift=shift
     )
-    return float(np.max(np.abs(two.eq_6(s, mass=PAPER_MASS) / computed.value - 1)))
+    return float(np.max(np.abs(coefficients.eq_6(s, mass=PAPER_MASS) / computed.value - 1)))
 
 
 def _build_figure_statement(
@@ -434,7 +434,7 @@ def _build_figure_statement(
 
 
 def _compare_test_figures(
-    noise_free_test: RelaxationTest, fit: HoldFit, two: HoldFit, coarse: HoldFit
+    noise_free_test: RelaxationTest, fit: HoldFit, two_arm_fit: HoldFit, quantised_fit: HoldFit
 ) -> Iterator[Statement]:
     """Figs. 1 to 4."""
     yield Statement(
@@ -449,10 +449,10 @@ def _compare_test_figures(
     yield Statement("figure", "Fig. 3", "the solid with N = 1 and N = 2", "dashpot.solids, any N")
     yield _build_figure_statement(
         "Fig. 4, N = 2", "fits much better than N = 1",
-        f"leaves {round_to_error(convert_to_unit(two.rms, 'mN'), digits=2)} mN rms of an exact "
-        f"record, {round_to_error(convert_to_unit(coarse.rms, 'mN'), digits=4)} mN of one in steps "
-        "of 1/1280 N",
-        convert_to_unit(two.rms, "mN"), 1e-9,
+        f"leaves {round_to_error(convert_to_unit(two_arm_fit.rms, 'mN'), digits=2)} mN rms of an "
+        f"exact record, {round_to_error(convert_to_unit(quantised_fit.rms, 'mN'), digits=4)} mN of "
+        "one in steps of 1/1280 N",
+        convert_to_unit(two_arm_fit.rms, "mN"), 1e-9,
     )  # fmt: skip
     yield _build_figure_statement(
         "Fig. 4, N = 1", "does not follow the hold",
@@ -460,17 +460,18 @@ def _compare_test_figures(
         f"{round_to_error(convert_to_unit(fit.worst, 'mN'), digits=6)} mN where the hold begins; "
         f"k_inf {round_to_error(convert_to_unit(fit.solid.k_inf, 'N/mm'), digits=8)} N/mm. Off: N "
         "= 2 over it",
-        coarse.rms / fit.rms, 0.05,
+        quantised_fit.rms / fit.rms, 0.05,
     )  # fmt: skip
 
 
-def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[Statement]:
+def _compare_mass_figures(peak: tuple[float, float], study: Study) -> Iterator[Statement]:
     """Figs. 5 and 6."""
     yield Statement("figure", "Fig. 5", "a mass on two seals", "dashpot simulate impact is one")
     yield _build_figure_statement(
         "Fig. 6, model", f"peaks at {PRINTED_HZ} Hz",
-        f"peaks at {round_to_error(top[0], digits=10)} Hz, {round_to_error(top[1], digits=9)} 1/kg",
-        abs(top[0] - PRINTED_HZ), 5e-3,
+        f"peaks at {round_to_error(peak[0], digits=10)} Hz, {round_to_error(peak[1], digits=9)} "
+        "1/kg",
+        abs(peak[0] - PRINTED_HZ), 5e-3,
     )  # fmt: skip
     comparison = study.comparison
     if comparison is not None:

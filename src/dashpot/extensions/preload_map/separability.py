@@ -38,7 +38,7 @@ Pair: TypeAlias = Literal[
     "compression and frequency", "amplitude and frequency", "compression and amplitude"
 ]
 _SHAPES = 2
-"""Degree over ln f of what may differ between levels: a slope and a bend."""
+"""Degree of the polynomial in ln f by which levels may differ."""
 _RANK = 1e-9
 _ZERO_VARIANCE = 1e-24
 """Sum of squares that rounding leaves."""

@@ -90,15 +90,15 @@ def command(*, project: str, expect: str | None) -> CommandResult:
     )
 
 
-def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
+def _make_cleanup_result(folder: str, partial_files: list[str]) -> CommandResult:
     """Return the result for a folder that is no project."""
     from dashpot.extensions.projects.verification import check_half_written_files
 
     check = check_half_written_files(Path(folder))
     verification = Verification(folder, "", (check,))
     did = "left" if check.failed else "cleared"
-    removed_text = f"{format_count(len(remaining), 'half-written file')} {did}"
-    text = Text([f"{did} {name}" for name in remaining], [])
+    removed_text = f"{format_count(len(partial_files), 'half-written file')} {did}"
+    text = Text([f"{did} {name}" for name in partial_files], [])
     return CommandResult(
         verification, text, (check,), verdict=verdict((check,), headline=removed_text)
     )

@@ -10,7 +10,7 @@ from dashpot.base.file_writing import PART
 
 _PARTIAL_NAME = re.compile(rf"\.[0-9a-f]{{16}}\{PART}")
 _ABANDONED_AFTER = 60.0
-"""Seconds after which nobody writes such a file any more."""
+"""Age above which a partial file is abandoned, s."""
 
 
 def is_partial_file(name: str) -> bool:

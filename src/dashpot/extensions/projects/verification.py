@@ -76,13 +76,13 @@ def verify(
     new_checks = [
         verification_checks.history_present(len(history.lines)),
         verification_checks.history_complete(
-            len(history.lines), torn=bool(history.incomplete_line)
+            len(history.lines), has_incomplete_line=bool(history.incomplete_line)
         ),
         verification_checks.history_whole(
             len(history.lines),
             history.recorded_count,
-            shortened=history.is_truncated,
-            headed=history.has_matching_head,
+            is_truncated=history.is_truncated,
+            has_matching_head=history.has_matching_head,
         ),
     ]
     if expect is not None:
@@ -276,22 +276,29 @@ def _compare_json(
 
 
 def find_largest_difference(
-    recorded: Any, recomputed: Any, location: str = ""
+    recorded_value: Any, recomputed: Any, location: str = ""
 ) -> tuple[float, str]:
     """Return the largest relative difference between two documents, and its place."""
-    if not (isinstance(recorded, dict | list) and isinstance(recomputed, type(recorded))):
+    if not (
+        isinstance(recorded_value, dict | list) and isinstance(recomputed, type(recorded_value))
+    ):
         compute = (
             _compute_gap_difference if location.endswith(".gap") else _compute_relative_difference
         )
-        return compute(recorded, recomputed), f"{location} was {recorded!r} and is {recomputed!r}"
+        return compute(
+            recorded_value, recomputed
+        ), f"{location} was {recorded_value!r} and is {recomputed!r}"
     if location.endswith("model.arms"):
-        recorded, recomputed = _merge_coincident_arms(recorded), _merge_coincident_arms(recomputed)
+        recorded_value, recomputed = (
+            _merge_coincident_arms(recorded_value),
+            _merge_coincident_arms(recomputed),
+        )
     recorded_parts, recomputed_parts = (
-        list_children(recorded, location),
+        list_children(recorded_value, location),
         list_children(recomputed, location),
     )
     if recorded_parts.keys() != recomputed_parts.keys():
-        difference_text = "other keys" if isinstance(recorded, dict) else "another length"
+        difference_text = "other keys" if isinstance(recorded_value, dict) else "another length"
         return float("inf"), f"{location or 'the document'} has {difference_text}"
     pairs = (
         find_largest_difference(

@@ -242,7 +242,7 @@ def _get_rigid_motion(system: System, base: str, along: Vector) -> FloatArray:
 
 
 def _compute_white_response(
-    system: System, follow: FloatArray, participation: FloatArray, density: float
+    system: System, rigid_motion: FloatArray, participation: FloatArray, density: float
 ) -> RandomResponse:
     """Return the response to white noise by the stable states of the first-order form.
 
@@ -255,7 +255,7 @@ def _compute_white_response(
     size[n : 2 * n] = np.sqrt(np.abs(A[n : 2 * n, :n]).max())
     scaled_matrix = A * size / size[:, None]
     pushed = np.zeros(len(A))
-    pushed[n : 2 * n] = -follow / size[n : 2 * n]
+    pushed[n : 2 * n] = -rigid_motion / size[n : 2 * n]
     tolerance = _RIGID_RATIO * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
@@ -331,12 +331,12 @@ def _interpolate_density(frequency: FloatArray, f: FloatArray, table: FloatArray
 
 
 def _integrate_response(
-    f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
+    f: FloatArray, S: FloatArray, transmissibility: ComplexArray, relative: ComplexArray
 ) -> RandomResponse:
     """Return the response from transmissibility, and relative motion per acceleration."""
     change = np.abs(relative) ** 2
     return _make_response(
-        float(np.trapezoid(np.abs(carried) ** 2 * S, f)),
+        float(np.trapezoid(np.abs(transmissibility) ** 2 * S, f)),
         float(np.trapezoid(change * S, f)),
         float(np.trapezoid((2 * np.pi * f) ** 2 * change * S, f)),
     )

@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
 _RIGID_TOLERANCE = 1e-3
-"""Part of a shape that may be no rigid motion, and it is one."""
+"""Relative deviation of a shape from a rigid motion up to which it counts as rigid."""
 _NEIGHBOUR_COUNT = 8
 """Points among which the next ones to a place are looked for."""
 

@@ -19,15 +19,15 @@ from dashpot.numerics.inference.model_order import (
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MIN_TAU_RATIO = 1.5
-# what is left of zero in a sum of stiffnesses, relative to it
+# relative rounding error of a sum of stiffnesses
 ROUNDING = 1e-12
-# an error of a loss factor beyond which its size says nothing
+# error of a loss factor above which it is undetermined
 MAX_STATED_ERROR = 1.0
 # so many independent samples beyond the parameters show the size of a noise to a third
 MIN_DOF = 5.0
-# residuals of which no more say the same are as good as white
+# kappa up to which residuals count as white
 MAX_KAPPA = 10.0
-# residuals of which more say the same hold a part of the curve
+# kappa above which residuals contain a part of the curve
 MIN_CORRELATED_KAPPA = 20.0
 
 

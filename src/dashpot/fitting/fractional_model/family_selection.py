@@ -340,7 +340,7 @@ class FamilySelection:
             return None
         solid, _, bic_difference, explains = self.other_family
         return build_alternative(
-            self.best.solid, solid, bic_difference, band, explains=explains, extra=extra
+            self.best.solid, solid, bic_difference, band, is_sufficient=explains, extra=extra
         )
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
@@ -502,7 +502,7 @@ def add_linear_alternative(
         fit.solid,
         bic_difference,
         nonlinear_fit.band,
-        explains=explains,
+        is_sufficient=explains,
         extra=FAMILY_ADVICE,
     )
     checks = (*nonlinear_fit.checks, model_families_distinguished(linear_alternative))
@@ -550,7 +550,7 @@ def build_alternative(
     bic_difference: float,
     band: tuple[float, float],
     *,
-    explains: bool,
+    is_sufficient: bool,
     extra: str,
 ) -> Alternative:
     """Return another family's solid as a fit keeps it, in numbers that no count of seals changes.
@@ -562,7 +562,7 @@ def build_alternative(
         BIC of the other, less that of the fit's own.
     band : (float, float)
         What the data inform, Hz.
-    explains : bool
+    is_sufficient : bool
         The data do not reject the other.
     extra : str
         What would distinguish the two.
@@ -574,7 +574,7 @@ def build_alternative(
         arms = other_solid.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
     both_text = f"{name} explains the data too (BIC {bic_difference:+.3g})"
-    if not explains:
+    if not is_sufficient:
         message = f"{name} does not explain the data; its BIC is {bic_difference:.3g} higher"
     elif frequency is None:
         message = f"{both_text}. It predicts the same up to {MAX_HEARD_FREQUENCY:g} Hz"
@@ -590,4 +590,4 @@ def build_alternative(
             f"factor is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the "
             f"other, the stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
         )
-    return Alternative(other_solid, bic_difference, explains, frequency, sentence(message))
+    return Alternative(other_solid, bic_difference, is_sufficient, frequency, sentence(message))

@@ -94,7 +94,7 @@ class AlternativeCandidate(NamedTuple):
         hammer_only = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
             self.best.point.model, self.other.point.model, bic_difference, band,
-            explains=self.explains, extra=_HAMMER_ADVICE if hammer_only else _JOINT_ADVICE,
+            is_sufficient=self.explains, extra=_HAMMER_ADVICE if hammer_only else _JOINT_ADVICE,
         )  # fmt: skip
 
 

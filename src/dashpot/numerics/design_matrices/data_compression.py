@@ -158,14 +158,14 @@ def _cut_into_pieces(values: FloatArray, section: _RecordSection) -> tuple[Float
     return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
-def _compute_residual_sse(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+def _compute_residual_sse(target: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
-    total = np.zeros(shaped.shape[:-2])
+    total = np.zeros(target.shape[:-2])
     pieces_at_once = max(1, CACHE_SAMPLES // (total.size * len(basis)))
-    for first in range(0, shaped.shape[-2], pieces_at_once):
+    for first in range(0, target.shape[-2], pieces_at_once):
         span = slice(first, first + pieces_at_once)
         residual = z[..., span, :] @ basis.T
-        np.subtract(shaped[..., span, :], residual, out=residual)
+        np.subtract(target[..., span, :], residual, out=residual)
         total = total + np.einsum("...ij,...ij->...", residual, residual)
     return total
 
@@ -417,9 +417,9 @@ class Kernels(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
-    tau = np.exp(np.linspace(-0.3, folds + 0.3, round(per_fold * folds)))
-    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, MAX_LAG))))
+def _make_unit_kernels(log_range: float, per_fold: float, rank: float) -> Kernels:
+    tau = np.exp(np.linspace(-0.3, log_range + 0.3, round(per_fold * log_range)))
+    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), log_range, MAX_LAG))))
     u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
     keep = s > rank * s[0]
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])

@@ -355,24 +355,24 @@ def build_recorded_block(
     )
 
 
-def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
+def _stack_blocks(block: DataBlock, second: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
     first_length = block.samples
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        rows_of_blocks = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        rows_of_blocks = block.evaluate(log_tau, derivative), second.evaluate(log_tau, derivative)
         return Evaluation(*(np.concatenate(pair) for pair in zip(*rows_of_blocks, strict=True)))
 
     return replace(
-        two,
+        second,
         rows=rows,
-        samples=block.samples + two.samples,
-        floor=block.floor + two.floor,
+        samples=block.samples + second.samples,
+        floor=block.floor + second.floor,
         sampling=None,
-        build_full=lambda: _stack_blocks(block.exact, two.exact),
+        build_full=lambda: _stack_blocks(block.exact, second.exact),
         add_fixed_column=lambda name, column: _stack_blocks(
             block.with_column(name, column[:first_length]),
-            two.with_column(name, column[first_length:]),
+            second.with_column(name, column[first_length:]),
         ),
         add_delayed_column=None,
     )

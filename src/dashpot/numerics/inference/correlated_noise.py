@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR_SHARE = 1e-13
-# residuals of which so many count as one are too nearly white to be worth the question
+# kappa below which residuals are so nearly white that evenness is not tested
 _MIN_KAPPA = 3.0
 # noise as even as this costs least squares no more than a tenth of what the data know
 _MAX_EVEN_GAIN = 2.0
@@ -133,8 +133,8 @@ class JacobianColumns:
         is one: of each it takes but a part.
     """
 
-    def __init__(self, matrix: FloatArray, *, shared: bool = False) -> None:
-        self.matrix, self.shared = matrix, shared
+    def __init__(self, matrix: FloatArray, *, is_shared: bool = False) -> None:
+        self.matrix, self.shared = matrix, is_shared
         self._size, self._spectra = 0, np.zeros((0, 0), dtype=complex)
 
     @cached_property
@@ -157,7 +157,7 @@ class JacobianColumns:
         mean_columns = block_means(self.matrix.T, samples_per_mean).T
         return JacobianColumns(
             np.sqrt(samples_per_mean) * mean_columns if self.shared else mean_columns,
-            shared=self.shared,
+            is_shared=self.shared,
         )
 
     def spectra(self, min_size: int) -> tuple[int, ComplexArray]:
@@ -473,9 +473,9 @@ class Directions(NamedTuple):
 
 
 def make_directions(
-    jacobians: Sequence[FloatArray], *, shared: bool = False, with_fine_scales: bool = False
+    jacobians: Sequence[FloatArray], *, is_shared: bool = False, with_fine_scales: bool = False
 ) -> Directions:
-    """Turn Jacobians into orthonormal columns; `shared`, each record knows that it is one of some.
+    """Return orthonormal columns of Jacobians; `is_shared` if several records share them.
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
@@ -489,7 +489,7 @@ def make_directions(
         rotation, is_undetermined = _orthonormalise_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
-        JacobianColumns((rotation.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
+        JacobianColumns((rotation.T @ jacobian.T).T, is_shared=is_shared) for jacobian in jacobians
     )
     gram = np.sum([column.gram for column in columns], axis=0)
     return Directions(rotation, columns, gram, is_undetermined)
@@ -541,7 +541,7 @@ def _orthonormalise_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]
 # Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 
 
-# rows of a tall matrix that a cache holds
+# rows of a tall matrix that fit into the cache
 ROWS_PER_BATCH = 1024
 
 

@@ -271,7 +271,7 @@ def estimate(
     record_edges = np.cumsum(row_counts)[:-1]
     jacobians = np.split(optimum.jacobian[:, free], record_edges)
     information = make_directions(
-        jacobians, shared=len(record_edges) > 0, with_fine_scales=with_fine_scales
+        jacobians, is_shared=len(record_edges) > 0, with_fine_scales=with_fine_scales
     )
     # rows of priors are no record
     records = list(

@@ -86,7 +86,7 @@ def find_amplitude_phase_pairs(
 
 
 def _has_reversed_phases(table: FileTable, amplitudes: list[int], phases: list[int]) -> bool:
-    """Return whether the names say that the first phase is that of the second amplitude."""
+    """Return whether by its name the first phase belongs to the second amplitude."""
     words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*amplitudes, *phases)}
     own_words = {i: words[i] - words[j] for i, j in (amplitudes, amplitudes[::-1])}
     in_order, reversed_order = (
@@ -240,7 +240,7 @@ class NamedColumns:
         )
 
     def satisfies(self, kind: FileKind) -> bool:
-        """Return whether the rule of a kind of an extension holds."""
+        """Return whether the table satisfies the rule of an extension's kind."""
         rule = find_handler("table rule", kind)
         return bool(rule and rule(self))
 
@@ -359,7 +359,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
-"""Kinds, reasons and predicates, the first true one decides; None: that of an extension."""
+"""Kinds, reasons and predicates, of which the first true one decides; None: an extension has it."""
 
 
 _REQUIRED_SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
@@ -372,7 +372,7 @@ _KINDS_BY_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
     "real": ("transmissibility", "frf"), "imaginary": ("transmissibility", "frf"),
     "coherence": ("transmissibility", "frf"),
 })  # fmt: skip
-"""Kinds by the role that they alone have: a user who names its column states the kind."""
+"""Kinds with a unique role: naming a column for it states the kind."""
 
 
 def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
@@ -530,7 +530,7 @@ _AMPLITUDE_ROLES: tuple[Role, ...] = ("strain", "stress", "displacement", "force
 _MIN_AMPLITUDE_RATIO = 1.5
 """Ratio of amplitudes at one frequency and temperature from which they were swept."""
 _TEMPERATURE_WIDTH = 3.0
-"""Range of temperatures that counts as one, K."""
+"""Range of temperatures that counts as a single one, K."""
 
 
 def assign_amplitude_column(table: FileTable, options: ReadOptions) -> ReadOptions:

@@ -175,14 +175,14 @@ def accelerations(
 
 
 def _likely_accelerations(
-    table: FileTable, options: ReadOptions, free: Callable[[int], bool] = lambda _: True
+    table: FileTable, options: ReadOptions, is_free: Callable[[int], bool] = lambda _: True
 ) -> tuple[int, ...]:
     scored_columns = score_columns(table, "acceleration", options).items()
-    likely_columns = {i: value for i, value in scored_columns if free(i)}
+    likely_columns = {i: value for i, value in scored_columns if is_free(i)}
     best = max(likely_columns.values(), default=0.0)
     if best < 1.0:  # named so, but in volts or the like: the question is the unit
         candidates = (i for i, column in enumerate(table.columns) if _is_named_acceleration(column))
-        return tuple(filter(free, candidates))
+        return tuple(filter(is_free, candidates))
     return tuple(i for i, value in likely_columns.items() if value >= _floor(best))
 
 

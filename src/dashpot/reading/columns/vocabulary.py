@@ -119,7 +119,7 @@ COMMANDED = (
     "set", "soll", "sollwert", "command", "commanded", "cmd", "setpoint", "target", "demand",
     "zadana", "zadane", "consigne", "nominal", "reference", "ref", "设定", "目标", "hedef",
 )  # fmt: skip
-"""Words for what was asked of the machine, not what it did."""
+"""Words for set-points."""
 DERIVED = (
     "sd", "std", "stdev", "error", "fehler", "rate", "speed", "velocity", "geschwindigkeit",
     "derivative", "noise", "status", "flag", "index", "count", "counter", "filtered", "gefiltert",
@@ -137,9 +137,9 @@ EXTREMES = (
 COUNTED = frozenset((
     "cycles", "segments", "counts", "steps", "zyklen", "cykle", "segmente",
 ))  # fmt: skip
-"""Words that stand where the unit of a count would."""
+"""Words in place of a unit in a column of counts."""
 STATIC = ("static", "stat", "statisch", "statische", "statischer", "statique", "statico", "静态")
-"""Words for what a cycle goes about."""
+"""Words for the mean of a cycle."""
 STEP_TIME = (
     "step", "segment", "schritt", "interval", "section", "abschnitt", "schrittzeit", "kroku",
     "stage", "action",
@@ -165,7 +165,7 @@ OF_BASE = (
     "anregung", "fußpunkt", "fundament", "ground", "floor", "boden", "podstawa", "stół",
     "reference", "control", "drive",
 )  # fmt: skip
-"""Words for what is shaken, of two that move."""
+"""Words for the base among two motions."""
 MIN_SCORE = 1.5
 """Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)

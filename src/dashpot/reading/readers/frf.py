@@ -405,14 +405,14 @@ def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
     return [f"{message}; expected one unit: {advice}"]
 
 
-def _refuse_high(file: OpenedFile, index: int, top: float) -> None:
+def _refuse_high(file: OpenedFile, index: int, highest_frequency: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
-    if top > _MAX_FREQUENCY and not file.options.unit_of(
+    if highest_frequency > _MAX_FREQUENCY and not file.options.unit_of(
         "frequency", file.table.columns[index].name
     ):
         raise ReadError(
-            f"the FRF goes to {format_quantity(top, 'kHz')}, where no seal is struck: is the unit "
-            "of "
+            f"the FRF goes to {format_quantity(highest_frequency, 'kHz')}, where no seal is "
+            "struck: is the unit of "
             'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
             '--units "frequency=kHz"'
         )

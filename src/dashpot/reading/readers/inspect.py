@@ -327,7 +327,7 @@ def _assign_kind_roles(
     )
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    roles_wanted = _list_expected_roles(file, kind, clocked=bool(clocks))
+    roles_wanted = _list_expected_roles(file, kind, has_clock=bool(clocks))
     curve = not _CURVES.isdisjoint(roles_wanted)
     for role in roles_wanted:
         is_elapsed = curve and role == "time"
@@ -378,7 +378,7 @@ def _get_usual_roles(kind: str) -> tuple[Role, ...]:
     return KINDS_OF_FILE[kind].roles if kind in KINDS_OF_FILE else ()
 
 
-def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
+def _list_expected_roles(file: OpenedFile, kind: str, *, has_clock: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
     roles_wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
@@ -386,7 +386,7 @@ def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[
         with suppress(ReadError):  # what is lacking is asked of the caller
             roles_wanted = tuple(assignment.role for assignment in sweep_columns(file)[0])
     options = file.options
-    needless = {"time": clocked or options.rate, "hammer": options.base_acceleration}
+    needless = {"time": has_clock or options.rate, "hammer": options.base_acceleration}
     return [role for role in roles_wanted if not needless.get(role)]
 
 
@@ -400,10 +400,10 @@ def _make_role_questions(
     return [] if needless else [assignment]
 
 
-def list_unit_questions(settle: Callable[[], object], role: str) -> list[Question]:
+def list_unit_questions(resolve_unit: Callable[[], object], role: str) -> list[Question]:
     """Return the question of the unit of a role, if it is open."""
     try:
-        settle()
+        resolve_unit()
     except ReadError as error:
         return [Question(str(error), f'--units "{role}=UNIT"')]
     return []

@@ -275,7 +275,7 @@ def _require_relaxation_kind(file: OpenedFile, other_kinds: Sequence[FileKind] =
 
 
 def moving_columns(
-    file: OpenedFile, moving: Role = "displacement", pushing: Role = "force"
+    file: OpenedFile, moving: Role = "displacement", force_role: Role = "force"
 ) -> tuple[list[Channel], list[Channel]]:
     """Return the columns of a record's roles, and the clock of what moves where it has its own.
 
@@ -286,9 +286,9 @@ def moving_columns(
     """
     clocks = find_separate_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
-        return channels.choose(file, channels.add_time_role(file, moving, pushing)), []
+        return channels.choose(file, channels.add_time_role(file, moving, force_role)), []
     displacement_clock, force_clock = channels.add_units(file, clocks)
-    signals = channels.choose(file, [moving, pushing])
+    signals = channels.choose(file, [moving, force_role])
     return [force_clock, *signals], [displacement_clock]
 
 

@@ -25,9 +25,9 @@ from dashpot.reading.text.plain_rows import PlainRows, line_count
 
 _SMALL = compile_on_use(r"\A[+-]?[1-9]\d{0,2}\Z")
 _FIRST_ROWS, _MAX_ROWS, _MAX_CELLS = 1 << 11, 1 << 14, 1 << 20
-"""Rows that are looked at first, and at most at once, fewer of a wide table."""
+"""Numbers of rows that are read first, and at most at once; fewer for a wide table."""
 _MAX_CACHED = 1 << 12
-"""Texts of a column that are known again."""
+"""Cached texts of a column."""
 
 
 def find_undecided_columns(values: FloatArray) -> set[int]:
@@ -354,12 +354,12 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
     return notes[:2]
 
 
-def _merge_parts(gathered: _Gathered, width: int) -> FloatArray:
+def _merge_parts(collected: _Gathered, width: int) -> FloatArray:
     """The parts as one array, each column in one piece; a part is let go once it is copied."""
-    values = np.empty((gathered.rows, width), order="F")
-    row = gathered.rows
-    while gathered.parts:
-        part = gathered.parts.pop()
+    values = np.empty((collected.rows, width), order="F")
+    row = collected.rows
+    while collected.parts:
+        part = collected.parts.pop()
         values[row - len(part) : row] = part
         row -= len(part)
     return values
@@ -414,14 +414,14 @@ class _Reader:
         dialect: Dialect,
         indexes: tuple[int, ...],
         heading: Heading,
-        gathered: _Gathered,
+        collected: _Gathered,
         time_budget: TimeBudget,
     ) -> None:
         self.patience = time_budget
         self.dialect = dialect
         self.indexes = indexes
         self.heading = heading
-        self.got = gathered
+        self.got = collected
         self.clocks = {
             index: ClockColumn(heading.clocks[i] if heading.clocks else "")
             for index, i in enumerate(indexes)

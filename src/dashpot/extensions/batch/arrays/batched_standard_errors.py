@@ -9,11 +9,11 @@ from dashpot.extensions.batch.arrays.batched_solver import ManySolutions
 from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.correlated_noise import autocovariance, geyer_cuts
 
-# about so many means stand for a record
+# approximate number of means per record
 MEANS = 1000
 # records done together: they stay in the cache
 _BATCH_SIZE = 16
-# a direction that says so much less than the sharpest says nothing
+# relative singular value below which a direction counts as undetermined
 _SINGULAR = 1e-13
 
 

@@ -29,7 +29,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import (
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 
-# fewer records than this are done sooner one by one than what they share is made
+# number of records below which single fits are faster than a batched one
 _STACK = 4
 
 

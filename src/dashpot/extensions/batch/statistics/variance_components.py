@@ -22,15 +22,15 @@ STANDS_OUT = 3.5
 _EFFICIENCY = 0.5
 """Degrees of freedom of a median absolute deviation, for each value but one; a little careful."""
 NOT_NORMAL = 0.25
-"""Probability by Shapiro and Wilk below which values are not taken for normal ones: few show it."""
+"""P-value of the Shapiro-Wilk test below which values count as not normal."""
 _MIN_COUNT = 6
-"""Values whose kurtosis is asked."""
+"""Smallest number of values for a kurtosis."""
 _OF_THREE = 2 / 3
-"""Degrees of freedom of a value where each mean is of three."""
+"""Degrees of freedom per value for means of three."""
 SHORT_HOLD = 0.95
 """Shortest hold, as a share of the median hold."""
 _PER_MAD = 1.482602218505602
-"""Standard deviations of a normal distribution in its median absolute deviation."""
+"""Standard deviation of a normal distribution over its median absolute deviation."""
 
 
 @dataclass(frozen=True)

@@ -96,17 +96,17 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # retardations of the first solution, which gives the velocity
 _FIRST_ORDER = 2
 _MIN_COUNT = 5
-# retardations faster than so many times what the load resolves are none
+# smallest retardation time over the time resolution of the load
 _RESOLUTION_RATIO = 4.0
 # a load is in step to this part of a sample; it is moved so often, and by so many sd at most
 _IN_STEP, _MAX_SHIFTS, _MAX_SHIFT_SD = 0.1, 4, 4.0
 #: largest angle, omega times the step of the clock, at which a creep test shows the loss
 MAX_SAMPLING_ANGLE = 0.1
-# so many sd of a delay before the load the displacement is sure to rest
+# margin before the load, in sd of the delay, before which the displacement is at rest
 _REST_SD = 2.0
 # a drift is known from the samples before the load where its sd is below this part of the usual
 _KNOWN_DRIFT = 0.7
-# loads this far apart, in parts of the highest, are two levels
+# relative difference above which loads are different levels
 _LEVEL_DISTANCE = 0.2
 
 
@@ -190,7 +190,7 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
 def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
     """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
-        select_order(_build_data(record, flows=flows), candidate_options)
+        select_order(_build_data(record, has_flow=flows), candidate_options)
         for flows, candidate_options in _list_candidates(options)
     ]
     return _choose_by_bic([_add_load_errors(record, selection) for selection in selections])
@@ -207,7 +207,7 @@ def _list_candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
 # -- a test ---------------------------------------------------------------------------------------
 
 
-def _build_data(record: LoadHold, *, flows: bool) -> FitData:
+def _build_data(record: LoadHold, *, has_flow: bool) -> FitData:
     """The displacement as a response to the load, with priors from the samples before it."""
     baseline = estimate_preload_baseline(record)
     time = regularise_clock(record.time - record.time[0])
@@ -219,7 +219,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
         ),
         GLASS,
     )  # fmt: skip
-    if flows:
+    if has_flow:
         block = block.with_column(FLOW, _integrate_load(time, record.load)[window])
     rough_solution = solve(
         [block, *_limit_parameters(block, baseline)],
@@ -317,9 +317,11 @@ def _compute_response(block: DataBlock, solution: Solution) -> FloatArray:
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
-def _compute_delay_column(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
+def _compute_delay_column(
+    block: DataBlock, first_solution: Solution, time: FloatArray
+) -> FloatArray:
     """Return the column of a force that is recorded late: the velocity of the answer, m/s."""
-    return np.gradient(_compute_response(block, rough), time)
+    return np.gradient(_compute_response(block, first_solution), time)
 
 
 # -- a kind of part ------------------------------------------------------------------------------
@@ -521,7 +523,7 @@ def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
     drift = retardation.solution.coefficient("drift")
     return [
         checks.drift_distinguished_from_flow(
-            drift, baseline.default_drift, reported=baseline.has_measured_drift
+            drift, baseline.default_drift, is_reported=baseline.has_measured_drift
         )
     ]
 
@@ -643,14 +645,15 @@ def _fit_curve(
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
     weight = 1 / values
     first = solve(
-        [_make_curve_block(t, values, weight, window, flows=True)], min(max_arm_count, len(t) // 3)
+        [_make_curve_block(t, values, weight, window, has_flow=True)],
+        min(max_arm_count, len(t) // 3),
     )
     expected = get_spectrum(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
     weight = 1 / np.maximum(expected, MIN_FITTED_SHARE * values)
     selections = []
     for flows, item in _list_candidates(options):
-        block = _make_curve_block(t, values, weight, window, flows=flows)
+        block = _make_curve_block(t, values, weight, window, has_flow=flows)
         data = FitData([block], [block])
         selections.append(select_order(data, item))
     best = _choose_by_bic(selections)
@@ -658,7 +661,7 @@ def _fit_curve(
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     end, error = None, None
     if len(t) >= MIN_FREE_POINTS:
-        flowing = _make_curve_block(t, values, weight, window, flows=True)
+        flowing = _make_curve_block(t, values, weight, window, has_flow=True)
         curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
         end, band, error = _limit_end_and_band(
             curve_with_flow, float(t[-1]), best.model, creep.lam, band, origin=origin
@@ -722,8 +725,8 @@ def _make_curve_block(
     weight: FloatArray,
     window: tuple[float, float],
     *,
-    flows: bool,
+    has_flow: bool,
 ) -> DataBlock:
     block = build_hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
     block = make_retardation_block(replace(block, window=(window[0], 10 * window[1])), GLASS)
-    return block.with_column(FLOW, weight * t) if flows else block
+    return block.with_column(FLOW, weight * t) if has_flow else block

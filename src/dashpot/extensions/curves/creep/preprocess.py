@@ -31,7 +31,7 @@ _MIN_READINGS, _QUARTERS = 8, 4
 OF_A_COUNT = 12**-0.5
 # a load with less noise than this part of it is taken as it is
 _EXACT = 1e-7
-# directions of a load whose squares are below this part of the largest are none
+# relative size below which directions of a load are negligible
 _SINGULAR = 1e-12
 
 

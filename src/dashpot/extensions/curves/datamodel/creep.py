@@ -35,7 +35,7 @@ from dashpot.extensions.curves.datamodel.sample_temperatures import (
 )
 
 MAX_CORNERS = 16
-"""Corners of a load that is ramps and holds, at most."""
+"""Largest number of corners of a load of ramps and holds."""
 COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
 """Units of displacement and force, by the unit of the stiffness."""
@@ -351,15 +351,15 @@ Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 """Record of creep that can be fitted."""
 
 
-def _determine_stiffness_unit(text: Dimension, pushed: Dimension) -> str:
+def _determine_stiffness_unit(motion_dimension: Dimension, load_dimension: Dimension) -> str:
     """Return the unit of a stiffness, by what moves and what pushes."""
     pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
-    if (text, pushed) not in pairs:
+    if (motion_dimension, load_dimension) not in pairs:
         raise DataError(
-            f"CreepTest: a {text} under a {pushed} is of neither a part nor a material. Give a "
-            "displacement and a force, or a strain and a stress"
+            f"CreepTest: a {motion_dimension} under a {load_dimension} is of neither a part nor a "
+            "material. Give a displacement and a force, or a strain and a stress"
         )
-    return pairs[text, pushed]
+    return pairs[motion_dimension, load_dimension]
 
 
 def _require_unit(unit: str, names: Iterable[str]) -> None:

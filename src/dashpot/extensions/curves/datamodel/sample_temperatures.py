@@ -15,7 +15,7 @@ from dashpot.datamodel.shift_factors import Shift
 from dashpot.datamodel.specimen import tested_at
 
 ONE_TEMPERATURE = 2.0
-"""Samples of a sweep this far apart in temperature are not one solid, K."""
+"""Largest range of temperatures of one sweep, K."""
 
 
 def make_shifts(

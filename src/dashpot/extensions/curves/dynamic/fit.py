@@ -129,9 +129,9 @@ BY_SWEEPS = "a sweep to higher frequencies or a colder one"
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
-# an arm so much faster than a sweep is a dashpot to it
+# ratio above which a faster arm acts as a dashpot in a sweep
 _DASHPOT_RATIO = 30.0
-# and so much slower one still adds a loss to its lowest lines
+# ratio up to which a slower arm still adds loss at the lowest lines
 _SLOW_ARM_RATIO = 1000.0
 # weights of one temperature, and of several
 _USUAL_WEIGHTS: tuple[Weights, Weights] = ("relative", "modulus")

@@ -29,7 +29,7 @@ _WORDS = {"displacement": "strain", "force": "stress", "stiffness": "modulus"}
 _QUANTITIES = re.compile(rf"\b({'|'.join(_WORDS)})\b")
 
 
-def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any) -> Fit:
+def fit_stress_relaxation(test: StressRelaxationTest, time_limits: Any, **choices: Any) -> Fit:
     r"""Fit a generalized Maxwell model to strain and stress over time.
 
     .. math:: \sigma(t) = E_\infty \varepsilon(t)
@@ -41,7 +41,7 @@ def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any)
     Parameters
     ----------
     test : StressRelaxationTest
-    cuts : mapping
+    time_limits : mapping
         What `prepare` takes: filter, machine, onset, hold end, cycle.
     choices
         Of :func:`~dashpot.fitting.relaxation.fit`.
@@ -51,7 +51,7 @@ def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any)
     DataError, FitError
         As that of a relaxation test.
     """
-    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **cuts), **choices)
+    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **time_limits), **choices)
     return convert_to_material(fit)
 
 

@@ -33,7 +33,7 @@ from dashpot.solids.elastic import ElasticLaw
 
 KNOTS = (2, 3, 5, 9, 13, 17)
 _AS_WELL = 1.05
-"""A law on fewer knots is taken if it leaves no more than this times what the finest leaves."""
+"""Largest residual of a law on fewer knots, relative to the finest law."""
 _CONTACT_SD = 5.0
 """Standard deviations of the force above which the plate is on the seal."""
 

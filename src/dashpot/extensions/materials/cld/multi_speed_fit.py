@@ -46,7 +46,7 @@ KNOTS = 13
 MAX_ARMS = 3
 _PER_STROKE = 120
 _MAX_RESIDUAL_RATIO = 0.98
-"""Part of the residual above which a further arm, and any after it, is not worth trying."""
+"""Ratio of residuals above which no further arm is tried."""
 DECISIVE = 10.0
 """Decrease of BIC that a further arm needs."""
 _SIGNIFICANT_DELAY = 3.0

@@ -150,7 +150,7 @@ def cld(
 
 
 _Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | None]
-"""What a cycle shows at the least, the nominal and the greatest compression."""
+"""Values of a cycle at the smallest, the nominal and the largest compression."""
 
 
 def get_sample_clock(test: CLDTest) -> FloatArray:
@@ -261,8 +261,8 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
         if test.time is not None:
             speed, relative_variation = measure_speed(clock[loading.samples], x[loading.samples])
         cycles.append(
-            _make_cycle(x, force, number, loading, unloading, zero=zero, common=common,
-                   excess=excess, speed=speed)
+            _make_cycle(x, force, number, loading, unloading, zero=zero, common_depth=common,
+                   max_extrapolation=excess, speed=speed)
         )  # fmt: skip
         uneven.append(relative_variation)
     return _RecordCycles(tuple(cycles), zero, excess, common, tuple(uneven), x, force)
@@ -302,8 +302,8 @@ def _make_cycle(
     unloading: Stroke | None,
     *,
     zero: Zero,
-    common: float,
-    excess: float,
+    common_depth: float,
+    max_extrapolation: float,
     speed: float | None,
 ) -> Cycle:
     way_in = _make_branch(x, force, loading)
@@ -313,8 +313,10 @@ def _make_cycle(
         next_contact = find_later_contact(way_in.compression, way_in.force, noise=zero.noise)
         contact = np.nan if next_contact is None else next_contact
     depth = float(x[loading.last])
-    local_slope = fit_local_slope(way_in, common, half_width=WINDOW * depth, excess=excess)
-    peak = fit_local_slope(way_in, depth, half_width=WINDOW * depth, excess=excess)
+    local_slope = fit_local_slope(
+        way_in, common_depth, half_width=WINDOW * depth, excess=max_extrapolation
+    )
+    peak = fit_local_slope(way_in, depth, half_width=WINDOW * depth, excess=max_extrapolation)
     if local_slope is None or peak is None:
         raise DataError(
             f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
@@ -367,7 +369,7 @@ def _run_checks(
     chosen_cycle, earlier_cycles = cycles[index], cycles[:index]
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
-        checks.zero_recorded(zero.initial_force_ratio, air=zero.comes_through_air),
+        checks.zero_recorded(zero.initial_force_ratio, comes_through_air=zero.comes_through_air),
         *check_machine(list_sources([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
             chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
@@ -385,6 +387,6 @@ def _run_checks(
         checks.plate_speed_constant(new_cycles.speed_variations[index]),
         checks.no_energy_gained(chosen_cycle.hysteresis),
         checks.no_adhesion_on_release(_measure_pull(chosen_cycle, zero)),
-        checks.unloading_recorded(recorded=chosen_cycle.unloading is not None),
+        checks.unloading_recorded(is_recorded=chosen_cycle.unloading is not None),
         checks.length_given(is_given=test.specimen.length is not None),
     )

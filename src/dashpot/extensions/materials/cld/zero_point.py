@@ -13,14 +13,14 @@ from dashpot.preprocessing.contact import find_contact, find_first_contact
 from dashpot.signals.noise import estimate_robust_scatter
 
 _MIN_REST_SAMPLES = 5
-"""Samples that make a mean worth taking off."""
+"""Smallest number of samples for a mean that is subtracted."""
 _DRIFT_TOLERANCE = 1e-3
 """Error of a mean of the force in air, as a part of the peak, with which it shows a drift."""
 _PARABOLA = 1e-3
 """Part of the depth by which first contact is off where the rise is no parabola, as of a seal that
 relaxes while it is met: over 240 records with 1 mN of noise, up to this."""
 _SIGNIFICANT_AIR = 5.0
-"""Standard errors of first contact by which air shows: a seal under load bends, too."""
+"""Distance of first contact from the start, in standard errors, that shows an air gap."""
 MAX_PRELOAD = 0.05
 """Force at the first sample, as a part of the rise, that may be the load cell's own zero."""
 
@@ -84,7 +84,7 @@ def find_zero(
         rest_position=rest_position,
         level=top,
         least_gap=max(2 * resolution, 1e-3 * (top - rest_position)),
-        rested=rested,
+        is_rested=rested,
     )
     if first_contact.gap > _SIGNIFICANT_AIR * first_contact.standard_error:
         margin = max(3 * first_contact.standard_error, resolution)

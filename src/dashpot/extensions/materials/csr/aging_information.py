@@ -93,12 +93,12 @@ class AgingTest:
         G -= np.outer(f, f @ G) / (f @ f)
         return np.asarray(G.T @ G / self.scatter**2)
 
-    def compute_life_gradient(self, temperature: float, retained: float) -> FloatArray:
+    def compute_life_gradient(self, temperature: float, retained_fraction: float) -> FloatArray:
         """Return the derivatives of the ln life by loss, ln tau, Ea in 10 kJ/mol, ln exponent."""
         law = self.law
 
         def log_life(**other: Any) -> float:
-            return replace(law, **other).compute_log_life(temperature, retained)
+            return replace(law, **other).compute_log_life(temperature, retained_fraction)
 
         steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}
         gradient = [

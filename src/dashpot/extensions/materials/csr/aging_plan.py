@@ -303,7 +303,7 @@ def plan_aging(
 
 
 _USUAL_FORCE = 40.0
-"""Usual force of a specimen, N, which a drift in newtons is a part of."""
+"""Usual force of a specimen, N, for the relative drift."""
 
 
 class _Design(NamedTuple):
@@ -332,14 +332,14 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
     return value
 
 
-def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
+def _list_oven_sets(kelvin: float, hottest: float, count: int) -> Iterator[tuple[float, ...]]:
     """Iterate over oven temperatures: the hottest is given, the coldest is near that of use."""
-    furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hot - kelvin))
-    inner = np.arange(hot - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
+    furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hottest - kelvin))
+    inner = np.arange(hottest - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
         is_near = cooler[0] - kelvin <= furthest
-        if is_near and all(np.diff((*cooler, hot)) >= _MIN_DISTANCE - 1e-6):
-            yield (*cooler, hot)
+        if is_near and all(np.diff((*cooler, hottest)) >= _MIN_DISTANCE - 1e-6):
+            yield (*cooler, hottest)
 
 
 def _allocate(
@@ -358,17 +358,21 @@ def _allocate(
 
 
 def _choose_design(
-    test: AgingTest, use: tuple[float, float], hot: float, count: int, target: float
+    test: AgingTest,
+    temperature_and_fraction: tuple[float, float],
+    hottest: float,
+    count: int,
+    target: float,
 ) -> _Design:
     """Return the ovens that meet the target with the fewest specimens, or come nearest to it.
 
     Of ovens in which chemical aging shows, where there are any; those of which a lower activation
     energy in the cold changes the life by less than its interval may need twice as many.
     """
-    kelvin, part = use
+    kelvin, part = temperature_and_fraction
     gradient = test.compute_life_gradient(kelvin, part)
     ranked = []
-    for temperatures in _list_oven_sets(kelvin, hot, count):
+    for temperatures in _list_oven_sets(kelvin, hottest, count):
         ovens = PlannedOvens(test, temperatures)
         design = _allocate(ovens, gradient, target, _MAX_SPECIMENS)
         significance = ovens.compute_oven_significance(design.specimens)
@@ -393,7 +397,7 @@ def _choose_design(
 
 
 def _list_alternatives(
-    test: AgingTest, kelvin: float, part: float, hot: float, best: _Design
+    test: AgingTest, kelvin: float, part: float, hottest: float, best: _Design
 ) -> Iterator[AgingAlternative]:
     """Iterate over what another test with the same number of specimens would give."""
 
@@ -416,7 +420,7 @@ def _list_alternatives(
     if test.drift:
         yield compare("a load cell without drift", replace(test, drift=0.0))
     total, count = sum(best.specimens), len(best.temperatures)
-    even_temperatures = np.linspace(best.temperatures[0], hot, count)
+    even_temperatures = np.linspace(best.temperatures[0], hottest, count)
     equal_specimens = tuple(total // count + (k < total % count) for k in range(count))
     yield compare(
         f"ovens evenly from {celsius(float(even_temperatures[0]))} on, as many in each",

@@ -102,20 +102,20 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)
 
 
-def draw_life(aged: Aged, *, stamp: str = "") -> Picture:
+def draw_life(prediction: Aged, *, stamp: str = "") -> Picture:
     """Return the life over 1/T above the predicted force over time at the temperature of use.
 
     Parameters
     ----------
-    aged : Aged
+    prediction : Aged
         For a prediction of times only, or from one oven, only the second panel is drawn.
     stamp : str
         Origin of the data, printed below the figure; by default the files.
     """
-    force, part = draw_aged_force(aged, stamp=stamp), aged.first_part
-    if part is None or not has_arrhenius_line(aged.aging):
+    force, part = draw_aged_force(prediction, stamp=stamp), prediction.first_part
+    if part is None or not has_arrhenius_line(prediction.aging):
         return force
-    chart = draw_life_chart(aged.aging, part, aged.temperature)
+    chart = draw_life_chart(prediction.aging, part, prediction.temperature)
     return put_chart_first(chart, force)
 
 
@@ -224,7 +224,7 @@ def _compute_life_band(
     """Return the life at temperatures and both ends of its 95 % interval, h."""
     life = np.array([min(law.life(value, part), MAX_LIFETIME) for value in kelvin.tolist()]) / HOUR
     errors = np.array([
-        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained=part))
+        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained_fraction=part))
         for value in kelvin.tolist()
     ])  # fmt: skip
     half_width = law.quantile * errors

@@ -35,7 +35,7 @@ LOWER = 65e3
 """Activation energy at low temperature, J/mol (EPDM, Gillen et al. 2003)."""
 _ROBUST = "robust_to_lower_activation_energy"
 _EXTRAPOLATION = {"temperature_near_ovens", _ROBUST, "time_near_readings"}
-"""Checks of how far an answer lies from what was read."""
+"""Checks of the extrapolation."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -30,13 +30,13 @@ ALIKE = 0.05
 LARGEST_ERROR = 0.1
 SCALED = 1.1
 _MUCH_CLOSER = 0.25
-"""Part of what a rubber's law leaves, below which the other material is named."""
+"""Ratio of residuals below which the other material is suggested."""
 SMALL_RESIDUAL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
 """Difference of BIC that refutes no law (R. E. Kass, A. E. Raftery, 1995)."""
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
-"""Logarithms of a factor by which the stress of one mode is tried to be off."""
+"""Trial errors of the stress of one mode, as logarithms."""
 _OF_NOTE = 0.03
 _BOTH_STRAIN = 0.1
 """Logarithmic strain in tension and in compression from which one test is as good as two modes."""
@@ -92,7 +92,9 @@ def run_checks(
         ),
         rows_enough(len(selected.optimum.residual), len(selected.optimum.values)),
         files_agree(_compare_repeat_files(fit.curves)),
-        loading_reversible(max(loss_fractions, default=None), removed=fit.relaxation is not None),
+        loading_reversible(
+            max(loss_fractions, default=None), is_removed=fit.relaxation is not None
+        ),
         specimen_conditioned(max(softer, default=None, key=abs)),
         zero_stress_at_zero_strain(*_find_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_find_other_label(through, fit.law.poisson, flexible)),
@@ -279,7 +281,7 @@ def _find_other_label(
     "our choice: scatter of specimens",
     other_grade="stop beyond 0.2",
 )
-def law_residual_small(residual: float, worst: str, swelling: float = math.inf) -> Finding:
+def law_residual_small(residual: float, worst_curve: str, swelling: float = math.inf) -> Finding:
     """The law fits every curve.
 
     `swelling` is the residual of a foam law without lateral strain.
@@ -292,7 +294,7 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
             "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
         )
     return Finding(
-        f"The hyperelastic law misses the stress by up to {100 * residual:.2g} %, in {worst}",
+        f"The hyperelastic law misses the stress by up to {100 * residual:.2g} %, in {worst_curve}",
         residual,
         reason,
         remedy,
@@ -353,16 +355,19 @@ def stable_in_use(
 
 
 @criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: error of a tape or camera")
-def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool) -> Finding:
+def lateral_swelling_agrees(ratio: float, reported_poisson: float | None, *, foam: bool) -> Finding:
     """The lateral strain of the law agrees with the measured one."""
-    if reported is None:
+    if reported_poisson is None:
         return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
     return Finding(
-        f"The strain sideways shows Poisson's ratio {reported:.2g}, and the law has {ratio:.2g}",
-        reported - ratio,
+        f"The strain sideways shows Poisson's ratio {reported_poisson:.2g}, and the law has "
+        f"{ratio:.2g}",
+        reported_poisson - ratio,
         "The lateral strain of the law differs from that of the specimen",
         Remedy(
-            "Give the ratio that was measured.", "poisson", f"{min(max(reported, 0.0), 0.49):.2g}"
+            "Give the ratio that was measured.",
+            "poisson",
+            f"{min(max(reported_poisson, 0.0), 0.49):.2g}",
         )
         if foam
         else Remedy("Ask for the law of a foam.", "model", "hyperfoam"),
@@ -465,13 +470,13 @@ def files_agree(difference: float | None) -> Finding:
 
 
 @criterion("part of the energy", "<=", 0.1, "our choice: beyond it loading is not the elastic law")
-def loading_reversible(loss_fraction: float | None, *, removed: bool) -> Finding:
+def loading_reversible(loss_fraction: float | None, *, is_removed: bool) -> Finding:
     """Unloading returns most of the energy of loading."""
     if loss_fraction is None:
         return Finding("No unloading shows how much of the stress is elastic")
     reason = (
         "The relaxation test is of another material, or there is friction or softening"
-        if removed
+        if is_removed
         else "The loading contains relaxation or softening"
     )
     advice = Remedy("Give a relaxation test, or test slowly.", "relaxation")
@@ -481,13 +486,13 @@ def loading_reversible(loss_fraction: float | None, *, removed: bool) -> Finding
 
 
 @criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")
-def specimen_conditioned(softer: float | None) -> Finding:
+def specimen_conditioned(softening: float | None) -> Finding:
     """The material is conditioned: it no longer softens from loading to loading."""
-    if softer is None:
+    if softening is None:
         return Finding("One loading shows no softening (Mullins); it may have been the first")
     return Finding(
-        f"The last loading is {100 * softer:.2g} % softer than the first",
-        softer,
+        f"The last loading is {100 * softening:.2g} % softer than the first",
+        softening,
         "The material was not conditioned. The last loading is used; a new part is stiffer",
         Remedy(
             "Condition the specimen, or use the first loading of a new part.",

@@ -206,9 +206,9 @@ def _read_lateral_strain(
     return ratio, [f"{format_column(columns, index)} shows Poisson's ratio {ratio:.3g}{more_text}"]
 
 
-def _require_stress_strain_file(file: OpenedFile, elongated: Role) -> None:
+def _require_stress_strain_file(file: OpenedFile, strain_role: Role) -> None:
     """Refuse another kind of file, unless both columns stand there."""
-    if not (file.column(elongated) and file.column("stress")):
+    if not (file.column(strain_role) and file.column("stress")):
         signal_names = ("stress", *_ELONGATED)
         channels.expect(
             file, ["stress-strain"], "stress over strain is", stated_columns=signal_names

@@ -21,11 +21,11 @@ KNOWN_FACTOR = 1.25
 FOLLOWED = 1.5
 LOST = 0.02
 SMALL_RESIDUAL = 2e-3
-"""Part of the push that may be left of a record without noise."""
+"""Largest relative residual of a record without noise."""
 _NOISELESS_SHARE = 1e-4
-"""Part of the push below which what is left in flight is no noise."""
+"""Relative scatter in flight below which a record has no noise."""
 _UNKNOWN = 100.0
-"""A factor beyond which not even the size of a number is known."""
+"""Interval factor above which a value is undetermined."""
 _COMPARED = ("restitution", "modulus", "depth")
 
 
@@ -35,7 +35,7 @@ def run_checks(
     test: IndentationTest,
     *,
     contact: ContactInterval,
-    clipped: int,
+    clipped_count: int,
     other_laws: Sequence[tuple[str, Sequence[ReportedValue]]],
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
@@ -65,7 +65,7 @@ def run_checks(
     return (
         contact_sampled(T / test.step),
         flights_recorded(duration_before, duration_after),
-        sensor_in_range(clipped),
+        sensor_in_range(clipped_count),
         first_contact(contact.contacts_before, contact.contacts_after),
         law_residual_small(relative, fit.residual),
         no_adhesion_on_release(*_compute_undershoot(fit, size)),
@@ -170,11 +170,11 @@ def flights_recorded(duration_before: float, duration_after: float) -> Finding:
 
 
 @criterion("samples at the limit", "<=", 0.0, "a sensor at its limit repeats one number")
-def sensor_in_range(clipped: int) -> Finding:
+def sensor_in_range(clipped_count: int) -> Finding:
     """The sensor did not saturate."""
     return Finding(
-        f"{clipped} samples have the same largest value",
-        float(clipped),
+        f"{clipped_count} samples have the same largest value",
+        float(clipped_count),
         "The sensor or its amplifier was clipped. These samples were left out",
         "Use a larger range, or hit more softly.",
     )
@@ -235,7 +235,7 @@ def no_adhesion_on_release(tensile_force: float | None, noise: float) -> Finding
     other_grade="note where stiffness, depth, restitution and modulus are",
 )
 def parameters_determined(
-    name: str, factor: float, bounded: str = "", *, leading_factor: float = np.inf
+    name: str, factor: float, limit_text: str = "", *, leading_factor: float = np.inf
 ) -> Finding:
     """Each parameter is known to 25 %, or the loss has an upper limit.
 
@@ -247,7 +247,7 @@ def parameters_determined(
     if factor >= _UNKNOWN:
         sentence = f"{word} is not known, not even in its size"
     return Finding(
-        sentence + f"; {bounded}" * bool(bounded),
+        sentence + f"; {limit_text}" * bool(limit_text),
         factor,
         f"This contact does not determine {word} alone",
         "Use the numbers with narrow intervals.",

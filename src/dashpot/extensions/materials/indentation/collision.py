@@ -248,8 +248,8 @@ def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) 
     )
 
 
-def _compute_angle(y: FloatArray, top: float) -> FloatArray:
-    return np.arctan2(y, np.sqrt(np.maximum(top**2 - y**2, 0.0)))
+def _compute_angle(y: FloatArray, peak_force: float) -> FloatArray:
+    return np.arctan2(y, np.sqrt(np.maximum(peak_force**2 - y**2, 0.0)))
 
 
 def _integrate_contact(

@@ -113,7 +113,7 @@ class IndentationTest(EqualByValue, HasSummary):
         )
 
 
-# what a reader came for: the first of these that the contact gives
+# main results, by priority
 _CAME_FOR = ("modulus", "k")
 
 

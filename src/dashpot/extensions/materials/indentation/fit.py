@@ -238,7 +238,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         best.collision,
         test,
         contact=window.contact,
-        clipped=window.clipped_count,
+        clipped_count=window.clipped_count,
         other_laws=other_laws,
     )
     return replace(fitted, checks=(*checked_checks, *caution_checks(list_sources([test]))))

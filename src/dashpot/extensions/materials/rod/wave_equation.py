@@ -50,8 +50,7 @@ _MEDIAN_LINES = 3
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
 _GAIN_LEFT, _PHASE_LEFT = 0.003, float(np.radians(0.3))
-"""What is left of gain and phase that were seen at rest and taken out: standard deviations,
-beside those with which they were seen."""
+"""Remaining standard deviations of gain and phase after correction by a test at rest."""
 _MEDIAN = float(np.sqrt(np.pi / 2))
 """Standard error of a median over that of a mean."""
 _TURNS = 3

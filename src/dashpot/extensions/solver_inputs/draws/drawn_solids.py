@@ -220,7 +220,7 @@ class _Sensitivities:
         log_tau = np.log([*fitted.tau, *model.tau])
         total = 0.0
         for data in self.data:
-            rows = data.rows(log_tau, slopes=False)
+            rows = data.rows(log_tau, with_slopes=False)
             for sign, solid, at in (
                 (-1, fitted, slice(fitted.arms)),
                 (1, model, slice(fitted.arms, None)),

@@ -42,9 +42,9 @@ def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
     return _compute_log_flux(log_pressure, np.log(np.asarray(density, dtype=float) / AIR_DENSITY))
 
 
-def _compute_log_flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
+def _compute_log_flux(log_pressure: FloatArray, log_density_ratio: FloatArray) -> FloatArray:
     """Return the same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
-    upstream = np.exp(np.where(log_pressure > 0, 0.5 * (log_pressure + denser), 0.0))
+    upstream = np.exp(np.where(log_pressure > 0, 0.5 * (log_pressure + log_density_ratio), 0.0))
     log_ratio = np.maximum(-np.abs(log_pressure), _LOG_CHOKED)
     # x^(2/g) - x^(1+1/g), without cancellation at x near 1
     flow_drop = -np.exp(2 / GAMMA * log_ratio) * np.expm1((1 - 1 / GAMMA) * log_ratio)

@@ -177,13 +177,17 @@ class _Doors:
     def from_angle(
         cls,
         door: ClosingDoor,
-        closed: FloatArray,
+        closed_compression: FloatArray,
         load: FloatArray,
         dashpot: FloatArray,
         angle: float,
     ) -> _Doors:
         """Return the doors at an angle, with their compressions and seal forces."""
-        geometry: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
+        geometry: dict[str, Any] = {
+            "lever": door.lever,
+            "closed": closed_compression,
+            "angle": angle,
+        }
         share = door.length * load[:, None]
         seal = PressedSeal(door.section, share=share, dashpot=dashpot, **geometry)
         airs = [

@@ -182,23 +182,23 @@ def make_line_panel(result: DoorResult, view: View) -> Panel:
 
 
 def mark_classes(
-    points: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
+    points: FloatArray, values: FloatArray, has_contact: BoolArray, *, unit: str
 ) -> list[Mark]:
     """Return stations in a few classes of their values, and those that do not touch."""
     x, y = points.T
     marks: list[Mark] = []
-    if touches.any():
-        low, high = float(values[touches].min()), float(values[touches].max())
+    if has_contact.any():
+        low, high = float(values[has_contact].min()), float(values[has_contact].max())
         count = _CLASSES if high - low > 1e-6 else 1
         edges = np.linspace(low, high, count + 1)
         rank = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, count - 1)
         for k, colour in enumerate(sequential(count)):
-            is_in_class = touches & (rank == k)
+            is_in_class = has_contact & (rank == k)
             label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} {unit}"
             if is_in_class.any():
                 marks.append(Dots(x[is_in_class], y[is_in_class], colour, label, size=5.0))
-    if not touches.all():
-        is_open = ~touches
+    if not has_contact.all():
+        is_open = ~has_contact
         marks.append(Dots(x[is_open], y[is_open], "bad", "does not touch", size=5.0, hollow=True))
     return marks
 

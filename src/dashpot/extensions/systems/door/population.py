@@ -589,13 +589,13 @@ def describe_quantity(
 
 
 def _make_share_function(
-    dense: FloatArray, is_beyond: BoolArray, edges: IndexArray
+    u_grid: FloatArray, is_beyond: BoolArray, edges: IndexArray
 ) -> Callable[[FloatArray, FloatArray], FloatArray]:
     """Return a function that gives the share of a normal u beyond the limit.
 
     Parameters
     ----------
-    dense : array, shape (n,)
+    u_grid : array, shape (n,)
         ln factors at which the quantity was compared with its limit.
     is_beyond : bool array, shape (n,)
         Whether it lies beyond it there.
@@ -609,7 +609,7 @@ def _make_share_function(
     """
     from scipy.special import ndtr
 
-    bounds = (dense[edges] + dense[edges + 1]) / 2
+    bounds = (u_grid[edges] + u_grid[edges + 1]) / 2
     first = bool(is_beyond[0])
 
     def share(mean: FloatArray, sd: FloatArray) -> FloatArray:

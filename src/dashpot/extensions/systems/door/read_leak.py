@@ -18,7 +18,7 @@ _STATE_KEYS = (
     "aging_temperature", "density",
 )  # fmt: skip
 _MAX_STATES = 50
-"""States; nobody compares more."""
+"""Largest number of states."""
 
 
 def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:

@@ -16,7 +16,7 @@ from dashpot.datamodel.seal_line import SealSection, Stations
 from dashpot.registry import require_handler
 
 CLOSURE_TOLERANCE = 1e-6
-"""Part of its length by which the ends of a line may lie apart, and it is closed."""
+"""Distance of the ends, relative to the length, up to which a line counts as closed."""
 _CORNER_COSINE = np.cos(np.radians(30.0))
 """Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
 _PARALLEL_SINE = 0.01
@@ -340,7 +340,7 @@ def _compute_distance(first: FloatArray, second: FloatArray) -> float:
     return min(_from_piece(point, piece) for point, piece in points_and_pieces)
 
 
-def _from_piece(point: FloatArray, piece: FloatArray) -> float:
-    vector = piece[1] - piece[0]
-    ratio = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
-    return float(np.linalg.norm(point - piece[0] - ratio * vector))
+def _from_piece(point: FloatArray, segment: FloatArray) -> float:
+    vector = segment[1] - segment[0]
+    ratio = np.clip((point - segment[0]) @ vector / (vector @ vector), 0.0, 1.0)
+    return float(np.linalg.norm(point - segment[0] - ratio * vector))
