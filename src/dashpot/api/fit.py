@@ -105,7 +105,7 @@ def fit(*records: Any, **options: Any) -> Any:
 
 
 def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:
-    """Return the kind of each record by what it is called: its file, or its place.
+    """Return the kind of each record by its name: its file, or its position.
 
     Raises
     ------

@@ -282,7 +282,7 @@ def inspect(
     kind: str | None = None,
     **keywords: Any,
 ) -> InspectedFile:
-    """Return what a file is and how it would be read: columns, units, sampling, open questions.
+    """Return the kind, columns, units, sampling and open questions of a file.
 
     Parameters
     ----------

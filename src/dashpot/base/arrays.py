@@ -493,7 +493,7 @@ def resolve_unit(value: Any, given_units: Mapping[str, Dimension], *names: str) 
     Raises
     ------
     DataError
-        If one of the arrays was said to be of a part, another of a material.
+        If the stated units of some arrays belong to a part, of others to a material.
     """
     if not given_units:
         return

@@ -22,7 +22,7 @@ def build_lazy_exports(
     """Return ``__getattr__`` and ``__dir__`` of a module from its stub file.
 
     A line of the stub names the module that defines a name, in any layer: so a low package offers a
-    name of a higher one without importing it. The stub is read when the first name is asked for;
+    name of a higher one without importing it. The stub is read when the first name is requested;
     its names are ``__all__``.
     """
 
@@ -96,7 +96,7 @@ if TYPE_CHECKING:
 else:
 
     class PatternOnUse:
-        """Stand for a pattern until one of its methods is asked for.
+        """Stand for a pattern until one of its methods is requested.
 
         A short command uses half of the patterns of the modules that it loads.
         """

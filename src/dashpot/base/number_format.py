@@ -117,7 +117,7 @@ def interval(low: float, high: float) -> str:
 def format_interval(value: float, low: float, high: float, error: float) -> str:
     """Return the interval of a value; an end more than a factor of ten away from one >= 0 is open.
 
-    With both ends open it says nothing of the value: it is not identified.
+    With both ends open the value is not identified.
     """
     if value < 0:
         return " to ".join(round_to_error(end, error or None, digits=2) for end in (low, high))

@@ -69,7 +69,7 @@ def require_choice(
 
 
 def option(default: Any, help: str | None = None, **how: Any) -> Any:
-    """Return a dataclass's field that says how users are asked for it.
+    """Return a dataclass field with the metadata of its option.
 
     `how` holds ``metavar``, ``multiple`` and ``is_flag`` as click knows them; ``unit``, the
     dimension of a quantity, and ``ends`` where two of them make a range; ``size``, its row of

@@ -275,7 +275,7 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
 
 
 def si_unit(dimension: Dimension) -> Unit:
-    """Return the SI unit of what is measured.
+    """Return the SI unit of a dimension.
 
     >>> si_unit("stress").word, si_unit("compliance").word
     ('Pa', 'm/N')

@@ -42,7 +42,7 @@ COMMANDS = {command.name: command.help for command in ROWS.values()}
 
 
 class _LazyGroup(click.Group):
-    """A group whose verbs are imported when they are asked for, and not to be listed."""
+    """A group whose verbs are imported when they are requested, and not to be listed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)

@@ -105,7 +105,7 @@ class CommandResult(NamedTuple):
     result
         What it prints as a document.
     text
-        It is printed unless stdout is taken by what was asked for there.
+        It is printed unless stdout is taken by what was requested there.
     must_pass
         A failed check is this command's own failure, ``--strict`` or not.
     verdict

@@ -54,7 +54,7 @@ def _build_keyed_option(cls: type[Any], name: str, argument: str) -> list[Comman
 def file_argument(
     metavar: str, name: str = "files", *, multiple: bool = True, min_count: int = 1
 ) -> click.Argument:
-    """Return the argument that names what a verb reads."""
+    """Return the argument for the files that a verb reads."""
     nargs = -1 if multiple else 1
     return click.Argument([name], type=File(), nargs=nargs, required=min_count > 0, metavar=metavar)
 

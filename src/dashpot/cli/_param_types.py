@@ -380,7 +380,7 @@ class Units(Scoped):
 
 
 def type_of(field: Field[Any]) -> click.ParamType[Any]:
-    """Return the type of what is typed for a field."""
+    """Return the click type of a field."""
     metadata = field.metadata
     if "unit" in metadata:
         kind = Range if "ends" in metadata else WithUnit

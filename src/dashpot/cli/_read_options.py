@@ -98,7 +98,7 @@ def _refuse_unknown_units(input_files: Sequence[str], options: ReadOptions) -> N
 
 
 def _refuse_unknown_columns(input_files: Sequence[str], options: ReadOptions) -> None:
-    """Refuse a unit of what is neither a role nor a column of a file."""
+    """Refuse a unit for a name that is neither a role nor a column of a file."""
     roles = {field.name for field in fields(ReadOptions)}
     names = options.get_units_by_name().keys() - roles
     inputs = [path for path in input_files if not is_json(path)] if names else []

@@ -83,7 +83,7 @@ def explain_unclear_file(path: str) -> Iterator[None]:
 
 
 def _build_bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
-    """Return the seal, the rig and its climate that were asked for."""
+    """Return the seal, the rig and its climate that were requested."""
     options = {name: choices.get(name) for name in ("rate", "softening", "warming")}
     simulated_seal, rig, climate = _build_instrument(dp.simulation.Rig(), seal, choices, options)
     if choices.get("friction"):
@@ -92,7 +92,7 @@ def _build_bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any
 
 
 def _serialise_record(record: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
-    """Return record and truth as text, and what an extension adds that was asked for."""
+    """Return record and ground truth as text, and the requested additions of extensions."""
     option = next((name for name in list_names("simulated record") if choices.get(name)), None)
     if option is not None:
         texts: tuple[Any, ...] = require_handler("simulated record", option)(record, choices)
@@ -144,7 +144,7 @@ def simulate_impact(
 def _build_instrument(
     instrument: Any, seal: str, choices: dict[str, Any], options: dict[str, Any]
 ) -> tuple[SimulatedSeal, Any, Any]:
-    """Return the seal, the instrument with what was said of it, and where the test is made."""
+    """Return the seal, the instrument with the stated properties, and the climate."""
     simulated_seal = load_simulated_seal(seal)
     settings = {name: value for name, value in options.items() if value is not None}
     # what was asked for by name is there in any case

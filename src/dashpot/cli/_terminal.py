@@ -61,7 +61,7 @@ def show_progress() -> Iterator[None]:
 
 
 def _display_progress(current_task: list[str], is_over: threading.Event, start: float) -> None:
-    """Write what is being done and for how long, over itself, and wipe it at the end."""
+    """Show the current step and its duration in one line, and erase it at the end."""
     if is_over.wait(PROGRESS_DELAY):
         return
     while not is_over.wait(PROGRESS_PERIOD):

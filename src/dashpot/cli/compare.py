@@ -85,7 +85,7 @@ def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
 
 
 def _format_no_pair(kinds: Mapping[str, str]) -> str:
-    """Return why files of these kinds are not compared, and what is."""
+    """Return why files of these kinds are not compared, and the kinds that are."""
     first, *others = kinds
     text = "; ".join(f"{path} is {get_kind_label(kind)}" for path, kind in kinds.items())
     message = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."

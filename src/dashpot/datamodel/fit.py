@@ -238,7 +238,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         ------
         DataError
             If the fit is of one temperature and this is another, if it is less than 10 K above
-            the glass transition that a WLF law implies, or where the law says nothing.
+            the glass transition that a WLF law implies, or where the law is not valid.
         """
         kelvin = convert_to_si(temperature, "temperature")
         require_positive(temperature=kelvin, unit=" K")

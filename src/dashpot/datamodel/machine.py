@@ -144,8 +144,8 @@ class Machine(Serialisable):
     Attributes
     ----------
     sync : float or None
-        Standard deviation of the delay between the clocks of force and displacement, s; where
-        nothing is said, one sample at least.
+        Standard deviation of the delay between the clocks of force and displacement, s; by default
+        at least one sample.
     drift : float or None
         Standard deviation of the drift of the load cell, N/s, as its data sheet gives it.
     compliance : float or None

@@ -179,8 +179,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     time : array, shape (n,)
         s, on the clock of the raw record.
     displacement : array, shape (n,)
-        Compression of the seal from first contact, m: what the fit takes as its input. The
-        machine's own give is off it. Zero before contact; positive is compression.
+        Compression of the seal from first contact, m, the input of the fit. The machine's own give
+        is off it. Zero before contact; positive is compression.
     force : array, shape (n,)
         Compressive force less the tare and the lines of `hum`, N; positive is compression. Not
         filtered by default.
@@ -203,7 +203,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     checks : tuple of Check
         What preparation noticed.
     unfiltered : RampHold or None
-        The same record before the filter that was asked for; None if none was.
+        The same record before the filter that was requested; None if none was.
     machine : Machine
         What the user knows of the machine.
     hum : tuple of Hum
@@ -313,7 +313,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def travel(self) -> FloatArray:
         """Travel of the plate from first contact, m: the encoder's readings.
 
-        Compression and what the machine gave.
+        Compression plus the deflection of the machine.
         """
         return (
             self.displacement
@@ -396,7 +396,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @property
     def depth_error(self) -> float:
-        r"""Relative standard deviation of the depth that the encoder's step leaves.
+        r"""Relative standard deviation of the depth by the encoder's step.
 
         Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
         """

@@ -54,7 +54,7 @@ class Shear:
 
     @property
     def holds(self) -> bool:
-        """Whether the seal answers sideways at all."""
+        """Whether the seal has lateral stiffness."""
         return not (self.across == self.along == 0)
 
 

@@ -163,7 +163,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Raises
         ------
         DataError
-            If T is below :attr:`coldest`, or where the law says nothing.
+            If T is below :attr:`coldest`, or where the law is not valid.
         """
         if temperature < self.coldest and isinstance(self.law, WLF):
             raise DataError(
@@ -286,7 +286,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Raises
         ------
         DataError
-            Where the law says nothing.
+            Where the law is not valid.
         """
         temperatures = [shift.temperature for shift in self.shifts]
         log_a_t, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)

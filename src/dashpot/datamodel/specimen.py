@@ -32,7 +32,7 @@ class Specimen:
     name : str
         What it is called, such as "Door seal 4711-B".
     lot, operator : str
-        Where it comes from, and who tested it.
+        Lot, and operator of the test.
     date : str
         Date of the test, ISO 8601: 2026-11-21.
     stated_temperature : float or None

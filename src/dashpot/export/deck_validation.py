@@ -153,7 +153,7 @@ def open_deck(
         ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     specimen : Specimen, optional
         Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
-        is that which the deck is asked for.
+        is that which the deck is requested.
     allow : collection of str
         Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
         applies leaves an OVERRIDE line in the header.

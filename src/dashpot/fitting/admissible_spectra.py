@@ -221,7 +221,7 @@ class AdmissibleSpectra:
             )
 
     def compute_misfit(self, s: FloatArray) -> float:
-        """Return sum of squares that a spectrum, in unit columns, leaves."""
+        """Return the residual sum of squares of a spectrum in unit columns."""
         misfit = self.columns @ s[self.shown] - self.target
         return float(misfit @ misfit)
 

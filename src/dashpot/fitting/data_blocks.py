@@ -196,7 +196,7 @@ def _build_delayed_force(test: RampHold, block: DataBlock, solution: Solution) -
 
 
 def first_sample(test: RampHold) -> int:
-    """Return the first sample of a full fit: those before contact are spent on what they show."""
+    """Return the first sample of a full fit; earlier ones determine priors."""
     return build_load_cell_priors(test).first_sample
 
 
@@ -361,7 +361,7 @@ class InitialFit(NamedTuple):
     solutions : sequence of Solution
         Every number of arms from none up, or the last alone.
     series : tuple of Series
-        What the last of them leaves of each record, N: as it was before its priors were weighed.
+        Residual of the last one for each record, N, before its priors were weighted.
     noises : tuple of Noise
     noise_solution : Solution
         The one that left the series.

@@ -170,12 +170,12 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
 
 
 def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
-    """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
+    """Return which temperature, K, is the reference: the one requested, or nearest to 23 degC.
 
     Raises
     ------
     FitError
-        If no test is of the temperature asked for.
+        If no test is of the temperature requested.
     """
     magnitude = np.abs(temperatures - (STANDARD_TEMPERATURE if target is None else target))
     if target is not None and magnitude.min() > SAME_TEMPERATURE:

@@ -252,7 +252,7 @@ class SelectedModel:
 
     @cached_property
     def shortage(self) -> Shortage | None:
-        """The arms that the rules take, where fewer were asked for; None if those are enough.
+        """The arms that the rules take, where fewer were requested; None if those are enough.
 
         Of a number that the rules chose the same, where it is the most that they tried and the
         residual is still correlated: the spectrum is wider than those arms.
@@ -283,7 +283,7 @@ class SelectedModel:
         return choice is not None and choice.is_largest_tried and kappa > MIN_CORRELATED_KAPPA
 
     def check_arm_count(self, unit: str) -> tuple[Check, ...]:
-        """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
+        """Whether the arms that were requested are enough, residuals in `unit`; and the samples."""
         estimate = self.estimate
         all_checks = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
         if self.requested_arms is None and not self._is_wider_than_tried:
@@ -369,7 +369,7 @@ def validate_arm_count(arms: object, max_arms: object) -> int:
 def select_order(
     data: FitData, options: FitOptions, *, first: InitialFit | None = None
 ) -> SelectedModel:
-    """Fit every number of arms; take the number that the data support, or that was asked for.
+    """Fit every number of arms; take the number that the data support, or that was requested.
 
     Parameters
     ----------

@@ -371,7 +371,7 @@ class Solution(FrozenArrays):
     samples : int
         Full-data sample count.
     requested_arms : int
-        Arms asked for; more than N if the data reject the others.
+        Arms requested; more than N if the data reject the others.
     evaluations : int
         Trials of ln tau, over all starts.
     converged : bool
@@ -478,7 +478,7 @@ def solve(
     Returns
     -------
     Solution
-        With fewer arms than asked for if a further arm with k > 0 would not lower the SSE.
+        With fewer arms than requested if a further arm with k > 0 would not lower the SSE.
 
     Raises
     ------
@@ -522,7 +522,7 @@ def solve_orders(
 
 
 def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solution]:
-    """Yield the solutions of :func:`solve_orders` one by one, each found when asked for."""
+    """Yield the solutions of :func:`solve_orders` one by one, each found when requested."""
     chain = ArmInsertion(_validate_blocks(blocks, max_arms))
     for arms in range(max_arms + 1):
         chain.extend(arms)

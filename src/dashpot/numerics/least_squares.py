@@ -54,7 +54,7 @@ T = TypeVar("T", bound="Trial")
 class Trial(Protocol):
     """Trial parameters with all linear ones solved.
 
-    `theta` (p,) and `beta` (q,); the sum of squares `sse`, infinite where the model says nothing;
+    `theta` (p,) and `beta` (q,); the sum of squares `sse`, infinite where the model is not defined;
     `gradient` J'r (p,) and `curvature` J'J (p, p) of the reduced residual.
     """
 

@@ -100,7 +100,7 @@ class Stack:
         return nonnegative_mask & (not signed)
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
-        """Return the stacked design matrix, slopes if asked for, and target."""
+        """Return the stacked design matrix, slopes if requested, and target."""
         rows_of_blocks = [block.evaluate(log_tau, derivative) for block in self.blocks]
         arms, q = len(log_tau), len(self.names)
         column_count = arms * len(self.groups)

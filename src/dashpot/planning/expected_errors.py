@@ -61,7 +61,7 @@ class ExpectedError:
         Expected standard deviation over the value, dimensionless; infinite if the test says
         nothing.
     arm_sd : float or None
-        That of the stiffness of the unresolved arm; None if none was supposed.
+        Standard deviation of the stiffness of the unresolved arm; None without one.
     repeated : tuple of float
         Temperatures at which the test is repeated, K; all are fitted together.
     """
@@ -168,7 +168,7 @@ class ExpectedArm:
     Attributes
     ----------
     k, tau : float
-        Stiffness and relaxation time of the arm that was supposed, N/m and s.
+        Stiffness and relaxation time of the assumed arm, N/m and s.
     half_k, half_tau, half_b : float
         As the test is planned; b = k tau.
     named_k, named_tau, named_b : float
@@ -238,7 +238,7 @@ class ExpectedEnd(Serialisable):
     time : float
         T, s.
     stiffness : float
-        k(T) of the solid that was supposed, N/m.
+        k(T) of the assumed solid, N/m.
     half_width : float
         Half width of its 95 % limits, over the value: all that machine and climate may do without a
         trace is in them.
@@ -343,7 +343,7 @@ class Pulse:
     duration : float
         s.
     level_db : float
-        Force spectrum at the frequency asked for, relative to 0 Hz, dB.
+        Force spectrum at the frequency requested, relative to 0 Hz, dB.
     band_10db, band_20db : float
         Where the spectrum has fallen by 10 and 20 dB, Hz.
     first_zero : float

@@ -262,7 +262,7 @@ class Plan(HasChecks, Serialisable):
         Errors of the requested test with its repetitions.
     alternatives : tuple of ExpectedError
         Errors of the test alone and at each other temperature, of the other method, of faster
-        ramps, of the test repeated at 0 degC if no other was asked for, and with a hammer test.
+        ramps, of the test repeated at 0 degC if no other was requested, and with a hammer test.
     band : (float, float)
         Frequency range of the relaxation test, Hz.
     record : RecordNeed

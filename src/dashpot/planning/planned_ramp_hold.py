@@ -233,7 +233,7 @@ class Repeat:
     temperature : float
         K.
     a_t, b_t : float
-        Shift factors of time and of stiffness that are supposed there, dimensionless.
+        Assumed shift factors of time and of stiffness, dimensionless.
     """
 
     temperature: float

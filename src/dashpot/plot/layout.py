@@ -199,7 +199,7 @@ def _upright(panel: Panel) -> list[tuple[float, str]]:
 
 
 def arrange_sheet(picture: Picture) -> Sheet:
-    """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
+    """Return the layout of a figure file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
     for columns, panel_groups in picture.strip_rows:
         strip_width = (picture.width - 2 * MARGIN - PANEL_SPACING * (columns - 1)) / columns

@@ -229,7 +229,7 @@ class Picture:
     columns : int
         How many strips stand in a row.
     stamp : str
-        File, specimen, date, mass, and SIMULATED if so: stands on every figure that leaves.
+        File, specimen, date, mass, and SIMULATED if so; printed on every saved figure.
     rows : tuple of int
         Strips in each row, where rows differ: small multiples stand below what they explain.
     """

@@ -221,7 +221,7 @@ def find_rests(
 
 
 def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
-    r"""Return what reading between counts leaves, as white noise, shape (n,).
+    r"""Return the interpolation error between counts, as white noise, shape (n,).
 
     While a reading stays for t, a straight line misses a motion whose velocity changes by
     :math:`\Delta v` from the reading before to the one after by up to :math:`t\,\Delta v/16`. A

@@ -56,7 +56,7 @@ class Filter:
 
     @property
     def linear(self) -> bool:
-        """A linear filter on force and displacement alike leaves their relation as it was."""
+        """The same linear filter on force and displacement does not change their relation."""
         return self.kind != "median"
 
     def __str__(self) -> str:

@@ -58,7 +58,7 @@ class TimeBudget:
 
     @contextmanager
     def count_time_spent(self) -> Iterator[None]:
-        """Count what is spent within."""
+        """Count the time spent in the block."""
         self._start_time = time.thread_time()
         try:
             yield

@@ -18,13 +18,13 @@ SEGMENT = "--file-part segment=NUMBER"
 
 @dataclass(frozen=True)
 class Question:
-    """Question that a file leaves open.
+    """Open question on a file.
 
     Attributes
     ----------
     message : str
     option : str
-        The option that answers it.
+        The option for the answer.
     choices : int
         Columns that could be meant; 0 if none shows itself.
     role, example : str

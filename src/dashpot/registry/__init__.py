@@ -212,7 +212,7 @@ def require_handler(task: str, subject: object) -> Any:
 
 
 def call_handler(task: str, subject: object, *arguments: Any, default: Any) -> Any:
-    """Return what the function of a task returns; the default where no row names a function."""
+    """Return the result of a task's function; the default if no row names one."""
     handler = find_handler(task, subject)
     return default if handler is None else handler(*arguments)
 
@@ -224,7 +224,7 @@ def format_install_command(extras: str) -> str:
 
 
 def list_names(task: str) -> tuple[str, ...]:
-    """Return every type or name for which a row says who does a task."""
+    """Return every type or name for which a row has a handler of a task."""
     return tuple(_HANDLERS.get(task, {}))
 
 

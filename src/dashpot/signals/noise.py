@@ -14,7 +14,7 @@ _MAX_SAMPLES = 200_000
 
 
 def scatter(time: FloatArray, values: FloatArray) -> float:
-    r"""Standard deviation of the sample-to-sample scatter, whatever the trend and the sampling.
+    r"""Standard deviation of the sample-to-sample scatter, for any trend and sampling.
 
     The residual of each sample from the straight line between its neighbours,
     :math:`r_i = y_i - w y_{i-1} - (1 - w) y_{i+1}`, has variance

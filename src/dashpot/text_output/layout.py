@@ -110,9 +110,9 @@ def format_for_screen(
 ) -> list[str]:
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
 
-    Those are all that failed if all is asked for; else those that made the verdict or, without
+    Those are all that failed if all is requested; else those that made the verdict or, without
     one, those of weight. If that is longer than a screen the numbers are cut, but for those that
-    were asked for. `style` colours; `size` is that of the screen.
+    were requested. `style` colours; `size` is that of the screen.
     """
     columns, lines = size
     verdict_lines = [] if verdict is None else format_verdict(verdict, style, columns)

@@ -71,7 +71,7 @@ _UNITS = {"N": "mN", "m": "um", "1": "%"}
 def render_fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
     """Return a fit as the paper's Table 1 with intervals, and its limits of use.
 
-    `requested_arms` is the number of arms that was asked for.
+    `requested_arms` is the number of arms that was requested.
     """
     residual = fit.estimate.residual
     lines = [_format_fit_heading(fit, requested_arms), *_format_model(fit)]

@@ -18,7 +18,7 @@ class Assumption:
     name : str
         Two or three words.
     holds : str
-        What is supposed.
+        The assumption, as a sentence.
     otherwise : str
         Effect on the result where it is violated, with measured numbers if there are any.
     checks : tuple of str

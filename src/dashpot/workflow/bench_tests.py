@@ -93,7 +93,7 @@ def prepared_files(
     filter: str | None = None,
     time_limits: TimeLimits | None = None,
 ) -> tuple[RampHold, ...]:
-    """Return the relaxation tests in files, prepared, each by the loading that was asked for.
+    """Return the relaxation tests in files, prepared, each by the loading that was requested.
 
     `temperatures`, K, are one for all of them, or one for each; `filter` and `time_limits` as
     :func:`prepared_tests` takes them.
@@ -306,7 +306,7 @@ def read_test(
 
 
 def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
-    """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
+    """Fit ramps and holds together, or, where a law of the depth is requested, each by itself."""
     if not options.depth_law:
         return fit_relaxation(tests, **options.ramp_options.choices)
     usual_options = options.has_defaults("method", "law", "family")

@@ -444,7 +444,7 @@ def _select_earlier_fit(
 ) -> tuple[Fit, int | Literal["auto"]]:
     """Return the fit of the tests that the hammer joins, and how many arms both are to have.
 
-    A number of arms that was asked for is that of the joint fit, as in ``dashpot fit``, unless the
+    A number of arms that was requested is that of the joint fit, as in ``dashpot fit``, unless the
     tests by themselves have more: then the data choose.
     """
     if arms == "auto":

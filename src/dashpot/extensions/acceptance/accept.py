@@ -156,7 +156,7 @@ def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLi
 
 
 def _read_in_stated_unit(value: ResultValue, limit_text: str) -> ReportedValue:
-    """Return a value in the unit of its limit: a life in years where years are asked."""
+    """Return a value in the unit of its limit: a life in years if the limit is in years."""
     unit = limit_text.partition(" ")[2]
     return replace(value.fact, read=unit) if unit and value.dimension is not None else value.fact
 

@@ -1,4 +1,4 @@
-"""Values of a result that limits may be asked of, each with its 95 % interval and its kind."""
+"""Values of a result that may have limits, each with its 95 % interval and its kind."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _TIME_TOLERANCE = 0.01
 
 
 class ResultValue(NamedTuple):
-    """Value of a result, with what its interval is of.
+    """Value of a result, with the origin of its interval.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class ResultValue(NamedTuple):
     fact : ReportedValue
         With its words, 95 % interval and units.
     spread : str
-        ``"random"`` of the noise of the test; ``"bound"`` of what no test of this kind
+        ``"random"`` for noise of the test; ``"bound"`` for limits of a quantity that no such test
         determines; ``"unknown"`` where that or the interval is not known.
     remedy : str
         What would narrow a bound, in sentences; empty where it is not known.
@@ -87,7 +87,7 @@ class ResultValue(NamedTuple):
 
 
 class _Name(NamedTuple):
-    """Name of a quantity, and where it is asked: ``"loss_factor"``, ``"12.7Hz"``."""
+    """Name of a quantity, and its frequency or time: ``"loss_factor"``, ``"12.7Hz"``."""
 
     word: str
     place: str

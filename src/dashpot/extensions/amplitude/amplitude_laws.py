@@ -61,7 +61,7 @@ class FittedLaw:
     residual_loss : float
         What is left of the loss over the loss, rms, of the worst third of the amplitudes.
     bic, deviance : float
-        n ln(rss/n), with and without what the parameters cost.
+        n ln(rss/n), with and without the penalty of the parameters.
     is_adequate : bool
         The stiffness falls with amplitude, or rises where the law has a stiffening spring.
     quartic_gain : float
@@ -217,7 +217,7 @@ class _LawOnSweep:
         ]
 
     def insert_fixed_parameters(self, theta: FloatArray) -> FloatArray:
-        """Ln X_c, exponent and share, with what is set."""
+        """Ln X_c, exponent and share, fixed values included."""
         return (
             theta if self.exponent is None else np.insert(theta, min(1, len(theta)), self.exponent)
         )

@@ -376,7 +376,7 @@ class SweptPart(Serialisable):
         return float(np.ptp(changes)), float(np.ptp(lossy))
 
     def check_level_coverage(self, resonances: Sequence[LevelResonance]) -> tuple[Check, ...]:
-        """Return whether the sweep goes as far as the part is moved at each level."""
+        """Return whether the sweep covers the motion of the part at each level."""
         return tuple(
             amplitude_in_tested_range(
                 resonance.amplitude / self.stretch(self.factors[0]),

@@ -57,7 +57,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
     ----------
     fit : AmplitudeFit, LevelFit or HitLevels
     at : tuple of PeakAtLevel
-        The levels that were asked for.
+        The levels that were requested.
     checks : tuple of Check
     records : tuple of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
         What it was found from: one sweep, one record of loops, or the FRF of each level.
@@ -261,7 +261,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
 
 
 def _get_peak_forces(levels: Sequence[Quantity], tests: int) -> list[float]:
-    """Peak forces that are said of so many hammer tests, N."""
+    """Return the stated peak forces of the hammer tests, N."""
     if len(levels) not in {0, tests}:
         raise ReadError(
             f"{tests} hammer files and {len(levels)} amplitudes; expected the peak force of the "

@@ -363,7 +363,7 @@ def _compute_reliability(lines: FRF) -> FloatArray:
 
 
 def _estimate_noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
-    """Return relative scatter of F/X from line to line: what no smooth stiffness follows.
+    """Return the relative scatter of F/X from line to line.
 
     By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an
     FRF need not state its error; of neighbours, as lines beside a resonance are often worse known

@@ -58,7 +58,7 @@ class Coulomb(RateIndependent):
         return (0.0, 0.0)
 
     def step(self, state: tuple[float, float], x: float) -> tuple[float, tuple[float, float]]:
-        """Force, N; it stays what it was while nothing moves."""
+        """Force, N; constant without motion."""
         force = state[1] if x == state[0] else float(np.copysign(self.slip, x - state[0]))
         return force, (x, force)
 

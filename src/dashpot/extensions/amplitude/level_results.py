@@ -109,7 +109,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     steps : tuple of Step
         What was made of it since.
     at : tuple of PeakAtLevel
-        The levels that were asked for.
+        The levels that were requested.
     """
 
     schema = "dashpot/levels@2"

@@ -41,7 +41,7 @@ _MIN_RELATIVE_ERROR = 1e-6
 
 
 def page(levels: AmplitudeResult) -> KindPage:
-    """Return what the page of levels holds."""
+    """Return the contents of the page of levels."""
     fit = levels.fit
     stiffness_checks = {
         "amplitude_dependence_detected",
@@ -88,7 +88,7 @@ def page(levels: AmplitudeResult) -> KindPage:
 
 
 def prediction_page(prediction: LevelPrediction) -> KindPage:
-    """Return what the page of a prediction at several amplitudes holds."""
+    """Return the contents of the page of a prediction at several amplitudes."""
     linear_page = solid_and_frf_pages.prediction_page(prediction)
     levels = (
         Group(
@@ -113,7 +113,7 @@ def draw_prediction(prediction: LevelPrediction) -> Picture:
 
 
 def fit_job(job: LevelJob) -> tuple[AmplitudeResult, JobPage]:
-    """Fit the files of a job, and list what the app shows of them."""
+    """Fit the files of a job, and return the cards for the app."""
     send_progress(f"fitting {', '.join(Path(path).name for path in job.files)}")
     levels = level_files(**vars(job))
     return levels, JobPage(

@@ -307,7 +307,7 @@ class PreloadedMass:
         )
 
     def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
-        """Return where a sweep leaves one answer that lasts for another.
+        """Return the jumps of a sweep from one stable response to another.
 
         Beyond the jump both last, so that a sweep the other way meets the other one.
         """

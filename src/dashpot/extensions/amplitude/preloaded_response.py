@@ -79,7 +79,7 @@ class PreloadedLevel(Serialisable):
         Amplitude of the force, N, or of the base's acceleration, m/s^2.
     unit : str
     frequency, value : float
-        Frequency and value of the largest magnitude of answers that last, Hz, and that magnitude.
+        Frequency, Hz, and value of the largest magnitude of the stable responses.
     orbit : Orbit
         The answer there.
     doubled : Orbit
@@ -87,7 +87,8 @@ class PreloadedLevel(Serialisable):
     unsteady : tuple of (float, float)
         Between which frequencies no answer at the drive's period lasts, Hz.
     jumps : tuple of Jump
-        Where a rising frequency leaves one answer for another, which a falling one keeps.
+        Jumps between two responses at rising frequency; at falling frequency the second one
+        persists.
     frf : FRF
         First harmonics over the band.
     interval : LevelInterval or None

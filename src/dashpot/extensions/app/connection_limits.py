@@ -17,7 +17,7 @@ class LimitedProtocol(H11Protocol):
     """HTTP protocol that closes a connection whose request stops on its way.
 
     The head of a request has `HEAD_SECONDS` in all, however slowly its bytes come; its body may
-    pause for `BODY_SECONDS`. While an answer is computed nothing is limited.
+    pause for `BODY_SECONDS`. There is no limit while a response is computed.
     """
 
     _timer: asyncio.TimerHandle | None = None

@@ -136,7 +136,7 @@ def propose_selection(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> H
 
 
 def analyse_hits(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the modes of hits that no relaxation test goes with, and what the hits show."""
+    """Return the modes and figures of hits without a relaxation test."""
     hammer_request = _parse_request(request, folder)
     result, reason = _find_modes(hammer_request)
     page, sizes = kind_page(result), get_panel_sizes(request)

@@ -1,7 +1,7 @@
 """Result of a single kind of test on the page: verdict, lights, figure, table, checks.
 
-What one is asked beside its files, and its fit by what was answered, is its row's panel in the
-register; what it shows is what the page of its kind shows in `dashpot.report`.
+The registry row of the kind has its form and its fit; the result is shown as on the page of the
+kind in `dashpot.report`.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ class LimitsPanel:
 def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> LimitsPanel:
     """Return the limits of a request compared with a result; an invalid one is a message.
 
-    A limit that cannot be judged says nothing against the result.
+    A limit that cannot be judged does not count against the result.
     """
     requested_limits = require_mapping(request.get("limits", {}), "limits")
     expressions = [text.strip() for text in map(_read_text, get_list(requested_limits, "typed"))]

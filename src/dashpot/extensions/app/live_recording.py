@@ -199,7 +199,7 @@ class Live:
                 trace.add(block[0], values)
 
     def _folder(self, driver: str, name: str) -> Path:
-        """Return where the record is kept: a measurement never in what goes with the server."""
+        """Return the path of the record: outside the server's temporary folder."""
         if not name and driver == "serial":
             raise DataError("say in which folder the record is kept: it cannot be measured again")
         if not name:

@@ -22,7 +22,7 @@ LABELS = {
 
 
 def fill_form(page: str) -> str:
-    """Return the page with the choices of a job in their places, and what is usual as data."""
+    """Return the page with the options of a job, and the defaults as data."""
     for name in ("method", "law", "family"):
         field = _get_field(Job, name)
         page = page.replace(f"<!-- {name} -->", _render_buttons(field))

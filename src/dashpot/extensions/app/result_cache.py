@@ -46,7 +46,7 @@ read_test = lru_cache(MAX_CACHED)(record_cache.read_relaxation_test)
 
 
 def read_tests(job: Job) -> tuple[RelaxationTest, ...]:
-    """Return the tests of a job, each with its own temperature where that is said."""
+    """Return the tests of a job, each with its stated temperature, if any."""
     files = job.relaxation, *job.other_tests
     specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(
@@ -102,7 +102,7 @@ def downsample_test(
 
 @lru_cache(MAX_CACHED)
 def fit_job(job: Job, intervals: bool, max_samples: int | None) -> Fit:
-    """Return the fit of a job's tests; with its intervals and checks if asked for."""
+    """Return the fit of a job's tests; with its intervals and checks if requested."""
     return fit(
         prepare_job_tests(select_test_choices(job), max_samples),
         **replace(job.fit_options, intervals=intervals).choices,

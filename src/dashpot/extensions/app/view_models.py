@@ -131,12 +131,12 @@ LIVE_POINTS = 240
 
 
 def render_template(name: str, **values: Any) -> str:
-    """Return a piece of the page, from its template; whatever came from a file is escaped."""
+    """Return a piece of the page, from its template; text from files is escaped."""
     return str(environment("dashpot.extensions.app").get_template(f"{name}.html").render(values))
 
 
 def preload_templates() -> None:
-    """Load every piece: who waits for the first plot waits for no template, and for no module."""
+    """Load every template and module, so that the first plot is not delayed."""
     for module in ("msgspec", "dashpot.reading.formats.text", "dashpot.plot.solid"):
         import_module(module)
     pieces = environment("dashpot.extensions.app")
@@ -295,7 +295,7 @@ def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT_LABELS) -> Panel
 
 
 def format_response_title(job: Job, quantity: Kind) -> str:
-    """Return what the panel of the response shows: the title of its place."""
+    """Return the title of the panel of the response."""
     name = quantity.value.replace("_", " ").capitalize()
     return f"{name} of {format_load(job)}, {DISPLAY_UNITS[quantity][0]}"
 
@@ -407,7 +407,7 @@ def render_hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
 def render_pulse_panels(
     impact: ImpactTest, frf: FRF, chart: Picture | None, sizes: Sizes
 ) -> dict[str, str]:
-    """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
+    """The pulses of the hits, their spectra, the responses, and the stabilisation chart."""
     strips = plot.hits(impact, frf).strips
     panels = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
     if chart is not None:
@@ -731,7 +731,7 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
 
 
 def format_next_test(study: Study, checks: Sequence[Check]) -> str:
-    """Return the test that would determine the end of the hold; "" if a check has said so."""
+    """Return the test that would determine the end of the hold; "" if a check states it."""
     end = study.fit.evidence.end_of_hold
     stated = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated:
@@ -814,7 +814,7 @@ def get_section(inspection: InspectedFile) -> str:
 
 
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
-    """Return the fields that are asked beside a file, as the page draws them."""
+    """Return the form fields of a file as HTML."""
     return [{"name": item.name, "label": item.label, "unit": item.unit, "choices": [*item.choices],
              "each": item.per_file} for item in fields]  # fmt: skip
 
@@ -885,9 +885,9 @@ def render_column_questions(
     rate: float | None,
     specimens: Sequence[Mapping[str, Any]],
 ) -> str:
-    """Return the first rows with roles and units to choose, and what is to be answered.
+    """Return the first rows with choices of roles and units, and the open questions.
 
-    The sampling rate, Hz, is asked for where no column is the time, or one was given; of several
+    The sampling rate, Hz, is requested where no column is the time, or one was given; of several
     specimens one is to be chosen, or all.
     """
     units_by_dimension: dict[str, list[str]] = {}

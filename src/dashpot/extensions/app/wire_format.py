@@ -24,7 +24,7 @@ _LENGTH = struct.Struct("<I")
 def encode_message(
     head: Mapping[str, Any], arrays: Mapping[str, FloatArray] | None = None
 ) -> bytes:
-    """Return a message; what is no number in JSON is null in the head and NaN in an array.
+    """Return a message; non-finite numbers are null in the head and NaN in an array.
 
     >>> decode_message(encode_message({"a": 1}, {"x": np.array([1.0, 2.0])}))[1]["x"].tolist()
     [1.0, 2.0]

@@ -120,7 +120,7 @@ class WorkerProcess:
             self.doing = body.decode()
 
     def cancel(self) -> bool:
-        """End the computation with its process, and who reads for it; True if there was one."""
+        """End the computation with its process and its reader; True if there was one."""
         is_running = self.seconds is not None
         if is_running:
             self._cancelled = True
@@ -128,7 +128,7 @@ class WorkerProcess:
         return is_running
 
     def end(self) -> None:
-        """End the worker, whatever it does."""
+        """End the worker at once."""
         if self._process is not None and self._process.returncode is None:
             stop_process_group(self._process.pid)
 

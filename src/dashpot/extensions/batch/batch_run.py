@@ -54,7 +54,7 @@ class BatchJob:
     """Job of a batch: its tests, its executor and its statistics.
 
     The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
-    is of, if one was asked for, and the limits of acceptance.
+    is of, if one was requested, and the limits of acceptance.
     """
 
     paths: tuple[str | Path, ...]
@@ -76,7 +76,7 @@ class BatchJob:
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:
-        """Return the rows that are asked for."""
+        """Return the rows that are requested."""
         send_progress("finding the files")
         entries = self.entries()
         send_progress(f"hashing the files of {len(entries)} tests")
@@ -134,11 +134,11 @@ def batch(
     r"""Fit every test in files, folders and patterns, one row each.
 
     Each test is fitted alone, in the way that suits it, as ``dashpot fit`` does it: a ramp and
-    hold, a creep test, a dynamic sweep, a master curve, a relaxation modulus. A hammer that is
-    paired with it is held against what it predicts. A file that has no fit, or cannot be read, is a
-    row that says why. Rows are kept in `output` as Parquet parts by
-    the hash of what decides them: configuration, version, contents; a second run, whatever ended
-    the first, makes only those that are missing, and ends with the same table.
+    hold, a creep test, a dynamic sweep, a master curve, a relaxation modulus. A paired hammer test
+    is compared with its prediction. A file that has no fit, or cannot be read, is a row that says
+    why. Rows are kept in `output` as Parquet parts by the hash of what decides them: configuration,
+    version, contents; a second run, whatever ended the first, makes only those that are missing,
+    and ends with the same table.
 
     Parameters
     ----------

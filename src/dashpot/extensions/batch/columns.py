@@ -74,7 +74,7 @@ def list_arm_columns(arms: int) -> tuple[str, ...]:
 def build_requested_columns(
     choices: BatchOptions, unit: str
 ) -> dict[FrequencyAndCompression, tuple[str, ...]]:
-    """Return the columns of each frequency, Hz, and compression, m, that was asked for.
+    """Return the columns of each frequency, Hz, and compression, m, that was requested.
 
     Without a frequency, that of the stiffness at the end of the hold; without a compression, those
     at the depth of the test. A material (`unit` Pa) has no compression.

@@ -32,7 +32,7 @@ class QuantityComparison(Serialisable):
     p_value : float
         Adjusted for the number of quantities that were asked about at once (Holm).
     shared : int
-        Records that both lots hold: the test wants lots that know nothing of each other.
+        Records in both lots; the test assumes independent lots.
     """
 
     _keys = (
@@ -134,7 +134,7 @@ def _format_comparison(item: QuantityComparison) -> Iterator[str]:
 
 
 def open_lot(folder_name: str) -> tuple[str, Lot]:
-    """Return the one lot that ``FOLDER`` or ``FOLDER:LOT`` names, and what it is called.
+    """Return the lot that ``FOLDER`` or ``FOLDER:LOT`` names, and its name.
 
     Raises
     ------

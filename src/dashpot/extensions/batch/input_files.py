@@ -213,7 +213,7 @@ def find_entries(
 
 
 def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
-    """Return each file once, by its real path; what is not read by its own, with the reason."""
+    """Return each file once, by its real path; files that are not read with the reason."""
     entries: dict[str, Entry] = {}
     for path, reason in paths:
         path_key = path if reason else os.path.realpath(validate_path(path))
@@ -288,7 +288,7 @@ def _refuse_unpaired(entries: Sequence[Entry], pair: str, names: set[str]) -> No
 
 
 def _expand_braces(pair: str) -> set[str]:
-    """Return what a pattern holds in braces."""
+    """Return the alternatives in braces of a pattern."""
     try:
         names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
     except ValueError as error:

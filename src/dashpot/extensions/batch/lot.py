@@ -239,7 +239,7 @@ class Lot:
 
     @property
     def main(self) -> str:
-        """Default quantity of a page: k_end, or what the tests have instead."""
+        """Default quantity of a page: k_end, or the equivalent for other tests."""
         if any(
             self.table[column].count() for column in self.table.columns if column.startswith(_MAIN)
         ):

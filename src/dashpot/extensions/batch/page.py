@@ -396,7 +396,7 @@ def _make_seal_rows(
 
 
 def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
-    """Return what the tests of a seal found, if one is used."""
+    """Return the values of the tests of a seal, if one is used."""
     if seal is None:
         return {"tests": 0, "value": "", "sd": ""}
     sd = quantity.format_value(seal.repeats_sd, digits=2)

@@ -133,7 +133,7 @@ def build_rows(
 
 
 def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, str]]:
-    """Return the name of each specimen in a file that is asked about, and what chooses it."""
+    """Return the name of each specimen in a file with several, and the option that selects it."""
     with suppress(DashpotError):
         questions = inspect_file(entry.file, options=choices.bench).questions
         return next((question.answers for question in questions if question.answers), ())
@@ -176,7 +176,7 @@ def _build_other_row(
     choices: BatchOptions,
     mass: float | None,
 ) -> dict[str, Any]:
-    """Return the row of a file of another kind: its own, or its kind and what it needs."""
+    """Return the row of a file of another kind: its own, or its kind and the missing input."""
     specimen = _describe_lot_specimen(entry, choices, mass)
     if kind.lot_row and (
         not kind.required_value or getattr(specimen, kind.required_value) is not None

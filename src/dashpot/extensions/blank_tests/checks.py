@@ -1,4 +1,4 @@
-"""Criteria on blank tests: whether a record is what it claims to be."""
+"""Criteria on blank tests."""
 
 from __future__ import annotations
 

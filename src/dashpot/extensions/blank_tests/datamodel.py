@@ -1,4 +1,4 @@
-"""Records of blank tests, and what they determine of a testing machine."""
+"""Records of blank tests, and the fit of a testing machine."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def advise_blank_tests(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        The solid that is supposed, its unresolved arm included.
+        The assumed solid, including its unresolved arm.
     bench : Bench
         The planned test.
     frequency : float

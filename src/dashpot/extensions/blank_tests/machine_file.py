@@ -129,7 +129,7 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
 
 
 class MachineFields(Mapping[str, Any]):
-    """Fields of a machine that ``--machine FILE`` states; they are read when one is asked for."""
+    """Fields of a machine that ``--machine FILE`` states; they are read when one is requested."""
 
     def __init__(self, path: str) -> None:
         self.path = path

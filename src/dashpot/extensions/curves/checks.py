@@ -261,7 +261,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
 def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     """At the end of the curve, no model that fits the data still falls much.
 
-    `decrease` is what the data show: from the first value to the last, over the last.
+    `decrease` is the decrease from the first to the last value, over the last.
     """
     relative_slope = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(

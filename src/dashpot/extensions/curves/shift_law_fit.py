@@ -170,7 +170,7 @@ def fit_shift_law(
     Raises
     ------
     FitError
-        If the law asked for cannot follow the shifts.
+        If the law requested cannot follow the shifts.
     """
     require_choice("law", law, ShiftLaw, FitError)
     t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)

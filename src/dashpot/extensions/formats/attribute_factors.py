@@ -292,7 +292,7 @@ def describe_full_scale(values: FloatArray, name: str, value: object) -> str:
 def apply_attributes(
     name: str, values: FloatArray, attributes: Mapping[str, object], notes: list[str]
 ) -> tuple[FloatArray, str]:
-    """Return the numbers of a channel without fill values, and what is stated that changes them.
+    """Return the numbers of a channel without fill values, and the stated factors.
 
     Every format uses this for factors, full scales and fill values.
     """

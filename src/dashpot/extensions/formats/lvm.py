@@ -356,7 +356,7 @@ def _split_stacked_records(
 
 
 def _compute_row_times(loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]) -> FloatArray:
-    """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
+    """Time of every row, from X0 and Delta_X of its segment; NaN without, requested before use."""
     time = np.full(len(loaded_columns.values), np.nan)
     for start, stop, segment in _list_parts(loaded_columns, segments):
         if segment.step:

@@ -22,7 +22,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
     Groups with the same channels are segments. Of others, the one with most channels of a test
     gives the clock, and those of the rest are interpolated to it. Columns of a large file are read
-    when they are asked for.
+    when they are requested.
 
     Raises
     ------

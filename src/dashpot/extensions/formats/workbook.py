@@ -69,7 +69,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table of a sheet, with a note of what is hidden in it: it was read, too."""
+    """Return the table of a sheet, with a note on hidden cells, which are read, too."""
     content = entries.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
@@ -103,7 +103,7 @@ def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
 
     Numeric cells have a decimal point here, so a cell with a comma is text. ``1,234`` is taken for
     one and a bit beside others in its column that cannot be thousands, or where the user says so;
-    else it is left, and asked for.
+    else it is left, and requested.
     """
     rows = [line.split("\t") for line in content.split("\n")]
     columns: dict[int, list[list[str]]] = {}

@@ -36,7 +36,7 @@ def format_install_command(extras: str) -> str:
 
 
 def _list_requirements(extras: str) -> list[str]:
-    """Return what the extras of the installed dashpot require, the extras themselves if unknown."""
+    """Return the requirements of the extras of the installed dashpot, or the extras if unknown."""
     try:
         requirements = requires("dashpot") or []
     except PackageNotFoundError:

@@ -38,7 +38,7 @@ class Stroke(NamedTuple):
 def get_inward_signs(displacement: FloatArray, force: FloatArray) -> tuple[int, int]:
     """Return the signs that make compression and its force positive.
 
-    The force grows away from where it stood first, and with it the compression.
+    Force and compression grow from their first values.
 
     Raises
     ------

@@ -19,9 +19,9 @@ class ExponentialSum(FrozenArrays):
     Attributes
     ----------
     amplitudes, rates : array, shape (terms,)
-        a and r, ascending in r. Fewer than asked for if the data reject a further positive term.
+        a and r, ascending in r. Fewer than requested if the data reject a further positive term.
     constant : float
-        c; 0 if none was asked for.
+        c; 0 if none was requested.
     sse : float
         (Weighted) sum of squared residuals.
     amplitude_errors, rate_errors : array, shape (terms,)

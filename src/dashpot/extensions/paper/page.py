@@ -34,7 +34,7 @@ def paper_page(reproduction: Reproduction) -> str:
     Parameters
     ----------
     reproduction : Reproduced
-        What ``dashpot demo --paper`` made.
+        Result of ``dashpot demo --paper``.
     """
     contents = {
         **frame(),

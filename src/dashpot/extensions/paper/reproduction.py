@@ -141,9 +141,9 @@ class HoldFit(Serialisable):
     ----------
     solid : GeneralizedMaxwell
     time, force : array
-        Time and force of the samples that were fitted, s after contact, and what the fit says, N.
+        Time of the fitted samples, s after contact, and force of the fit, N.
     rms, worst : float
-        What it leaves, N.
+        Residual, rms and largest, N.
     """
 
     _keys = ("solid", "rms", "worst")

@@ -255,7 +255,7 @@ def select_numbers(document: dict[str, Any]) -> dict[str, Any]:
 
 
 def make_profiles(job: Job) -> dict[str, bytes]:
-    """Return the reading profiles of a job, where the user said anything, by their place."""
+    """Return the reading profiles of a job with stated options, by their path."""
     profile_names = {dump_profile(options) for options in (job.reading, job.reading_impact)}
     texts = [text.encode() for text in sorted(profile_names - {dump_profile(ReadOptions())})]
     return {f"profiles/{sha256(text)[:NAME]}.toml": text for text in texts}

@@ -33,14 +33,14 @@ class LevelResponse(FrozenArrays):
     level : array, shape (n,)
         Amplitude of the force, N, or of the ground's motion, m.
     motion : complex array, shape (n,)
-        First harmonic of the place that was asked for, m.
+        First harmonic of the place that was requested, m.
     stretch : array, shape (mounts, n)
         Amplitude of the first harmonic over each mount with friction, m.
     stable : array of bool, shape (n,)
         Whether a small disturbance dies away: :math:`d|F|/dX > 0`. Determined for one mount with
         friction; for several every answer is one that was reached from its neighbour.
     harmonic : array, shape (n,)
-        Largest higher harmonic of a stretch over its first; 0 where only one was asked for.
+        Largest higher harmonic of a stretch over its first; 0 where only one was requested.
     """
 
     frequency: FloatArray
@@ -52,7 +52,7 @@ class LevelResponse(FrozenArrays):
 
     @property
     def amplitude(self) -> FloatArray:
-        """Amplitude of the motion asked for, m."""
+        """Amplitude of the motion requested, m."""
         return np.abs(self.motion)
 
     def frf(self, kind: Kind | str = Kind.ACCELERANCE) -> FRF:
@@ -201,7 +201,7 @@ class Backbone(FrozenArrays):
     Attributes
     ----------
     amplitude : array, shape (n,)
-        Amplitude of the stretch of the mount that was asked for, m.
+        Amplitude of the stretch of the mount that was requested, m.
     frequency : array, shape (n,)
         Natural frequency, Hz.
     damping_ratio : array, shape (n,)

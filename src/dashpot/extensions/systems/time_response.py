@@ -41,7 +41,7 @@ class StateSpace:
     force : array, shape (z, n)
         :math:`B_F`.
     base, base_velocity : array, shape (z, moving)
-        :math:`B_u` and :math:`B_v` of the ground motions asked for.
+        :math:`B_u` and :math:`B_v` of the ground motions requested.
     arm_mount : array of int, shape (J,)
         The mount of each of the J arms.
     arm_k : array, shape (J,)

@@ -102,7 +102,7 @@ class ArmColumns:
         return Problem(model, [*map(Parameter, low, high, _STEP_SIZES)], self.restricted)
 
     def best(self) -> Optimum:
-        """Return the element that leaves least, from the best of a grid of starts."""
+        """Return the element with the smallest residual, from the best of a grid of starts."""
         return require_optimum(
             self.problem, [start_theta.theta for start_theta in self.starts(_STARTS)]
         )
@@ -468,7 +468,7 @@ def add_linear_alternative(
     ----------
     nonlinear_fit : Fit
     residuals : sequence of array
-        What it leaves of each test, up to the end of the hold, N.
+        Residuals of each test, up to the end of the hold, N.
     fit : FractionalFit
         Fit of the same tests.
     """

@@ -101,7 +101,7 @@ class AlternativeCandidate(NamedTuple):
 def select_family_rival(
     arms: Candidate, candidates: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
-    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
+    """Return the family requested, or with ``"auto"`` the one that BIC prefers, and the other.
 
     Parameters
     ----------

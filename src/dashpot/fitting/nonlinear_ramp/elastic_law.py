@@ -328,7 +328,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
     ----------
     tests : sequence of RampHold
     hold : Hold
-        The holds by the number of arms that was asked for, or by the most that a fit chooses.
+        The holds by the number of arms that was requested, or by the most that a fit chooses.
     """
     arms = len(hold.log_tau)
     hold_only = fit_hold_only(downsample_tests(tests), max_arms=max(MAX_ARMS, arms + EXTRA_ARMS))

@@ -175,7 +175,7 @@ class LinearityResult(NamedTuple):
     Attributes
     ----------
     initial_fit : First
-        Arms, up to the number asked for.
+        Arms, up to the number requested.
     fractional_fit : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.
     quality : LinearFitQuality or None
@@ -336,7 +336,7 @@ class DelayedMotion(NamedTuple):
         *,
         filtered: bool = False,
     ) -> DelayedMotion:
-        """Return the data of records; as they are where no lags are said."""
+        """Return the data of records, with delays if given."""
         no_lags = (0.0,) * len(records)
         return cls(HoldBlocks(records), build_fit_data(records, design), lags or no_lags, filtered)
 

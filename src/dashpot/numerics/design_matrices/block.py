@@ -383,8 +383,8 @@ class DataBlock:
     ) -> DataBlock:
         """Return the same data of a solid whose relaxation times and stiffnesses were others.
 
-        Rows at ``log_tau(...)`` of the times asked for, springs and arms times `factor`; `stretch`
-        is the slope of that map, `window` that of the times asked for.
+        Rows at ``log_tau(...)`` of the times requested, springs and arms times `factor`; `stretch`
+        is the slope of that map, `window` that of the times requested.
         """
         row_factors = np.where(stiffnesses(self.fixed_names), factor, 1.0)
 

@@ -7,7 +7,7 @@ With J the derivative of the model by :math:`\theta` and :math:`\beta`, and
 .. math:: C = (J'J)^{-1} J'\Gamma J\,(J'J)^{-1}, \qquad
           C_f = G\,C\,G', \quad G = \partial f / \partial(\theta, \beta)
 
-A coefficient that rests at zero is held there and has no error unless its bound is asked for.
+A coefficient that rests at zero is held there and has no error unless its bound is requested.
 """
 
 from __future__ import annotations

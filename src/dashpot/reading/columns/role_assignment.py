@@ -378,7 +378,7 @@ def _ask_missing_role(table: FileTable, role: Role) -> Question:
 
 
 def join_questions(table: FileTable, questions: Sequence[Question]) -> str:
-    """Return all questions in one sentence each; what no column was found for, in one for all."""
+    """Return one sentence for each question, and one for all roles without a column."""
     missing_roles = [question for question in questions if question.role]
     if len(missing_roles) < 2:
         return ". ".join(item.message for item in questions)

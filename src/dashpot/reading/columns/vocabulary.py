@@ -262,7 +262,7 @@ def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[s
 
 
 def _may_mean(spelling: str) -> bool:
-    """Return whether a word is worth a look at its roles: of thousands of names most are not."""
+    """Return whether a word may have a role; most of thousands of names have none."""
     is_certain = spelling in FIRST or spelling in SECOND
     return is_certain or spelling[-2:] in _STEM_ENDINGS or not spelling.isascii()
 

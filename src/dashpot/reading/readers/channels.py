@@ -367,7 +367,7 @@ def refuse_all_sizes(
 
 
 def is_stated(file: OpenedFile, channel: Channel) -> bool:
-    """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
+    """Whether the unit of a channel is stated by the user or in each cell, as of clock times."""
     column = file.table.columns[channel.index]
     clocked = column.content == "clock"
     return clocked or file.options.unit_of(channel.role, column.name) is not None
@@ -478,7 +478,7 @@ def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
 def load(
     table: FileTable, indexes: Sequence[int], segment: int | None, *, refuse_questions: bool = True
 ) -> LoadedColumns:
-    """Return the numbers of some columns: of the segment asked for, overload marks left out.
+    """Return the numbers of some columns: of the segment requested, overload marks left out.
 
     Raises
     ------
@@ -591,7 +591,7 @@ def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tup
 
 
 def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
-    """Return the segment asked for, or everything.
+    """Return the segment requested, or everything.
 
     Raises
     ------

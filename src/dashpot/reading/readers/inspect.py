@@ -372,7 +372,7 @@ def _find_accelerations(file: OpenedFile, taken_columns: list[int]) -> list[Role
 
 
 def _get_usual_roles(kind: str) -> tuple[Role, ...]:
-    """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
+    """The roles of a kind; of a table that shows none, those of a ramp and hold are requested."""
     if kind == "unclear":
         return RAMP_ROLES
     return KINDS_OF_FILE[kind].roles if kind in KINDS_OF_FILE else ()

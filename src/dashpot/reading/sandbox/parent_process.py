@@ -53,7 +53,7 @@ def run_in_child(
 ) -> A:
     """Return ``function(raw, options)``, run in a process with limits of memory, time and numbers.
 
-    Where `columns` of a large file are asked for, the function takes them as its third argument.
+    Where `columns` of a large file are requested, the function takes them as its third argument.
 
     The function reads files of the format `format_name` and stands at the top of a module of
     dashpot; of the options it gets the sheet, the segment and the rate.

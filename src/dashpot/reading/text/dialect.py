@@ -410,7 +410,7 @@ def _is_similar_row(mask: list[bool], is_number: list[bool], row: list[str]) -> 
 
 
 def _content(cells: Sequence[str], decimal_mark: Mark) -> Content:
-    """Return what the filled cells of a column hold, most of them."""
+    """Return the content of most filled cells of a column."""
     if cell.are_plain(cells, decimal_mark):
         return "number"
     other_texts = [text for text in cells if not cell.is_number(text, decimal_mark)]

@@ -67,7 +67,7 @@ class _Marks:
     def is_redundant(self, text: str) -> bool:
         """Return whether a cell adds no information.
 
-        What was said before shows nothing new: of a counter a few rows are enough. Nor, where the
+        Repeated texts add no information; of a counter a few rows are enough. Nor, where the
         decimal mark is sure, does a cell without another mark.
         """
         if self.has_groups or text in self.seen_cells:
@@ -221,7 +221,7 @@ class _Gathered:
     def end_segment(self, odd: str | None) -> None:
         """End a segment where lines stand between the rows, unless they are but one remark.
 
-        `odd` is what is wrong with a header there, None if there is none.
+        `odd` is the fault of a header there, None if there is no header.
         """
         texts = [text for _, text in self.lines_between]
         if odd or not _remark(texts):
@@ -407,7 +407,7 @@ def title(lines: Sequence[str]) -> str:
 
 
 class _Reader:
-    """Reads blocks of lines for one dialect and one choice of columns into what is gathered."""
+    """Reader of blocks of lines for one dialect and some columns, into collected parts."""
 
     def __init__(
         self,

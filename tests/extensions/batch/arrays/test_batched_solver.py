@@ -84,7 +84,7 @@ def test_columns_in_the_space_of_a_sampling_are_those_at_its_nodes(name: str, ta
     np.testing.assert_allclose(space.basis.T @ space.basis, np.eye(count), atol=1e-12)
     for at_nodes, chosen in zip(
         family.template.evaluate(np.log([tau]))[2:],
-        space.chosen.evaluate(np.log([tau]))[2:],
+        space.node_columns.evaluate(np.log([tau]))[2:],
         strict=True,
     ):
         norm = np.linalg.norm(at_nodes)

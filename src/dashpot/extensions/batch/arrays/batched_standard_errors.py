@@ -22,10 +22,10 @@ def compute_standard_errors(
 ) -> FloatArray:
     r"""Return standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
 
-    :math:`S\,(J'J)^{-1}`: the power S of the residuals, their variance times
-    :math:`\kappa = 1 + 2\sum_l \gamma_l/\gamma_0`, is that of means over a few samples, times their
-    number; and a mean of forces is the answer to the mean of motions. NaN where there is no arm,
-    infinite where the record says nothing.
+    :math:`S\,(J'J)^{-1}`: the power S of the residuals, their variance times :math:`\kappa = 1 +
+    2\sum_l \gamma_l/\gamma_0`, is that of means over a few samples, times their number; a mean of
+    forces is the response to the mean of motions. NaN for missing arms, infinite for undetermined
+    parameters.
 
     Parameters
     ----------

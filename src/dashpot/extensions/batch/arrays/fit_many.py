@@ -37,8 +37,7 @@ _STACK = 4
 class BatchErrors(FrozenArrays):
     """Standard errors of many solids; NaN without an arm, infinite if undetermined.
 
-    Of the noise alone: what a machine may have done without a trace to a stack of arrays nobody
-    says.
+    Errors by noise alone, without unmeasured effects of the machine.
 
     Attributes
     ----------
@@ -67,7 +66,7 @@ class BatchFit(FrozenArrays):
         Sum of squared residuals, N^2.
     status : tuple of Status, length R
     errors : BatchErrors or None
-        Standard errors, where they were asked for.
+        Standard errors, where they were requested.
     """
 
     k_inf: FloatArray

@@ -1,4 +1,4 @@
-"""Records with a shared sampling, reduced to what a batched fit needs."""
+"""Records with a shared sampling, compressed for a batched fit."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ RANK = 1e-14
 
 
 class ReducedRecords(NamedTuple):
-    """Records of a family, reduced to what a fit needs."""
+    """Records of a family, compressed for a fit."""
 
     data: tuple[FloatArray, ...]  # arrays whose first axis is the record
     floor: FloatArray  # (R,)

@@ -31,7 +31,7 @@ class Capability:
     mean, deviation : float
         Mean of the values, and their standard deviation.
     lower, upper : float or None
-        The limits asked for.
+        The limits requested.
     cp, cpk : float or None
         None where the values do not scatter; ``cp`` also where there is one limit.
     cp_interval, cpk_interval : (float, float) or None

@@ -82,8 +82,8 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
 def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
     """The displacement is a new reading in each row while the load is held.
 
-    Of a load that is held nothing else is expected than that it stands. `displacement` is of the
-    same samples as it stands in the file.
+    A held load is expected to be constant. `displacement` is of the same samples as it stands in
+    the file.
     """
     x, time = displacement[test.hold], test.time[test.hold]
     sign = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0

@@ -446,7 +446,7 @@ def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
 
 
 def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedModel:
-    """Return the choice with what the noise of the load leaves unknown in its errors.
+    """Return the choice with the noise of the load included in its errors.
 
     Where the number was left to the rules, a retardation that is not significant beside that
     error, too, is not taken.

@@ -58,7 +58,7 @@ def simulate_creep(
     seed: int = 0,
     climate: Climate | None = None,
 ) -> SimulatedCreep:
-    r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if asked for.
+    r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if requested.
 
     The force follows its command as a loop of second order with the natural frequency and the
     damping of the rig's axis; the seal answers by its creep, exactly.

@@ -182,7 +182,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
     @property
     def stiffness_unit(self) -> str:
-        """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
+        """Unit of the inverse: ``"Pa"`` or ``"N/m"``."""
         return next(
             stiffness for stiffness, compliance in COMPLIANCES.items() if compliance == self.unit
         )

@@ -107,7 +107,7 @@ def select_temperature(curve: Curve, value: str, kelvin: float) -> Curve:
 
 
 def describe_step_response(curve: Any, value: str) -> tuple[str, ...]:
-    """Return which curve it is, and what it covers."""
+    """Return the kind and the range of the curve."""
     time, values = curve.time, getattr(curve, value)
     return (
         describe_record_source(curve.source, len(time)),

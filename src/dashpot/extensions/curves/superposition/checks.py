@@ -263,7 +263,7 @@ def collect_shift_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of each shift against that of the next temperature, and of the law.
 
-    `covariance` begins with that of the shifts; `is_requested` if none but they were asked for.
+    `covariance` begins with that of the shifts; `is_requested` if none but they were requested.
     """
     n = len(temperature)
     difference_matrix = np.diff(np.eye(n), axis=0)

@@ -189,7 +189,7 @@ def _reference(t: FloatArray, target: float | None) -> int:
 def _search_shifts(
     isotherms: Sequence[Isotherm], reference_index: int, vertical: VerticalAsked, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
-    """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
+    """Return the shifts by the vertical rule that was requested, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
     log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[reference_index])}
     vertical_rules = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))

@@ -71,9 +71,9 @@ def cld(
 ) -> CLD:
     """Find the cycles of a compression load deflection test, and the figures of one of them.
 
-    Compression is counted from first contact of the first cycle; the load cell's zero is what it
-    reads in air, wherever the plate is there. What a delay of the force makes of a figure, which
-    no cycle distinguishes from loss, is in its error.
+    Compression is counted from first contact of the first cycle; the load cell's zero is its
+    reading in air, if the plate comes through air. What a delay of the force makes of a figure,
+    which no cycle distinguishes from loss, is in its error.
 
     Parameters
     ----------

@@ -43,12 +43,12 @@ _OVEN_PARAMETERS = 4
 
 @dataclass(frozen=True)
 class AgingTest:
-    """Properties of a planned test, whatever its ovens and numbers of specimens.
+    """Properties of a planned test except its ovens and numbers of specimens.
 
     Attributes
     ----------
     law : AgingLaw
-        The one that is supposed.
+        The assumed law.
     scatter : float
         Standard deviation of a reading, in parts of F0.
     oven_sd : float
@@ -93,12 +93,12 @@ class AgingTest:
         G -= np.outer(f, f @ G) / (f @ f)
         return np.asarray(G.T @ G / self.scatter**2)
 
-    def compute_life_gradient(self, temperature: float, retained_fraction: float) -> FloatArray:
+    def compute_life_gradient(self, temperature: float, fraction: float) -> FloatArray:
         """Return the derivatives of the ln life by loss, ln tau, Ea in 10 kJ/mol, ln exponent."""
         law = self.law
 
         def log_life(**other: Any) -> float:
-            return replace(law, **other).compute_log_life(temperature, retained_fraction)
+            return replace(law, **other).compute_log_life(temperature, fraction)
 
         steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}
         gradient = [

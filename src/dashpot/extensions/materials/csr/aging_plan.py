@@ -94,7 +94,7 @@ class AgingAlternative(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class AgingPlan(HasChecks, Serialisable):
-    """Planned compression stress relaxation test, and how well it will know a life.
+    """Planned compression stress relaxation test, with the expected error of a life.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class AgingPlan(HasChecks, Serialisable):
     part : float
         F/F0 at the end of the life.
     life : float
-        By the law that is supposed, s.
+        By the assumed law, s.
     life_sd : float
         Expected standard deviation of the ln life.
     target_sd : float
@@ -159,7 +159,7 @@ class AgingPlan(HasChecks, Serialisable):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """The supposed life, with the interval that the test will give on average."""
+        """The assumed life, with the expected interval of the test."""
         life_value = ReportedValue.from_error(
             "life", self.life, self.life_sd, NORMAL, of_log=True, unit="s", read="h",
             words=f"time until F/F0 is {format_quantity(self.part, '%', 'g')} at "
@@ -202,7 +202,7 @@ def plan_aging(
     machine: Machine | None = None,
     within: float = 1.5,
 ) -> AgingPlan:
-    """Choose ovens and specimens that give a life at a temperature as well as wanted, with fewest.
+    """Choose ovens and the fewest specimens that determine a life at a temperature.
 
     Temperatures are compared each 5 K, and specimens are added where each lowers the variance of
     the ln life most (the c-optimal allocation, one at a time), at least two in an oven.
@@ -212,8 +212,8 @@ def plan_aging(
     use_at : float or str
         Temperature of use, K or ``"70degC"``.
     aging : Aging, optional
-        A fit whose law and scatter are supposed; by default 3 % a decade, 2500 h at 125 degC,
-        90 kJ/mol and a scatter of 1 % of F0.
+        A fit whose law and scatter are assumed; by default 3 % a decade, 2500 h at 125 degC, 90
+        kJ/mol and a scatter of 1 % of F0.
     longest, hottest : float or str
         Last reading, s, and hottest oven, K; by default that of the fit, or 150 degC.
     ovens : int
@@ -223,10 +223,10 @@ def plan_aging(
     scatter : float or str, optional
         Standard deviation of a reading in parts of F0, 0.01 or ``"1%"``.
     machine : Machine, optional
-        How well the temperature of an oven is known, and no drift or one in N/s of a force that is
-        supposed to be 40 N; by default 1 K, and 3 % of F0 in 1000 h.
+        Error of the temperature of an oven, and drift in N/s of a force of about 40 N; by default 1
+        K, and 3 % of F0 in 1000 h.
     within : float
-        Factor from the life to either end of its 95 % interval that would do.
+        Sufficient factor from the life to either end of its 95 % interval.
 
     Raises
     ------
@@ -366,8 +366,8 @@ def _choose_design(
 ) -> _Design:
     """Return the ovens that meet the target with the fewest specimens, or come nearest to it.
 
-    Of ovens in which chemical aging shows, where there are any; those of which a lower activation
-    energy in the cold changes the life by less than its interval may need twice as many.
+    Only ovens that show chemical aging count, if there are any. Designs that are robust to a lower
+    activation energy in the cold may need twice as many specimens.
     """
     kelvin, part = temperature_and_fraction
     gradient = test.compute_life_gradient(kelvin, part)
@@ -399,7 +399,7 @@ def _choose_design(
 def _list_alternatives(
     test: AgingTest, kelvin: float, part: float, hottest: float, best: _Design
 ) -> Iterator[AgingAlternative]:
-    """Iterate over what another test with the same number of specimens would give."""
+    """Iterate over the results of alternative tests with the same number of specimens."""
 
     def compare(change: str, other: AgingTest, design: _Design = best) -> AgingAlternative:
         gradient = other.compute_life_gradient(kelvin, part)

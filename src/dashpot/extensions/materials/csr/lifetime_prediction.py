@@ -172,7 +172,7 @@ def predict_aging(
 
 
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
-    """Return the largest standard error of the answers, relative; None without errors."""
+    """Return the largest relative standard error of the results; None without errors."""
     errors = [
         reported_value.error / reported_value.value
         for question in questions
@@ -233,7 +233,7 @@ def fit_life(
     Raises
     ------
     DataError, FitError
-        As there, and if the ovens say nothing of the temperature.
+        As there, and if the ovens do not determine the result at the temperature.
     """
     if use_at is not None:
         use_at = convert_to_si(use_at, "temperature")
@@ -254,7 +254,7 @@ def predict_aged(
     Raises
     ------
     DataError
-        As there, and if of a seal not one time is asked.
+        As there, and if not exactly one time is given for a seal.
     """
     if new is None:
         return predict_aging(aging, temperature=temperature, until=until)

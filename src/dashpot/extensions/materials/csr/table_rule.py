@@ -56,7 +56,7 @@ def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOpt
 
 
 def is_ratio(column: Column) -> bool:
-    """Return whether a column holds parts of F0."""
+    """Return whether a column holds fractions of F0."""
     if not _RATIO.search(column.name.casefold()):
         return False
     return column.unit is None or any(units.is_same_unit(column.unit, name) for name in ("%", "1"))

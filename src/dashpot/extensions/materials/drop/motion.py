@@ -3,10 +3,9 @@ r"""Motion of a mass that hits a viscoelastic seal and rebounds.
 .. math:: m\,\ddot x = m\,p - F, \qquad F = k_\infty\,u(x) + b\,\dot u + \sum_j q_j, \qquad
           \dot q_j = k_j\,\dot u - q_j / \tau_j
 
-with p the pull along the way (gravity, for a fall) and u the path of the elastic law: the quasi-
-linear seal (Fung). It ends where F falls to zero. Steps are Verlet's, of second order, with the
-arms exact within each (:mod:`dashpot.solids.moving_plate`); any number of masses are marched
-side by side.
+with p the acceleration of the free mass (gravity, for a fall) and u the path of the elastic law:
+the quasi-linear seal (Fung). It ends where F falls to zero. Verlet steps of second order, with the
+arms exact within each (:mod:`dashpot.solids.moving_plate`); several masses are integrated at once.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.moving_plate import EvenStep
 
 _FINE_STEPS, _ROUGH_STEPS = 4000, 60
-"""Steps of a contact: numbers to 1e-7, or the length to a few per cent."""
+"""Steps of a contact for results to 1e-7, or for its length to a few per cent."""
 _RELEASE_TEST_STEPS = 8
 """Number of steps between tests of the release."""
 _LONGEST_CONTACT = 40.0
@@ -100,7 +99,7 @@ def integrate_impact(masses: Masses, step: float, most_steps: int) -> MotionHist
             u, force = next_u, k_inf * next_u + arms.sum(axis=1)
             v = v + half_step * (accelerations[i] - force / m)
             if viscous:
-                # what the dashpot takes goes with the speed at the end of the step
+                # the dashpot force depends on the speed at the end of the step
                 damping = b * factor(x)  # type: ignore[operator,misc]
                 v = v / (1 + half_step * damping / m)
                 force = force + damping * v
@@ -218,7 +217,7 @@ def simulate_impacts(
     models : sequence of GeneralizedMaxwell
         Secant models at the depth of the law, close to the first.
     law : ElasticLaw
-        Its shape alone is taken: its path.
+        Only its path is used.
     mass : float
         kg.
     speed : float

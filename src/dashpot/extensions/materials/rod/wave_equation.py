@@ -169,7 +169,7 @@ def _remove_sensor_offset(
 def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
     r"""Return slopes of the logarithm of the bonded factor.
 
-    By the logarithm of the height, and by Poisson's ratio over what is not known of a rubber's.
+    Derivatives by the logarithm of the height, and by Poisson's ratio in its uncertainty.
     """
 
     def compute_slope(first: Disc | Block, second: Disc | Block, difference: float) -> float:

@@ -56,7 +56,7 @@ class StateLeak(Serialisable):
     density : float
         Density of the air, kg/m^3.
     retained : float
-        Part of the force that aging leaves.
+        Fraction of the force after aging.
     """
 
     _keys = (

@@ -102,7 +102,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
 
 
 def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:
-    """Return the part of the force that aging leaves, with 95 % limits, and failed checks of it."""
+    """Return the fraction of force after aging, with 95 % limits, and its failed checks."""
     aging = state.aging
     if aging is None:
         half_width = NORMAL * state.retained_sd

@@ -57,7 +57,7 @@ class LeakState:
     temperature : float or None
         K; None is that of the seal of the door.
     retained : float
-        Part of the force that aging leaves, F/F0.
+        Fraction of the force after aging, F/F0.
     retained_sd : float
         Its standard error.
     aging : AgingChoice or None
