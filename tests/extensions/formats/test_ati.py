@@ -24,7 +24,7 @@ def test_read_calibration_gives_one_matrix_for_both_versions(
     matrix = cal(tmp_path / "a.cal", version=version, torque=torque, distance=distance)
     found = read_calibration(tmp_path / "a.cal")
     np.testing.assert_allclose(found.matrix, matrix, rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(found.limit, [50, 50, 70, 0.5, 0.5, 0.5])
+    np.testing.assert_allclose(found.axis_range, [50, 50, 70, 0.5, 0.5, 0.5])
     assert (found.serial, found.part) == ("FT00001", "SI-50-0.5")
 
 
