@@ -104,8 +104,8 @@ def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -
 
 def show_stub_signature(function: F) -> F:
     """Give a function the signature of its overloads in the stub, as a decorator."""
-    merged = merge_signatures(function, read_overloads()[function.__name__])
-    function.__signature__ = merged  # type: ignore[attr-defined]
+    merged_signature = merge_signatures(function, read_overloads()[function.__name__])
+    function.__signature__ = merged_signature  # type: ignore[attr-defined]
     return function
 
 

@@ -158,7 +158,7 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
 
     params = context.params
     context.obj = collect_outputs(context, may_replace=params.get("overwrite", False))
-    is_json, written = params["as_json"], context.meta.setdefault(WRITTEN, [])
+    is_json, written_files = params["as_json"], context.meta.setdefault(WRITTEN, [])
     try:
         with show_progress():
             outcome = run()
@@ -168,10 +168,10 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
         if text:
             to_stdout(text)
     finally:
-        for path in dict.fromkeys(written):
+        for path in dict.fromkeys(written_files):
             to_stderr(f"wrote {path}")
     if params.get("opens"):
-        open_written(written)
+        open_written(written_files)
     if outcome.next_command and not is_json:
         to_stderr(f"next: {outcome.next_command}")
     if outcome.nothing_done:

@@ -116,8 +116,8 @@ def _classify_error(error: BaseException) -> Failure:
 
 def _simplify_text(message: str) -> str:
     """Return a refusal of click in words that no programmer is needed for."""
-    replaced = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
-    return replaced.replace("is not a valid float", "is no number")
+    text = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
+    return text.replace("is not a valid float", "is no number")
 
 
 def _format_example_hint(cause: BaseException | None) -> str:

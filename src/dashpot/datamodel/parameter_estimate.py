@@ -144,9 +144,9 @@ class Nuisance:
     @property
     def fact(self) -> ReportedValue:
         """Reported value, as every table shows it."""
-        unit, read = self.unit, get_display_unit(self.unit, prefers_small=True)
+        unit, display_unit = self.unit, get_display_unit(self.unit, prefers_small=True)
         return ReportedValue.from_error(
-            self.name, self.value, self.standard_error, unit=unit, read=read
+            self.name, self.value, self.standard_error, unit=unit, read=display_unit
         )
 
 
@@ -455,8 +455,8 @@ class CreepEstimate(FrozenArrays):
         if spectrum.flow > 0:
             rows.append(("flow", spectrum.flow, f"{unit} per s"))
         return tuple(
-            ReportedValue(name, value, unit=of_it, error=self.standard_error(name))
-            for name, value, of_it in rows
+            ReportedValue(name, value, unit=error, error=self.standard_error(name))
+            for name, value, error in rows
         )
 
 

@@ -447,9 +447,11 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             0.5 * self.displacement_quantum,
             5 * self.displacement_noise,
         )
-        unsettled = np.flatnonzero(np.abs(self.displacement[early_hold] - self.depth) > tolerance)
+        unsettled_samples = np.flatnonzero(
+            np.abs(self.displacement[early_hold] - self.depth) > tolerance
+        )
         # what is left of the swing dies away in as long again
-        first_settled = 2 * (int(unsettled[-1]) + 1) if unsettled.size else 0
+        first_settled = 2 * (int(unsettled_samples[-1]) + 1) if unsettled_samples.size else 0
         return slice(min(hold.start + first_settled, early_hold.stop), hold.stop)
 
 
@@ -485,11 +487,11 @@ def find_quantum(values: FloatArray) -> float:
 def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
     """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
     magnitude = np.abs(np.diff(values))
-    moving = magnitude > 0.5 * step
+    is_moving = magnitude > 0.5 * step
     # a converter that counts a ramp in single steps also pauses on it
-    lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
-    is_single_stepped = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
-    if is_single_stepped and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
+    is_isolated = is_moving[1:-1] & ~(is_moving[:-2] & is_moving[2:])
+    is_single_stepped = np.mean(np.abs(magnitude[is_moving] / step - 1) < 0.02) > 0.9
+    if is_single_stepped and np.count_nonzero(is_isolated) < 0.1 * np.count_nonzero(is_moving) + 4:
         return True
     # counts finer than that are distinguished from a continuous path, and cost nothing
     return step > COARSE_STEP * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)

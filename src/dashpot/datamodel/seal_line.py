@@ -233,15 +233,15 @@ class SealSection:
             )
         directions = [LineDirection(self.solid, direction_lengths, stations.normal)]
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
-            solid, rubs = getattr(self.shear, name), None
+            solid, friction = getattr(self.shear, name), None
             if self.friction is not None:
                 slip_force = getattr(self.friction, name) * self.solid.k_inf * direction_lengths
-                rubs = (slip_force, self._slip(stations))
+                friction = (slip_force, self._slip(stations))
             if isinstance(solid, Solid):
-                directions.append(LineDirection(solid, station_lengths, direction, rubs))
+                directions.append(LineDirection(solid, station_lengths, direction, friction))
             else:
                 directions.append(
-                    LineDirection(self.solid, solid * direction_lengths, direction, rubs)
+                    LineDirection(self.solid, solid * direction_lengths, direction, friction)
                 )
         return tuple(directions)
 

@@ -238,13 +238,13 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
         parameter_count, count = len(covariance), len(self.shifts)
-        of_a, of_b = self.error(temperature)
+        error_of_a, error_of_b = self.error(temperature)
         full_covariance = np.zeros((parameter_count + 3, parameter_count + 3))
         full_covariance[:parameter_count, :parameter_count] = covariance
         (
             full_covariance[parameter_count, parameter_count],
             full_covariance[parameter_count + 1, parameter_count + 1],
-        ) = of_a**2, of_b**2
+        ) = error_of_a**2, error_of_b**2
         if len(self.cross) == parameter_count + 1:
             temperatures = [shift.temperature for shift in self.shifts]
             weights = np.array(

@@ -208,9 +208,9 @@ def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
         ) from None
     if fit.temperatures is None:
         return shifted_fit
-    tested = temperature_tested(fit.temperatures, temperature)
+    check = temperature_tested(fit.temperatures, temperature)
     # the fit's own checks are counted, as its text counts them
-    checks = (*shifted_fit.checks, *((tested,) if tested.failed else ()))
+    checks = (*shifted_fit.checks, *((check,) if check.failed else ()))
     return replace(shifted_fit, evidence=replace(shifted_fit.evidence, checks=checks))
 
 

@@ -122,11 +122,11 @@ class JudgedLimit(Serialisable):
 
         def is_on_its_side(text: str) -> bool:
             try:
-                rounded = float(text.replace(MINUS, "-").replace(",", ""))
+                rounded_value = float(text.replace(MINUS, "-").replace(",", ""))
             except ValueError:  # no number, such as "no limit"
                 return True
             return all(
-                (rounded > edge) == (display_value > edge)
+                (rounded_value > edge) == (display_value > edge)
                 for edge in edges
                 if edge != display_value
             )
@@ -260,6 +260,6 @@ class JudgedResult(Serialisable):
     def to_dict(self) -> dict[str, Any]:
         """Return the document of the result, with the key ``"acceptance"``."""
         entries = self.result.to_dict()
-        digested = entries.pop(DIGEST, None) is not None
+        has_digest = entries.pop(DIGEST, None) is not None
         entries["acceptance"] = self.acceptance.to_dict()
-        return {**entries, DIGEST: compute_document_digest(entries)} if digested else entries
+        return {**entries, DIGEST: compute_document_digest(entries)} if has_digest else entries

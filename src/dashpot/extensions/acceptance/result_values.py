@@ -139,9 +139,9 @@ def find_value(result: Any, name: str) -> ResultValue:
     """
     parsed = _parse_name(name)
     bound_value = find_handler("bound value", result)
-    bounded = None if bound_value is None else bound_value(result, parsed.column)
-    if bounded is not None:
-        return ResultValue(parsed.column, bounded[0], "bound", bounded[1])
+    bound_value_result = None if bound_value is None else bound_value(result, parsed.column)
+    if bound_value_result is not None:
+        return ResultValue(parsed.column, bound_value_result[0], "bound", bound_value_result[1])
     value = _find_by_name(result, parsed)
     if value is None:
         available_names = ", ".join(dict.fromkeys(list_names(result)))

@@ -119,7 +119,7 @@ def _open_device(
     port: str | None,
     baud: int,
     columns: str,
-    replayed_file: str | None,
+    played: str | None,
     seal: str,
     speed: float,
 ) -> dp.files.acquisition.Recorder:
@@ -132,7 +132,7 @@ def _open_device(
         return dp.files.acquisition.create_simulated_device(
             load_simulated_seal(seal).solid, speed=speed
         )
-    if replayed_file is None:
+    if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
-    with explain_unclear_file(replayed_file):
-        return dp.files.acquisition.replay(replayed_file, speed=speed)
+    with explain_unclear_file(played):
+        return dp.files.acquisition.replay(played, speed=speed)

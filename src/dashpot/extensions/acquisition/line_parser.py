@@ -95,13 +95,15 @@ class Lines:
         if lines and self._skips_first_line:
             self._skips_first_line, lines = False, lines[1:]
         rows = [row for line in lines if (row := self._row(line.strip())) is not None]
-        clocked = (
+        rows_with_time = (
             self._assign_arrival_times(rows)
             if self._time_column is None
             else self._extract_device_times(rows, self._time_column)
         )
-        times = np.array([clock for clock, _ in clocked])
-        values = np.array([row for _, row in clocked]).reshape(len(clocked), len(self.channels))
+        times = np.array([clock for clock, _ in rows_with_time])
+        values = np.array([row for _, row in rows_with_time]).reshape(
+            len(rows_with_time), len(self.channels)
+        )
         return times, values
 
     def notes(self) -> tuple[str, ...]:
@@ -128,9 +130,9 @@ class Lines:
         """Return the numbers of a line; None if it is empty or garbled."""
         if not line:
             return None
-        body, star, sent = line.partition(b"*")
+        body, star, checksum_text = line.partition(b"*")
         try:
-            if (star or self._is_checked) and int(sent, 16) != _compute_checksum(body):
+            if (star or self._is_checked) and int(checksum_text, 16) != _compute_checksum(body):
                 raise ValueError
             self._is_checked |= bool(star)
             row = [float(cell) for cell in _SEPARATOR.split(body) if cell]

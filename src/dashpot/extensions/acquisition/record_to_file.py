@@ -72,8 +72,10 @@ def record(
                         first = times[0] if math.isnan(first) else first
                         if seen is not None:
                             seen((times, values))
-                    elapsed = times[-1] - first if len(times) else time.monotonic() - start_time
-                    if elapsed >= seconds:
+                    elapsed_time = (
+                        times[-1] - first if len(times) else time.monotonic() - start_time
+                    )
+                    if elapsed_time >= seconds:
                         break
             finally:
                 recorder.stop()
@@ -158,10 +160,10 @@ class _Log:
         self._write(f"# {format_csv_comment(message)}\n")
 
     def _write(self, text: str) -> None:
-        unwritten, size = text.encode(), os.fstat(self._handle).st_size
+        remaining_bytes, size = text.encode(), os.fstat(self._handle).st_size
         try:
-            while unwritten:
-                unwritten = unwritten[os.write(self._handle, unwritten) :]
+            while remaining_bytes:
+                remaining_bytes = remaining_bytes[os.write(self._handle, remaining_bytes) :]
         except OSError as error:
             # half a number reads as another
             os.ftruncate(self._handle, size)

@@ -121,8 +121,8 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
     se = dict(zip(numbers, law_error.standard_error.tolist(), strict=True))
     if problem.kraus and exponent is not None:
         se["exponent"] = 0.0
-    of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.frequencies))
-    levels, sd = best.values[of_levels], uncertainty.standard_error[of_levels]
+    level_columns = slice(len(best.theta), len(best.theta) + 2 * len(problem.frequencies))
+    levels, sd = best.values[level_columns], uncertainty.standard_error[level_columns]
     closeness = {"effective": n, "rounding_sse": _ROUNDING_POWER}
     cubic_gain = 0.0
     if problem.cubic:
@@ -315,8 +315,8 @@ class _LawOnSweep:
         storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
         min_rise = _RISE_RESIDUALS * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
         for tone in self.sample_masks.T:
-            last = storage[tone][X[tone].argmax()]
-            if last - storage[tone].min() > min_rise * size[tone].min():
+            storage_at_largest = storage[tone][X[tone].argmax()]
+            if storage_at_largest - storage[tone].min() > min_rise * size[tone].min():
                 return True
         return False
 

@@ -330,10 +330,10 @@ class SweptPart(Serialisable):
         log_distance = (
             0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / frequency)
         )
-        of_stiffness = np.sqrt(
+        stiffness_error = np.sqrt(
             storage**2 + reference_misfit**2 + differ**2 + _MASTER**2 + log_distance**2
         )
-        return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
+        return float(stiffness_error), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
     def _compute_law_misfit(self, strain: float) -> tuple[float, float]:
         """Return the rms misfit of the law in storage and loss, relative, about a strain."""
@@ -364,16 +364,25 @@ class SweptPart(Serialisable):
         if len(sweeps) < 2 or min(len(sweep.amplitude) for sweep in sweeps) < _ALONE:
             storage = self.law.stiffness([amplitude, strain]).real
             return 0.5 * abs(float(np.log(storage[1] / storage[0]))), _ONE_TONE
-        changes, lossy = [], []
+        changes, loss_factor_changes = [], []
         for amplitude_sweep in sweeps:
             amplitude_fit = fit_amplitude(
                 amplitude_sweep, law=self.law.law if self.law.law != "none" else "auto"
             )
-            first, last = amplitude_fit.stiffness([amplitude, strain]).tolist()
-            changes.append(float(np.log(last.real / first.real)))
+            stiffness_at_amplitude, stiffness_at_strain = amplitude_fit.stiffness(
+                [amplitude, strain]
+            ).tolist()
+            changes.append(float(np.log(stiffness_at_strain.real / stiffness_at_amplitude.real)))
             factor = amplitude_fit.linear[0].imag / amplitude_fit.linear[0].real
-            lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
-        return float(np.ptp(changes)), float(np.ptp(lossy))
+            loss_factor_changes.append(
+                float(
+                    np.log(
+                        max(stiffness_at_strain.imag / stiffness_at_strain.real, 1e-12)
+                        / max(factor, 1e-12)
+                    )
+                )
+            )
+        return float(np.ptp(changes)), float(np.ptp(loss_factor_changes))
 
     def check_level_coverage(self, resonances: Sequence[LevelResonance]) -> tuple[Check, ...]:
         """Return whether the sweep covers the motion of the part at each level."""
@@ -491,12 +500,12 @@ def amplitude_file(
     if kind in _LOOPS:
         record = read_loops(path, options=options)
         with add_name_to_errors(Path(path).name):
-            swept = compute_sweep(record, machine)
-            return fit_amplitude(swept, law=law), swept, record
+            amplitude_sweep = compute_sweep(record, machine)
+            return fit_amplitude(amplitude_sweep, law=law), amplitude_sweep, record
     require_test_for_machine(machine, tests=0, add="recorded loops")
-    swept = read_amplitude(path, options=options)
+    amplitude_sweep = read_amplitude(path, options=options)
     with add_name_to_errors(Path(path).name):
-        return fit_amplitude(swept, law=law), swept, swept
+        return fit_amplitude(amplitude_sweep, law=law), amplitude_sweep, amplitude_sweep
 
 
 def _list_strain_factors(sweep: Source | None) -> tuple[float, ...]:

@@ -120,10 +120,10 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
         Origin of the data, printed below the figure; by default file, specimen and date.
     """
     shown_loops = _select_distinct_loops(find_steady_cycles(test))
-    of_material = isinstance(test, StressStrainLoops)
+    is_material = isinstance(test, StressStrainLoops)
     amplitudes = np.array([loop.amplitude for loop in shown_loops])
-    word, mm = ("%", 100.0) if of_material else select_plot_unit(amplitudes, "m")
-    unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
+    word, mm = ("%", 100.0) if is_material else select_plot_unit(amplitudes, "m")
+    unit, labels = ("MPa", ("ε/A", "σ/A")) if is_material else ("N/mm", ("x/X", "F/X"))
     panels: list[tuple[str, list[Line]]] = []
     for hysteresis_loop in shown_loops:
         curves = (
@@ -141,7 +141,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     upper_panels = [] if fit is None else _make_amplitude_panels(compute_sweep(test), fit)
     axes = (
         "amplitude A: stress σ over strain ε"
-        if of_material
+        if is_material
         else "amplitude X: force F over displacement x"
     )
     caption = f"Hysteresis loops, each over its own {axes}" + (
@@ -235,7 +235,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     dense = np.geomspace(low / 2, high * 2, 80)
     is_tested = (dense >= low * 0.999) & (dense <= high * 1.001)
     unit_name, mm = select_plot_unit(X, "m")
-    across = Scale(
+    x_scale = Scale(
         f"amplitude of motion, {unit_name}",
         compute_padded_log_limits(mm * dense, margin=1.0),
         log=True,
@@ -259,7 +259,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
             Dots(mm * X, dots, "measured", "measured"),
         )
         limits = compute_padded_limits(dots, lower[is_tested], upper[is_tested], margin=0.3)
-        strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
+        strips.append((Panel(x_scale, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
     text = stamp or format_stamp(levels.frf.source)
     return Picture("hits", caption, tuple(strips), 2, text, width=_WIDTH)
@@ -300,7 +300,7 @@ def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> l
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
-    across = Scale(
+    x_scale = Scale(
         f"amplitude of {quantity}, {word}",
         compute_padded_log_limits(mm * dense, margin=1.0),
         log=True,
@@ -323,7 +323,7 @@ def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> l
         drawn_values = [mark.y for mark in marks if isinstance(mark, Line | Dots)]
         panels.append(
             Panel(
-                across,
+                x_scale,
                 Scale(f"{name}, {unit}", compute_padded_limits(*drawn_values)),
                 tuple(marks),
                 height=_HEIGHT,
@@ -408,7 +408,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
     unit_name, mm = select_plot_unit(X, "m")
-    across = Scale(
+    x_scale = Scale(
         f"amplitude of displacement, {unit_name}",
         compute_padded_log_limits(mm * dense, margin=1.1),
         log=True,
@@ -433,7 +433,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
         limits = compute_padded_limits(y - 0.3 * pad, y + 0.3 * pad, low, high)
         title = f"one seal at {middle / 2 / np.pi:.3g} Hz"
         panels.append(
-            Panel(across, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
+            Panel(x_scale, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
         )
     return panels
 

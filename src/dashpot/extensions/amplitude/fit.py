@@ -170,8 +170,10 @@ def _compute_errors_with_delay(
     def numbers(delay: float) -> FloatArray:
         K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * delay)
         rotated_sweep = replace(sweep, storage=K.real, loss=K.imag, units="SI")
-        fitted = fit_sweep_law(rotated_sweep, best.law, fixed_exponent)
-        return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.parameters.values()])
+        fitted_law = fit_sweep_law(rotated_sweep, best.law, fixed_exponent)
+        return np.array(
+            [*fitted_law.linear.real, *fitted_law.linear.imag, *fitted_law.parameters.values()]
+        )
 
     def levels(delay: float) -> FloatArray:
         L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * delay)
@@ -195,8 +197,8 @@ def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
     """Return the 95 % limit of a cubic spring in parallel to a law without one."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
     fixed_exponent = best.parameters.get("exponent") if best.se.get("exponent") == 0 else None
-    fitted = fit_sweep_law(sweep, law, fixed_exponent)
-    return abs(fitted.parameters["k3"]) + NORMAL * fitted.se["k3"]
+    fitted_law = fit_sweep_law(sweep, law, fixed_exponent)
+    return abs(fitted_law.parameters["k3"]) + NORMAL * fitted_law.se["k3"]
 
 
 def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
@@ -206,7 +208,7 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
     """
     if law == "auto" and not _has_several_amplitudes(sweep):
         return [fit_sweep_law(sweep, "none")]
-    home = "factor" if sweep.unit == "Pa" else "additive"
+    default_kind = "factor" if sweep.unit == "Pa" else "additive"
     candidates = [fit_sweep_law(sweep, name) for name in LAWS if law in {"auto", name}]
     spring = next((fitted for fitted in candidates if fitted.law == "cubic"), None)
 
@@ -229,7 +231,7 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
         key=lambda fitted: (
             cost(fitted) > lowest_cost + _DISTINCT_BIC,
             fitted.terms,
-            home not in fitted.law,
+            default_kind not in fitted.law,
             cost(fitted),
         ),
     )
@@ -242,13 +244,17 @@ def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
         rows = np.flatnonzero(sweep.frequency == tone)
         X, magnitude = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
         peak_index = int(np.argmax(X))
-        up, down = slice(0, peak_index + 1), slice(peak_index + 1, None)
-        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[peak_index:]) > 0):
+        rising_samples, falling_samples = slice(0, peak_index + 1), slice(peak_index + 1, None)
+        if np.any(np.diff(X[rising_samples]) <= 0) or np.any(np.diff(X[peak_index:]) > 0):
             continue
-        in_common_range = (X[down] >= X[0]) & (X[down] < X[peak_index])
+        in_common_range = (X[falling_samples] >= X[0]) & (X[falling_samples] < X[peak_index])
         if peak_index >= 2 and np.count_nonzero(in_common_range) >= 3:
-            size_on_way_up = np.interp(X[down][in_common_range], X[up], magnitude[up])
-            values.append(float(median(magnitude[down][in_common_range] / size_on_way_up)) - 1)
+            size_on_way_up = np.interp(
+                X[falling_samples][in_common_range], X[rising_samples], magnitude[rising_samples]
+            )
+            values.append(
+                float(median(magnitude[falling_samples][in_common_range] / size_on_way_up)) - 1
+            )
     return max(values, key=abs) if values else None
 
 

@@ -210,12 +210,12 @@ def _attach_sweep(
 ) -> AmplitudeResult:
     if not isinstance(record, AmplitudeSweep):
         fastest = float(amplitude_fit.frequency.max())
-        pushed = "force" if amplitude_fit.unit == "N/m" else "stress"
-        clipped = loops_not_clipped(find_flat_part(find_steady_cycles(record)), pushed)
+        force_name = "force" if amplitude_fit.unit == "N/m" else "stress"
+        clipping_check = loops_not_clipped(find_flat_part(find_steady_cycles(record)), force_name)
         amplitude_fit = replace(
             amplitude_fit,
             loss_per_lag=2 * np.pi * fastest,
-            checks=(*([clipped] if clipped.failed else ()), *amplitude_fit.checks),
+            checks=(*([clipping_check] if clipping_check.failed else ()), *amplitude_fit.checks),
         )
     return AmplitudeResult(amplitude_fit, (), amplitude_fit.checks, (record,))
 
@@ -313,13 +313,13 @@ def hits_at_levels(
         peaks.append(
             PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
         )
-    covered = tuple(
+    range_checks = tuple(
         amplitude_in_tested_range(
             peak.amplitude, hit_levels.amplitudes, location=f"{peak.level:.4g} N"
         )
         for peak in peaks
     )
-    return AmplitudeResult(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
+    return AmplitudeResult(hit_levels, tuple(peaks), (*hit_levels.checks, *range_checks), (frf,))
 
 
 def frfs_at_levels(
@@ -340,13 +340,13 @@ def frfs_at_levels(
         )
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_find_peak(level_fit, level) for level in at)
-    covered = tuple(
+    range_checks = tuple(
         amplitude_in_tested_range(
             peak.amplitude, level_fit.amplitudes, location=f"{peak.level:.4g} N"
         )
         for peak in peaks
     )
-    return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
+    return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *range_checks), tuple(frfs))
 
 
 def _find_peak(level_fit: LevelFit, level: float) -> PeakAtLevel:

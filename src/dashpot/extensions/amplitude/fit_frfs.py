@@ -188,9 +188,11 @@ def _redraw_fits(
             * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
             / problem.reliability
         )
-        redrawn = replace(data, amplitude=problem.amplitude / np.abs(random_factors))
+        simulated_data = replace(data, amplitude=problem.amplitude / np.abs(random_factors))
         pairs.append(
-            redrawn.fit_terms(direct * random_factors + inertia, best.terms, iterations=0).parts
+            simulated_data.fit_terms(
+                direct * random_factors + inertia, best.terms, iterations=0
+            ).parts
         )
     return tuple(pairs)
 

@@ -95,12 +95,16 @@ class Iwan(Masing):
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form, also beyond 2 F_u / k."""
-        last = 2 * self.slip / self.k / amplitudes(amplitude)  # the largest yield over X
-        r = np.minimum(last, 1.0)
+        largest_yield_ratio = (
+            2 * self.slip / self.k / amplitudes(amplitude)
+        )  # the largest yield over X
+        r = np.minimum(largest_yield_ratio, 1.0)
         theta = np.arccos(1 - 2 * r)
         slip_part = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
         loss = 4 / np.pi * (r**2 / 2 - r**3 / 3)
-        return np.asarray(self.k / last * (slip_part + (last - r) + 1j * loss))
+        return np.asarray(
+            self.k / largest_yield_ratio * (slip_part + (largest_yield_ratio - r) + 1j * loss)
+        )
 
     def __mul__(self, count: float) -> Iwan:
         """`count` in parallel."""

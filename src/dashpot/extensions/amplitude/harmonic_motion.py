@@ -35,15 +35,16 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
     time, motion : array, shape (n,)
         s, and displacement or strain in any unit. A third array, of what pushes, is not asked.
     """
-    rises, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
-    starts = max(rises, fall_starts, key=len)
+    rise_starts, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
+    starts = max(rise_starts, fall_starts, key=len)
     cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, motion, *pair)]
     if len(cycles) < _MIN_COUNT:
         return False
-    filled = sum(end - begin for begin, end in cycles)
+    harmonic_duration = sum(end - begin for begin, end in cycles)
     span = cycles[-1][1] - cycles[0][0]
     return bool(
-        filled >= _MIN_HARMONIC_SHARE * span and span >= _MIN_SPAN_SHARE * float(np.ptp(time))
+        harmonic_duration >= _MIN_HARMONIC_SHARE * span
+        and span >= _MIN_SPAN_SHARE * float(np.ptp(time))
     )
 
 
@@ -68,9 +69,11 @@ def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
     noise = estimate_scatter(x)
     for _ in range(_PASSES):
         level = x - drift(t)
-        unsure, level_sd = _CROSSING_SD * noise, float(np.std(level))
+        tolerance, level_sd = _CROSSING_SD * noise, float(np.std(level))
         # of few samples a cycle a motion looks like noise, but of less than half its size
-        starts = _find_rises(t, level, min(unsure, level_sd) if 2 * noise < level_sd else unsure)
+        starts = _find_rises(
+            t, level, min(tolerance, level_sd) if 2 * noise < level_sd else tolerance
+        )
         if len(starts) < 3:
             break
         rows = np.searchsorted(t, starts)

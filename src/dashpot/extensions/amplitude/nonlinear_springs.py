@@ -58,8 +58,8 @@ class StagedSpring(RateIndependent):
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Return the equivalent stiffness, N/m, in closed form."""
         r = np.minimum(np.asarray(self.until) / amplitudes(amplitude)[..., None], 1.0)
-        saturated = 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2))
-        return np.asarray(self.k[0] + (1 - saturated) @ np.diff(self.k) + 0j)
+        saturation_factor = 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2))
+        return np.asarray(self.k[0] + (1 - saturation_factor) @ np.diff(self.k) + 0j)
 
     def __mul__(self, count: float) -> StagedSpring:
         """Return `count` in parallel."""

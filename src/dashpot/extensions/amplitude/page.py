@@ -41,7 +41,7 @@ _MIN_RELATIVE_ERROR = 1e-6
 
 
 def page(levels: AmplitudeResult) -> KindPage:
-    """Return the contents of the page of levels."""
+    """Return the contents of the result page of a fit at several amplitudes."""
     fit = levels.fit
     stiffness_checks = {
         "amplitude_dependence_detected",

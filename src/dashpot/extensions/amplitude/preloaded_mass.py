@@ -251,12 +251,13 @@ class PreloadedMass:
             finer_state = finer.solve_from(line.extend_harmonics(state.unknowns, finer.most))
             if finer_state is None:
                 break
-            coarse, fine_harmonics = (
+            coarse_harmonics, fine_harmonics = (
                 line.harmonics(state.unknowns),
                 finer.harmonics(finer_state.unknowns),
             )
             change = np.abs(
-                fine_harmonics[: REPORTED_HARMONICS + 1] - coarse[: REPORTED_HARMONICS + 1]
+                fine_harmonics[: REPORTED_HARMONICS + 1]
+                - coarse_harmonics[: REPORTED_HARMONICS + 1]
             ).max()
             line, state = finer, finer_state
             if change <= _HARMONIC_TOLERANCE * np.abs(fine_harmonics).max():
@@ -472,9 +473,9 @@ class _PressedBalance:
 
     def jacobian(self, z: FloatArray) -> FloatArray:
         """Return the derivative of the balance by the unknowns, N/m."""
-        x, glued = self.pressing(z)
+        x, contact_state = self.pressing(z)
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
-        force = np.where(glued > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
+        force = np.where(contact_state > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
         # samples last
         harmonics = self.cycle.harmonics_of(force)
         H = self.most
@@ -500,8 +501,8 @@ class _PressedBalance:
         return None if values is None else self._build_balanced_state(values)
 
     def _build_balanced_state(self, z: FloatArray) -> BalancedState:
-        x, glued = self.pressing(z)
-        return BalancedState(z, glued > 0, x)
+        x, contact_state = self.pressing(z)
+        return BalancedState(z, contact_state > 0, x)
 
     def solve_by_continuation(self) -> BalancedState:
         """Return the answer that rest becomes as the level rises: by arc length, past every fold.
@@ -520,18 +521,18 @@ class _PressedBalance:
         tangent = direction / np.linalg.norm(direction / scale)
         for _ in range(_MAX_STEPS):
             ratio = float((1 - fraction) / tangent[n]) if tangent[n] > 0 else np.inf
-            last = ratio <= step
+            is_last_step = ratio <= step
             length = min(ratio, step)
             self.steps += 1
             arclength_step = self._solve_arclength_step(
-                z, fraction, tangent, length, scale, last=last
+                z, fraction, tangent, length, scale, last=is_last_step
             )
             if arclength_step is None:
                 step = length / 2
                 if step < _MIN_STEP:
                     break
                 continue
-            if last:
+            if is_last_step:
                 return self._build_balanced_state(arclength_step[:n])
             if arclength_step[n] > 1:  # the level lies between, and is met from below
                 step = length / 2

@@ -290,8 +290,10 @@ class _AtLevels:
         range_hz = around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1]
         lines = np.union1d(band, np.geomspace(*range_hz, _LINES))
         orbits_in_sweep = self.preloaded_mass.sweep(level=force, frequency=lines)
-        lasting = [orbit for orbit in orbits_in_sweep if orbit.stable]
-        near_orbits = [orbit for orbit in lasting if range_hz[0] <= orbit.frequency <= range_hz[1]]
+        stable_orbits = [orbit for orbit in orbits_in_sweep if orbit.stable]
+        near_orbits = [
+            orbit for orbit in stable_orbits if range_hz[0] <= orbit.frequency <= range_hz[1]
+        ]
         peak_index = (
             int(np.argmax([self.response_magnitude(orbit) for orbit in near_orbits]))
             if near_orbits
@@ -314,7 +316,7 @@ class _AtLevels:
         )
         # both sides of a jump, between which nothing is to be drawn
         orbits = {
-            end.frequency: end for end in (*lasting, *(end for jump in jumps for end in jump))
+            end.frequency: end for end in (*stable_orbits, *(end for jump in jumps for end in jump))
         }
         shown_orbits = [orbits[hz] for hz in sorted(orbits) if band[0] <= hz <= band[-1]]
         return PreloadedLevel(
@@ -324,7 +326,7 @@ class _AtLevels:
             self.response_magnitude(run[best]),
             run[best],
             find_largest_orbit(near_orbits, 2),
-            _find_unsteady_runs(lines, lasting),
+            _find_unsteady_runs(lines, stable_orbits),
             jumps,
             self.frf(shown_orbits),
             self.interval(run, best, jump_into, shown_orbits),

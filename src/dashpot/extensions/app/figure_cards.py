@@ -29,18 +29,18 @@ class FigureCard(NamedTuple):
 def draw_cards(cards: Sequence[AppCard], width: float) -> list[FigureCard]:
     """Return the figures of an extension as cards; of a titled picture the first strip only."""
     figure_cards: list[FigureCard] = []
-    for title, content, across in cards:
+    for title, content, cards_per_row in cards:
         if isinstance(content, Picture):
             strips = make_figure_cards(content, width)
             figure_cards += [strips[0]._replace(title=title)] if title else strips
         elif isinstance(content, TextTable):
             html = render_template("cells", head=content.head, rows=content.rows)
-            figure_cards.append(FigureCard(title, html, across))
+            figure_cards.append(FigureCard(title, html, cards_per_row))
         elif isinstance(content, str):
-            figure_cards.append(FigureCard(title, content, across))
+            figure_cards.append(FigureCard(title, content, cards_per_row))
         else:
             figure_cards.append(
-                FigureCard(title, render_small_multiples(content, "shape", width), across)
+                FigureCard(title, render_small_multiples(content, "shape", width), cards_per_row)
             )
     return figure_cards
 

@@ -54,13 +54,13 @@ class HitSelection(NamedTuple):
         distance_text = f"about the resonance by at most {_format_deviation(largest)}"
         if not self.drop:
             return f"Keep all {len(self.keep)}: each differs from the others {distance_text}."
-        dropped = ", ".join(
+        dropped_text = ", ".join(
             f"{name} by {_format_deviation(self.deviations[name])}" for name in self.drop
         )
-        word = "hit" if len(self.drop) == 1 else "hits"
+        noun = "hit" if len(self.drop) == 1 else "hits"
         return (
             f"Keep {', '.join(self.keep)}: each differs from the others {distance_text}, "
-            f"{word} {dropped}."
+            f"{noun} {dropped_text}."
         )
 
 

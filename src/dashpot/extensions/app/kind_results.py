@@ -97,7 +97,7 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
 def _predict_files(request: KindRequest) -> Any:
     """Return the prediction of such files with the fit of the open relaxation test."""
     path = Path(request.files[0])
-    home = path.parent.parent / f"{request.kind}s" / path.parent.name
+    folder = path.parent.parent / f"{request.kind}s" / path.parent.name
 
     def fit_test() -> Fit:
         choices = result_cache.select_fit_choices(Job(request.behind))
@@ -105,7 +105,7 @@ def _predict_files(request: KindRequest) -> Any:
         return fit
 
     predict = require_handler("predict open files", request.kind)
-    return predict(request.files, home, fit_test if request.behind else None)
+    return predict(request.files, folder, fit_test if request.behind else None)
 
 
 def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:

@@ -176,7 +176,7 @@ class Live:
 
     def _run(self, recorder: acquisition.Recorder) -> None:
         """Read until the end, in a thread of its own."""
-        failed, notes, saved_file = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
+        error_text, notes, saved_file = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
             record = require_handler("record", "file")
             _, notes = record(recorder, self._path, seen=self._add_block)
@@ -184,13 +184,13 @@ class Live:
                 name = self._path.name
                 saved_file = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
             else:
-                failed = f"too long for this page; fit it with: dashpot fit {self._path}"
+                error_text = f"too long for this page; fit it with: dashpot fit {self._path}"
         except (DashpotError, OSError) as error:
-            failed = str(error)
+            error_text = str(error)
         except Exception as error:  # noqa: BLE001 -- a driver of anyone's; the page must hear of it
-            failed = f"a fault in the driver: {type(error).__name__}: {error}"
+            error_text = f"a fault in the driver: {type(error).__name__}: {error}"
         with self._lock:
-            self._failed, self._notes, self._saved_file = failed, notes, saved_file
+            self._failed, self._notes, self._saved_file = error_text, notes, saved_file
 
     def _add_block(self, block: acquisition.Block) -> None:
         with self._lock:

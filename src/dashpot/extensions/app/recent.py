@@ -27,9 +27,9 @@ def list_recent_folders() -> list[dict[str, Any]]:
 def add_recent_folder(folder: Path) -> None:
     """Put a folder at the head of the list; ignore a list that cannot be written."""
     path = str(folder.resolve())
-    now = datetime.now(UTC).isoformat(timespec="seconds")
+    timestamp = datetime.now(UTC).isoformat(timespec="seconds")
     other_entries = [entry for entry in _read_list() if entry["folder"] != path]
-    entries = [{"folder": path, "name": folder.resolve().name, "when": now}, *other_entries][
+    entries = [{"folder": path, "name": folder.resolve().name, "when": timestamp}, *other_entries][
         :MAX_FOLDERS
     ]
     with suppress(OSError):

@@ -117,13 +117,13 @@ def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
     uncut_job = replace(job, time_limits=TimeLimits())
     tests = prepare_job_tests(select_test_choices(job), MAX_PREVIEW_SAMPLES)
-    previous_fit, refitted = _previous_fits.get(uncut_job), None
+    previous_fit, preview = _previous_fits.get(uncut_job), None
     if previous_fit is not None and len(tests) == 1 and _can_refit(previous_fit, job):
         with suppress(FitError):
-            refitted = refit_nearby(tests[0], previous_fit)
+            preview = refit_nearby(tests[0], previous_fit)
     if len(_previous_fits) > MAX_CACHED:
         _previous_fits.clear()
-    _previous_fits[uncut_job] = refitted or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
+    _previous_fits[uncut_job] = preview or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
     return _previous_fits[uncut_job]
 
 
@@ -155,9 +155,9 @@ def select_shown_test(
     job: Job, fit: Fit, max_samples: int | None = None
 ) -> tuple[RelaxationTest, RampHold]:
     """Return the test that is drawn: that of the temperature of the solid."""
-    prepared = prepare_job_tests(select_test_choices(job), max_samples)
-    test_index = find_reference_test(fit, prepared)
-    return read_tests(job)[test_index], prepared[test_index]
+    prepared_tests = prepare_job_tests(select_test_choices(job), max_samples)
+    test_index = find_reference_test(fit, prepared_tests)
+    return read_tests(job)[test_index], prepared_tests[test_index]
 
 
 def prepare_uncut_test(job: Job, prepared: RampHold) -> RampHold | None:

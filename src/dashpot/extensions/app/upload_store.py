@@ -151,21 +151,21 @@ class Store:
 
     def _sizes(self) -> list[tuple[Path, int]]:
         """Return each file with its bytes, the oldest first."""
-        paths = [path for home in self.folder.iterdir() if _IDENTITY.fullmatch(home.name)
-                 for path in home.iterdir()]  # fmt: skip
+        paths = [path for folder in self.folder.iterdir() if _IDENTITY.fullmatch(folder.name)
+                 for path in folder.iterdir()]  # fmt: skip
         paths.sort(key=lambda path: path.parent.stat().st_mtime)
         return [(path, path.stat().st_size) for path in paths]
 
     def make_room(self, is_wanted: Callable[[str], bool], *, total: int = MAX_TOTAL_BYTES) -> None:
         """Remove the oldest files that are not wanted until half of `total` is free."""
         files = self._sizes()
-        used = sum(size for _, size in files)
+        used_bytes = sum(size for _, size in files)
         for path, size in files:
-            if used <= total / 2:
+            if used_bytes <= total / 2:
                 return
             if not is_wanted(path.parent.name):
                 shutil.rmtree(path.parent, ignore_errors=True)
-                used -= size
+                used_bytes -= size
 
     def remove(self) -> None:
         """Delete the store."""
@@ -232,8 +232,8 @@ def make_safe_name(name: str) -> str:
         c if c.isprintable() and c not in '<>:"|?*' else "_" for c in base_name
     ).strip(". ")
     # a file system counts bytes
-    encoded = printable.encode()
-    if len(encoded) <= MAX_NAME_BYTES:
+    encoded_name = printable.encode()
+    if len(encoded_name) <= MAX_NAME_BYTES:
         return printable or "file"
-    kept_ends = encoded[: MAX_NAME_BYTES // 2], encoded[-(MAX_NAME_BYTES // 2 - 1) :]
+    kept_ends = encoded_name[: MAX_NAME_BYTES // 2], encoded_name[-(MAX_NAME_BYTES // 2 - 1) :]
     return "_".join(end.decode(errors="ignore") for end in kept_ends)

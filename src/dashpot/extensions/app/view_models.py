@@ -139,9 +139,9 @@ def preload_templates() -> None:
     """Load every template and module, so that the first plot is not delayed."""
     for module in ("msgspec", "dashpot.reading.formats.text", "dashpot.plot.solid"):
         import_module(module)
-    pieces = environment("dashpot.extensions.app")
+    template_environment = environment("dashpot.extensions.app")
     for path in resources.files("dashpot.extensions.app").joinpath("templates").iterdir():
-        pieces.get_template(path.name)
+        template_environment.get_template(path.name)
 
 
 # -- panels ---------------------------------------------------------------------------------------
@@ -375,8 +375,8 @@ def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBa
     joint, comparison = study.joint_comparison, study.comparison
     if joint is None or comparison is None or study.prediction is None:
         return _make_predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
-    failed = study.joint is not None and study.joint.verdict.use == "do not use"
-    measured, relaxation_curve, joint_curve = curves_of(comparison, joint, failed=failed)
+    is_failed = study.joint is not None and study.joint.verdict.use == "do not use"
+    measured, relaxation_curve, joint_curve = curves_of(comparison, joint, failed=is_failed)
     if joint_curve.pen is JOINT:
         joint_curve = replace(joint_curve, label="joint model")
     return [measured, joint_curve, replace(relaxation_curve, label="relaxation alone", pen=REF)], ()
@@ -688,22 +688,26 @@ def _make_pads(texts: Sequence[str]) -> list[str]:
 
 def render_checks(checks: Sequence[Check]) -> str:
     """Render the failed checks, the gravest first, and the number of checks by grade."""
-    distinct = list(dict.fromkeys(checks))
-    failed = [
+    unique_checks = list(dict.fromkeys(checks))
+    failed_checks = [
         (GRADE_MARKS[check.grade], *_split_finding(check), check.message_with_remedy)
-        for check in distinct
+        for check in unique_checks
         if check.failed
     ]
-    failed.sort(key=lambda row: -first_screen.MARK_ORDER.index(row[0]))
-    passed = sum(check.passed is True for check in distinct)
+    failed_checks.sort(key=lambda row: -first_screen.MARK_ORDER.index(row[0]))
+    passed_count = sum(check.passed is True for check in unique_checks)
     grades = [
         (mark, f"{count} {grade}{'' if count == 1 else 's'}")
         for grade, mark in reversed(GRADE_MARKS.items())
-        if (count := sum(failed_row[0] == mark for failed_row in failed))
+        if (count := sum(failed_row[0] == mark for failed_row in failed_checks))
     ]
     grades.sort(key=lambda pair: -first_screen.MARK_ORDER.index(pair[0]))
     return render_template(
-        "checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades
+        "checks",
+        failed=failed_checks,
+        passed=passed_count,
+        judged=passed_count + len(failed_checks),
+        grades=grades,
     )
 
 
@@ -733,8 +737,8 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
 def format_next_test(study: Study, checks: Sequence[Check]) -> str:
     """Return the test that would determine the end of the hold; "" if a check states it."""
     end = study.fit.evidence.end_of_hold
-    stated = {check.remedy.words for check in checks if check.failed and check.remedy}
-    if end is None or end.remedy in stated:
+    stated_remedies = {check.remedy.words for check in checks if check.failed and check.remedy}
+    if end is None or end.remedy in stated_remedies:
         return ""
     return render_template("more", remedy=end.remedy, told=end.format_limits(study.fit.unit))
 

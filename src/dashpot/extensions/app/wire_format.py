@@ -45,9 +45,9 @@ def decode_message(message: bytes) -> tuple[dict[str, Any], dict[str, FloatArray
     """Return head and arrays of a message."""
     (length,) = _LENGTH.unpack_from(message)
     head = json.loads(message[_LENGTH.size : _LENGTH.size + length])
-    rest = np.frombuffer(message, dtype="<f4", offset=_LENGTH.size + length)
-    places = head.pop("arrays")
-    return head, {name: rest[at : at + count] for name, (at, count) in places.items()}
+    array_data = np.frombuffer(message, dtype="<f4", offset=_LENGTH.size + length)
+    array_places = head.pop("arrays")
+    return head, {name: array_data[at : at + count] for name, (at, count) in array_places.items()}
 
 
 def encode_frame(kind: str, body: bytes) -> bytes:

@@ -1,4 +1,4 @@
-"""Run of a batch of tests to one table, which a second run completes."""
+"""Run of a batch of tests to one table; a second run adds the missing rows."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from dashpot.reading.read_options import ReadOptions
 CHUNK = SMALL_PART
 """Files of a chunk, the largest loss of an interrupted run for each process."""
 _LAST_CHUNK_FILES = 5
-"""Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
+"""Smallest number of files of the last chunks: each part takes 3 ms to write."""
 _LOCK = ".lock"
 _TIMED_TESTS = 3
 """Tests that a dry run times."""
@@ -53,8 +53,8 @@ _TIMED_TESTS = 3
 class BatchJob:
     """Job of a batch: its tests, its executor and its statistics.
 
-    The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
-    is of, if one was requested, and the limits of acceptance.
+    The fields are the arguments of :func:`batch`, and two more: the quantity that the page shows,
+    if one was requested, and the limits of acceptance.
     """
 
     paths: tuple[str | Path, ...]
@@ -69,7 +69,7 @@ class BatchJob:
     limits: tuple[Limits, ...] = ()
 
     def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
-        """Return the tests that exist now; where more will arrive, an empty list is no error."""
+        """Return the tests found; an empty list is an error unless `allow_none` is set."""
         return find_entries(
             self.paths, manifest=self.manifest, label_pattern=self.by, pair=self.pair,
             output_folder=self.output, allow_none=allow_none,
@@ -90,11 +90,11 @@ class BatchPlan(Serialisable):
     Attributes
     ----------
     files, done : int
-        In all, and those whose rows are there already.
+        Number of files, and of those whose rows exist already.
     chunks : int
-        Still to be made.
+        Number of chunks to compute.
     seconds : float
-        That they would take, by the first few tests on this machine; 0 if nothing is to be done.
+        Expected time, estimated from the first few tests on this machine; 0 if no row is missing.
     jobs : int
         Processes side by side.
     """
@@ -260,11 +260,13 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     import_polars()
     executor, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
     missing = _select_missing_tasks(tasks, job.output)
-    with executor as making:
-        chunks = len(_split_into_chunks(missing, making.parallel_chunks))
-    value = _estimate_seconds_per_row(missing[:_TIMED_TESTS], job.choices)
-    seconds = value * len(missing) / min(making.processor_count, max(chunks, 1))
-    return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.parallel_chunks)
+    with executor as running_executor:
+        chunks = len(_split_into_chunks(missing, running_executor.parallel_chunks))
+    seconds_per_row = _estimate_seconds_per_row(missing[:_TIMED_TESTS], job.choices)
+    seconds = seconds_per_row * len(missing) / min(running_executor.processor_count, max(chunks, 1))
+    return BatchPlan(
+        len(tasks), len(tasks) - len(missing), chunks, seconds, running_executor.parallel_chunks
+    )
 
 
 def _estimate_seconds_per_row(sample_tasks: Sequence[Task], choices: BatchOptions) -> float:
@@ -298,8 +300,8 @@ def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, .
     task_groups: list[tuple[Task, ...]] = []
     first, chunk_limit = 0, max(1, len(missing) // jobs)
     while first < len(missing):
-        remaining = len(missing) - first
-        size = min(CHUNK, max(_LAST_CHUNK_FILES, remaining // (2 * jobs)), chunk_limit)
+        remaining_count = len(missing) - first
+        size = min(CHUNK, max(_LAST_CHUNK_FILES, remaining_count // (2 * jobs)), chunk_limit)
         task_groups.append(tuple(missing[first : first + size]))
         first += size
     return task_groups

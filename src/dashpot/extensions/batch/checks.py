@@ -151,12 +151,14 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
         "fail": "outside", "not proven": "inside by less than the guard band",
         "no result": "without a value that is used",
     }  # fmt: skip
-    broken = ", ".join(f"{count} {decision_texts[name]}" for name, count in counts.items() if count)
+    failed_text = ", ".join(
+        f"{count} {decision_texts[name]}" for name, count in counts.items() if count
+    )
     passed_count, seal_count = decisions.count("pass"), len(decisions)
     return Finding(
         f"{passed_count} of {seal_count} seals pass: {words} {limits}",
         seal_count - passed_count,
-        broken,
+        failed_text,
         "Look up those seals in the table.",
     )
 

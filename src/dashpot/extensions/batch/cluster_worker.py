@@ -51,8 +51,8 @@ def make_rows(tasks: str, *, choices: str, folder: str, version: str) -> str:
 def stop_idle_workers() -> None:
     """End the processes that wait."""
     with _lock:
-        ended, _idle[:] = list(_idle), []
-    for _, worker in ended:
+        idle_workers, _idle[:] = list(_idle), []
+    for _, worker in idle_workers:
         worker.end()
 
 

@@ -180,11 +180,11 @@ def histogram_picture(
 
 def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) -> Picture:
     """Return the Cpk of each lot with its interval, the lowest first."""
-    ranked = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
-    ranks = np.arange(1.0, len(ranked) + 1)
-    cpk = np.array([capability.cpk or 0.0 for capability in ranked])
+    ranked_lots = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
+    ranks = np.arange(1.0, len(ranked_lots) + 1)
+    cpk = np.array([capability.cpk or 0.0 for capability in ranked_lots])
     low, high = (
-        np.array([(capability.cpk_interval or (0.0, 0.0))[i] for capability in ranked])
+        np.array([(capability.cpk_interval or (0.0, 0.0))[i] for capability in ranked_lots])
         for i in (0, 1)
     )
     # along a line each lot has its interval; so drawn, they make one area
@@ -203,7 +203,7 @@ def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) 
         marks.append(Rule(required_cpk, _LIMIT_PEN, "asked"))
         interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
-    vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
+    vertical = Scale("", (0.0, len(ranked_lots) + 1.0), unnumbered=True)
     panel = Panel(horizontal, vertical, tuple(marks), height=70, without_y_label=True)
     return Picture("cpks", "Cpk of every lot", ((panel,),))
 

@@ -88,9 +88,9 @@ class _Watched:
 
     def look(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
         """Make the rows of what has become still since the last look, if anything has."""
-        states, idle = self._read_folder_states(), self._idle_state
-        if idle is not None and idle[0] == states:
-            send_progress(idle[1])
+        states, idle_state = self._read_folder_states(), self._idle_state
+        if idle_state is not None and idle_state[0] == states:
+            send_progress(idle_state[1])
             return lot
         self._idle_state = None
         try:
@@ -105,12 +105,12 @@ class _Watched:
         except (DashpotError, OSError) as error:
             self._report(f"waiting: {error}")
         else:
-            moving = len(entries) - len(tasks)
-            text = f"watching: {len(tasks)} tests, {moving} still being written"
+            changing_count = len(entries) - len(tasks)
+            text = f"watching: {len(tasks)} tests, {changing_count} still being written"
             send_progress(text)
             if (
                 states is not None
-                and not moving
+                and not changing_count
                 and keys == self._lot_keys
                 and _are_all_read(tasks)
             ):

@@ -493,11 +493,13 @@ def _name_columns(location: str, row: Any) -> Any:
     names: dict[str, str] = {}
     for name in row:
         word = re.sub(r"[\s.-]+", "_", str(name).strip().lower()).strip("_")
-        usual = _COLUMN_SYNONYMS.get(word, word if word in _MANIFEST_COLUMNS else name)
-        if usual in names:
-            raise ReadError(f"{location}: '{names[usual]}' and '{name}' are both the {usual}")
-        names[usual] = name
-    return {usual: row[name] for usual, name in names.items()}
+        column_name = _COLUMN_SYNONYMS.get(word, word if word in _MANIFEST_COLUMNS else name)
+        if column_name in names:
+            raise ReadError(
+                f"{location}: '{names[column_name]}' and '{name}' are both the {column_name}"
+            )
+        names[column_name] = name
+    return {column_name: row[name] for column_name, name in names.items()}
 
 
 def _read_manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:

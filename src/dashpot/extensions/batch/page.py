@@ -69,8 +69,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
         What it says; by default of the stiffness at the end of the hold, without limits.
     """
     found = found or summary(lot)
-    shared = frame()
-    style = f"{shared['style']}\n{_read_page_part('lot.css')}"
+    frame_values = frame()
+    style = f"{frame_values['style']}\n{_read_page_part('lot.css')}"
     script = _read_page_part("lot.js")
     verdict, main = found.verdict, found.main
     quantities = _select_other_quantities(lot, main)
@@ -78,7 +78,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     names = [name for name in LABELS if name in lot.table.columns]
     labels = [name for name in names if (lot.table[name].fill_null("") != "").any()]
     tests, by_lots = _make_test_rows(found, labels), len(main.seals) > BY_SEALS
-    signals, weighs = (
+    signals, findings = (
         list(_make_signal_rows(main)),
         sorted(_list_findings(found), key=lambda entry: -MARK_ORDER.index(entry["mark"])),
     )
@@ -123,8 +123,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             lots=_make_lot_rows(main),
             scatter=_make_scatter_rows(main),
             gauge=_make_gauge_rows(main),
-            weighs=weighs[:MAX_FLAGS],
-            remarks=len(weighs),
+            weighs=findings[:MAX_FLAGS],
+            remarks=len(findings),
             checked=[
                 {"mark": _mark(check), "message": check.message_with_remedy}
                 for check in found.checks
@@ -343,10 +343,11 @@ def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
                 format_value(float(charts.means.lower[0])),
                 format_value(float(charts.means.upper[0])),
             )
-        of_cpk = ("", "", "") if capability is None else capability.cells
+        cpk_cells = ("", "", "") if capability is None else capability.cells
         alarms = "" if charts is None else f"{len(charts.means.causes)}"
         rows.append((name or "unnamed", f"{len(values)}", format_value(float(np.mean(values))),
-                     format_value(deviation, digits=2), *limit_texts, *of_cpk, alarms))  # fmt: skip
+                     format_value(deviation, digits=2), *limit_texts, *cpk_cells,
+            alarms))  # fmt: skip
     # what is least capable leads, else what signals most
     return sorted(rows, key=lambda row: (float(row[6] or "inf"), -int(row[9] or 0)))
 
@@ -456,8 +457,8 @@ def _list_findings(summary: Summary) -> Iterator[dict[str, Any]]:
 
     Each may name what finds its tests.
     """
-    failed = [check for check in summary.checks if check.failed]
-    for check in sorted(failed, key=lambda check: -GRADES.index(check.grade)):
+    failed_checks = [check for check in summary.checks if check.failed]
+    for check in sorted(failed_checks, key=lambda check: -GRADES.index(check.grade)):
         yield {
             "mark": _mark(check),
             "name": "",
@@ -519,12 +520,13 @@ def _make_test_rows(summary: Summary, labels: Sequence[str]) -> list[dict[str, A
     quantity = summary.main.quantity
     gravity = {"do not use": 1, "use with care": 2}
     marks: dict[Any, str] = {**VERDICT_COLOURS, None: "", "ignored": ""}
-    flagged = {flag.file for flag in summary.flags}
+    flagged_files = {flag.file for flag in summary.flags}
     names = ("file", "outcome", "verdict", "reason", quantity.column, *labels)
     rows = sorted(
         summary.lot.table.select(*names).iter_rows(),
         key=lambda row: (
-            row[1] in {"fitted", "ignored"}, gravity.get(row[2], 3), row[0] not in flagged, row[0],
+            row[1] in {"fitted", "ignored"}, gravity.get(row[2], 3), row[0] not in flagged_files,
+            row[0],
         ),
     )  # fmt: skip
     return [

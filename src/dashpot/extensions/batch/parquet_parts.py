@@ -245,11 +245,11 @@ def claim(folder: Path) -> None:
     if validate_path(folder).exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; give a folder for the results")
     part_files = set(folder.glob(PART_PATTERN)) if folder.is_dir() else set()
-    foreign = sorted(set(folder.glob("*.parquet")) - part_files) if folder.is_dir() else []
-    if foreign:
+    other_files = sorted(set(folder.glob("*.parquet")) - part_files) if folder.is_dir() else []
+    if other_files:
         raise ExportError(
-            f"{foreign[0]} was not written by dashpot batch, and would be taken for rows of the "
-            "lot; give another folder"
+            f"{other_files[0]} was not written by dashpot batch, and would be taken for rows of "
+            "the lot; give another folder"
         )
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -65,15 +65,15 @@ def _compute_chunks(
     jobs: int, chunks: Sequence[Chunk], choices: BatchOptions
 ) -> Iterator[tuple[Chunk, Rows]]:
     """Yield rows of chunks; a file whose worker processes die gets a row that says so."""
-    waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
+    chunk_queue: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for chunk in chunks:
-        waiting.put(chunk)
+        chunk_queue.put(chunk)
     results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
     workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
     stop_event = threading.Event()
     threads = [
         threading.Thread(
-            target=_run_worker, args=(worker, waiting, results, stop_event), daemon=True
+            target=_run_worker, args=(worker, chunk_queue, results, stop_event), daemon=True
         )
         for worker in workers
     ]
@@ -126,14 +126,14 @@ class Worker:
                 data: Rows = json.loads(reply)
                 return [row | {KEY: task.key} for row in data]
             self.end()
-        died = make_empty_row(task.entry, task.hashes[0], self._choices) | {
+        row_of_dead_worker = make_empty_row(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
             "reason": f"the process that read it died {MAX_LOST_WORKERS} times: it may need more "
             "memory than there is; run it again with fewer --jobs, or look at it with dashpot "
             "inspect",
             KEY: task.key,
         }
-        return [died]
+        return [row_of_dead_worker]
 
     def _answer(self, task: Task) -> bytes:
         """Return the line of an answer; cut short where the process died."""

@@ -78,12 +78,12 @@ def make_row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict
             "outcome": "refused",
             "reason": f"internal error of dashpot: {type(error).__name__}. dashpot fit shows more",
         }
-    changed = _find_changed_file(entry, hashes, cells.get("sha256"))
-    if changed:
-        did = "changed" if Path(changed).exists() else "went"
+    changed_file = _find_changed_file(entry, hashes, cells.get("sha256"))
+    if changed_file:
+        outcome_text = "changed" if Path(changed_file).exists() else "went"
         cells = {
             "outcome": "changed",
-            "reason": f"{changed} {did} while the batch ran; run it again",
+            "reason": f"{changed_file} {outcome_text} while the batch ran; run it again",
         }
     elif hashes[0]:
         with suppress(OSError):  # gone, by now
@@ -103,8 +103,8 @@ def build_rows(
     single_row = make_row(entry, hashes, choices)
     # only the record of one specimen shows of which test strain and stress are
     told_by_record = find_handler("record rule", single_row.get("kind", "")) is not None
-    unclear = single_row["outcome"] == "refused" or told_by_record
-    specimens = _list_specimens(entry, choices) if unclear and not entry.aside else []
+    is_unclear = single_row["outcome"] == "refused" or told_by_record
+    specimens = _list_specimens(entry, choices) if is_unclear and not entry.aside else []
     if not specimens:
         return [single_row]
     built_rows: list[dict[str, Any]] = []
@@ -124,10 +124,10 @@ def build_rows(
             else table_row | {"part": option_text, "file": f"{entry.file} [{label}]"}
             for table_row in rows
         ]
-    changed = [table_row for table_row in built_rows if table_row["outcome"] == "changed"]
+    changed_rows = [table_row for table_row in built_rows if table_row["outcome"] == "changed"]
     return (
-        [single_row | {"outcome": "changed", "reason": changed[0]["reason"]}]
-        if changed
+        [single_row | {"outcome": "changed", "reason": changed_rows[0]["reason"]}]
+        if changed_rows
         else built_rows
     )
 
@@ -157,15 +157,15 @@ def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) 
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
         "specimen": specimen, "machine": _get_machine(entry, choices),
     }  # fmt: skip
-    recognised = recognise(entry.file, choices.bench)
-    origin = {"origin": SIMULATED if recognised.simulated else ""}
-    kind = KINDS.get(recognised.kind, KINDS["relaxation"])
+    detected_kind = recognise(entry.file, choices.bench)
+    origin = {"origin": SIMULATED if detected_kind.simulated else ""}
+    kind = KINDS.get(detected_kind.kind, KINDS["relaxation"])
     if kind.fit != FIT_FILES:
-        return _build_other_row(recognised, kind, entry, choices, entries["mass_kg"]) | origin
+        return _build_other_row(detected_kind, kind, entry, choices, entries["mass_kg"]) | origin
     try:
         fit, records = fit_files((entry.file,), options=choices.bench, **fit_keywords)
     except DashpotError as error:
-        return {"kind": recognised.kind, "outcome": "refused", "reason": str(error)} | origin
+        return {"kind": detected_kind.kind, "outcome": "refused", "reason": str(error)} | origin
     return _build_fit_row(fit, records[0], entry, choices, entries)
 
 
@@ -314,11 +314,13 @@ def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
 
 def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
     """Return the verdict, why, and the checks that limit the use, each once."""
-    failed = dict.fromkeys(check.name for check in checks if check.failed and check.grade != "note")
+    failed_names = dict.fromkeys(
+        check.name for check in checks if check.failed and check.grade != "note"
+    )
     return {
         "verdict": verdict.use,
         "reason": "" if verdict.use == "use" else verdict.message,
-        "failed_checks": " ".join(failed),
+        "failed_checks": " ".join(failed_names),
     }
 
 

@@ -218,8 +218,8 @@ def solve_regression(
         columns, values = columns * weights[:, None], values * weights
     scale = np.sqrt((columns**2).sum(axis=0))
     scale[scale == 0] = 1.0
-    scaled = columns / scale
-    basis, triangle = np.linalg.qr(scaled)
+    scaled_columns = columns / scale
+    basis, triangle = np.linalg.qr(scaled_columns)
     gram = triangle.T @ triangle
     if noisy is not None:
         gram[noisy, noisy] -= weight * variance / scale[noisy] ** 2
@@ -231,8 +231,8 @@ def solve_regression(
             "distinguished. Record a rest, a ramp and a hold"
         )
     inverse = np.linalg.inv(gram)
-    scaled_values = inverse @ (scaled.T @ values)
-    residual = values - scaled @ scaled_values
+    scaled_values = inverse @ (scaled_columns.T @ values)
+    residual = values - scaled_columns @ scaled_values
     residual_noise = estimate_noise(residual, basis)
     errors = np.sqrt(residual_noise.power * np.diag(inverse))
     return Regression(scaled_values / scale, errors / scale, residual, residual_noise)
@@ -269,11 +269,11 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
     response += fit.values[2] * _compute_settlement(history, ramp_time, shift)
     model = fit.values[3] * history.time + np.maximum(response, 0.0)
     model += fit.values[_OFFSET_COLUMN] if len(fit.values) > _OFFSET_COLUMN else 0.0
-    fitted, samples = (
+    fitted_force, samples = (
         np.full(n, np.nan),
         np.concatenate((history.samples_before_contact, history.samples_under_load)),
     )
-    fitted[samples] = model[samples]
+    fitted_force[samples] = model[samples]
     curvature = _estimate_curvature(history, columns, response, weights)
     relative_errors = fit.errors / stiffness
     return Press(
@@ -288,7 +288,7 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
         _measure_misfit(fit.residual, fit.noise) / float(weights[-1]) / history.peak,
         RigEstimate(curvature.value / history.peak, curvature.error / history.peak),
         _measure_hysteresis(history, model),
-        fitted,
+        fitted_force,
         history.force,
     )
 
@@ -340,7 +340,7 @@ def read_press_history(record: BlankTest) -> PressHistory:
     peak = float(np.quantile(force[:end], 1 - _PEAK_SHARE))
     first = _find_contact(force[:end], noise, peak)
     guard = 0.02 * float(time[first])
-    before = np.flatnonzero(time < time[first] - guard)
+    samples_before_contact = np.flatnonzero(time < time[first] - guard)
     loaded_indices = np.flatnonzero(force[:end] > MIN_LOADED_SHARE * peak)
     loaded_indices = loaded_indices[loaded_indices > first]
     if len(loaded_indices) < _MIN_COUNT:
@@ -350,8 +350,8 @@ def read_press_history(record: BlankTest) -> PressHistory:
         )
     speed = compute_speed(time, x, _choose_speed_span(time, x, first, ramp))
     return PressHistory(
-        time, x, speed, force, before, loaded_indices, first, end, float(time[ramp]), peak,
-        max(noise, 1e-12), scatter(time, x),
+        time, x, speed, force, samples_before_contact, loaded_indices, first, end,
+        float(time[ramp]), peak, max(noise, 1e-12), scatter(time, x),
     )  # fmt: skip
 
 
@@ -424,9 +424,9 @@ def _measure_from_rest(history: PressHistory) -> tuple[PressHistory, float]:
 
     The rest is the median of the n samples before contact: :math:`\sigma_x \sqrt{\pi/2n}`.
     """
-    rest = median(history.displacement[history.samples_before_contact])
+    rest_position = median(history.displacement[history.samples_before_contact])
     error = history.displacement_noise * np.sqrt(np.pi / (2 * len(history.samples_before_contact)))
-    return history._replace(displacement=history.displacement - rest), float(error)
+    return history._replace(displacement=history.displacement - rest_position), float(error)
 
 
 def _compute_noise_share(history: PressHistory, delay: float) -> float:
@@ -437,8 +437,8 @@ def _compute_noise_share(history: PressHistory, delay: float) -> float:
 
 def _compute_settlement(history: PressHistory, ramp_time: float, delay: float) -> FloatArray:
     """Return how far the crosshead has settled, for 1 m in a factor e of time."""
-    elapsed = np.maximum(history.time - delay - history.ramp_end, 0.0)
-    return np.log1p(elapsed / ramp_time)
+    time_since_stop = np.maximum(history.time - delay - history.ramp_end, 0.0)
+    return np.log1p(time_since_stop / ramp_time)
 
 
 class _PressFit(NamedTuple):

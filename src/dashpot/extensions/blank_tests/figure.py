@@ -28,10 +28,12 @@ def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
 def _draw_force(record: BlankCurve) -> Panel:
     """Return the force over time, and the model beneath or, of an empty run, upon it."""
     unit_name, scale = select_plot_unit(record.force, "N")
-    force, fitted = scale * record.force, scale * record.fitted
+    force, fitted_force = scale * record.force, scale * record.fitted
     measured = Line(record.time, force, DATA_ON_FIT, "measured")
     empty = record.role == "empty"
-    model = Line(record.time, fitted, FIT if empty else FIT_BAND, "drift" if empty else "model")
+    model = Line(
+        record.time, fitted_force, FIT if empty else FIT_BAND, "drift" if empty else "model"
+    )
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
         Scale(f"force, {unit_name}", compute_padded_limits(force)),

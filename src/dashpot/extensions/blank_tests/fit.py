@@ -186,8 +186,8 @@ def report_values(
     )  # fmt: skip
     return (
         *(
-            MachineValue.from_error(name, *entry, unit=unit, read=read, words=name)
-            for name, entry, unit, read in rows
+            MachineValue.from_error(name, *entry, unit=unit, read=display_unit, words=name)
+            for name, entry, unit, display_unit in rows
             if entry is not None
         ),
         *_report_hum(blanks.empty_runs),
@@ -213,8 +213,8 @@ def _report_hum(empty_runs: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
     strongest = max(empty_runs, key=lambda run: run.hum.value)
     value, error = strongest.hum
     if math.isnan(strongest.hum_frequency):
-        bound = value + NORMAL * error
-        return (MachineValue("hum", value, 0.0, bound, "N", error, "mN", "hum"),)
+        upper_limit = value + NORMAL * error
+        return (MachineValue("hum", value, 0.0, upper_limit, "N", error, "mN", "hum"),)
     return (
         MachineValue.from_error("hum", value, error, unit="N", read="mN", words="hum"),
         MachineValue("hum_frequency", strongest.hum_frequency, unit="Hz", words="hum frequency"),

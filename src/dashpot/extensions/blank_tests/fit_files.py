@@ -56,5 +56,7 @@ def fit_blank_files(
 
 def _find_role(name: str, roles: Sequence[tuple[str, Role]]) -> Role:
     """Return the last role whose pattern matches a file; "" if none does."""
-    suited: list[Role] = [role for pattern, role in roles if not pattern or fnmatch(name, pattern)]
-    return suited[-1] if suited else ""
+    matching_roles: list[Role] = [
+        role for pattern, role in roles if not pattern or fnmatch(name, pattern)
+    ]
+    return matching_roles[-1] if matching_roles else ""

@@ -155,11 +155,11 @@ def refuse_material_sizes(
     """
     strain_channel, stress_channel = channels_chosen[-2:]
     max_strain, max_stress = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
-    word = strain_channel.unit.word
-    of_strain: list[Check] = [strain_not_large(max_strain, word)]
+    strain_unit = strain_channel.unit.word
+    strain_checks: list[Check] = [strain_not_large(max_strain, strain_unit)]
     if zero_known:
-        of_strain.append(strain_not_small(max_strain, word))
-    of_stress: list[Check] = [stress_of_a_rubber(max_stress, stress_channel.unit.word)]
+        strain_checks.append(strain_not_small(max_strain, strain_unit))
+    stress_checks: list[Check] = [stress_of_a_rubber(max_stress, stress_channel.unit.word)]
     if max_strain > 0:
-        of_stress.append(modulus_of_a_rubber(max_stress / max_strain, stress_channel.unit.word))
-    channels.refuse_sizes(file, [(strain_channel, of_strain), (stress_channel, of_stress)])
+        stress_checks.append(modulus_of_a_rubber(max_stress / max_strain, stress_channel.unit.word))
+    channels.refuse_sizes(file, [(strain_channel, strain_checks), (stress_channel, stress_checks)])

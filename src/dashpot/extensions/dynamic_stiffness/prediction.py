@@ -129,8 +129,10 @@ def predict_stiffness(
     DataError
         If a number is not > 0, or a record is not one of the fitted ones.
     """
-    requested = [frequency] if isinstance(frequency, str | float | int) else list(frequency)
-    hertz = tuple(convert_to_si(item, "frequency") for item in requested)
+    requested_frequencies = (
+        [frequency] if isinstance(frequency, str | float | int) else list(frequency)
+    )
+    hertz = tuple(convert_to_si(item, "frequency") for item in requested_frequencies)
     for value in hertz:
         require_positive(frequency=value, unit=" Hz")
     require_positive(seals=seals)
@@ -162,8 +164,8 @@ def predict_stiffness(
     )
     errors = [_compute_relative_error(value) for value in values[2::3]]
     largest = max((error for error in errors if error is not None), default=None)
-    with_hammer = fit.method in ("joint", "frf")
-    own_checks = [checks.loss_factor_determined_at(largest, with_hammer=with_hammer)]
+    has_hammer = fit.method in ("joint", "frf")
+    own_checks = [checks.loss_factor_determined_at(largest, with_hammer=has_hammer)]
     if not records:
         own_checks.insert(0, checks.frequencies_in_valid_band(hertz, fit_here.band))
     return StiffnessPrediction(fit_here, hertz, values, (*own_checks, *fit.checks))

@@ -88,10 +88,10 @@ def gather(
     counts = Counter(array.values.size for array in vectors)
     length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
     named_arrays = [array for array in vectors if array.values.size == length]
-    remaining = [array.name for array in vectors if array.values.size != length]
-    passed = (
-        f"{len(remaining)} arrays of another length than {length} were passed over: "
-        + ", ".join(remaining[:5])
+    other_names = [array.name for array in vectors if array.values.size != length]
+    skipped_note = (
+        f"{len(other_names)} arrays of another length than {length} were passed over: "
+        + ", ".join(other_names[:5])
     )
     _require_common_clock(arrays, named_arrays)
     factors, cautions = _stated_factors(arrays, named_arrays)
@@ -101,7 +101,7 @@ def gather(
         load=make_loader(np.column_stack([array.values for array in named_arrays])),
         notes=(
             *notes,
-            *([passed] if remaining else []),
+            *([skipped_note] if other_names else []),
             *cautions,
             *contradict_rate(arrays, rate),
         ),

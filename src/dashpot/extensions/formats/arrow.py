@@ -81,7 +81,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         arrays += [] if array is None else [array, *_list_rates(f"{column.name}.", entries)]
     labels = _number_labels(frame, arrays)
     array_names = [array.name for array in arrays]
-    passed = {name: "no numbers" for name in frame.columns if name not in array_names}
+    skipped_columns = {name: "no numbers" for name in frame.columns if name not in array_names}
     arrays += _list_rates("", metadata.table)
     arrays += [
         NamedArray(key, np.array(values))
@@ -89,8 +89,8 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         if concerns_numbers(key.rpartition(".")[2]) and (values := stated_numbers(value))
     ]
     return gather(
-        arrays, format_=form, notes=[*notes, *note_passed(passed, array_names)], rate=options.rate,
-        header=[
+        arrays, format_=form, notes=[*notes, *note_passed(skipped_columns, array_names)],
+        rate=options.rate, header=[
             *labels,
             *(line for key, value in metadata.table.items() if (line := window_line(key, value))),
         ],

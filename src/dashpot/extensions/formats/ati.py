@@ -50,8 +50,8 @@ class Calibration(EqualByValue):
 
         The bias, six voltages of the unloaded transducer, is subtracted in volts.
         """
-        unloaded = np.zeros(6) if bias is None else np.asarray(bias, dtype=float)
-        return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - unloaded[:, None]))
+        bias_voltages = np.zeros(6) if bias is None else np.asarray(bias, dtype=float)
+        return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - bias_voltages[:, None]))
 
     def note_overloads(self, load: FloatArray) -> list[str]:
         """Return a note on axes that pass 90 % of their range."""

@@ -296,8 +296,8 @@ def apply_attributes(
 
     Every format uses this for factors, full scales and fill values.
     """
-    values, removed = remove_fill_values(name, values, attributes)
-    notes += removed
+    values, fill_notes = remove_fill_values(name, values, attributes)
+    notes += fill_notes
     scales = (
         describe_full_scale(values, key, value)
         for key, value in attributes.items()

@@ -210,14 +210,14 @@ def _convert_list(value: Any) -> Any:
 def _make_record(arrays: list[Any], units: Any) -> Any:
     """Return the test that three arrays are, by the units of them and by what moves in them."""
     words = _list_stated_units(units)
-    of_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
-    if not of_material:
+    is_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
+    if not is_material:
         time, displacement, force = arrays
         test = RelaxationTest(time, displacement, force, units=", ".join(words))
         load_history = classify_load_history(test.time, test.displacement, test.force)
         if load_history in {"relaxation", "still", "other"}:
             return test
-    roles = _MATERIAL_ROLES if of_material else _PART_ROLES
+    roles = _MATERIAL_ROLES if is_material else _PART_ROLES
     return read_frame(
         dict(zip(roles, arrays, strict=True)), units=dict(zip(roles, words, strict=True))
     )
@@ -256,12 +256,12 @@ def _convert_objects(values: np.ndarray) -> np.ndarray:
     """Return objects that are all numbers, or all instants with their zone, as such."""
     if values.dtype.kind != "O":
         return values
-    present = [value for value in values.ravel() if not _is_missing(value)]
-    if present and all(isinstance(value, Real | Decimal) for value in present):
+    present_values = [value for value in values.ravel() if not _is_missing(value)]
+    if present_values and all(isinstance(value, Real | Decimal) for value in present_values):
         return values.astype(float)
-    if present and all(isinstance(value, datetime) for value in present):
+    if present_values and all(isinstance(value, datetime) for value in present_values):
         seconds = [
-            np.nan if _is_missing(value) else (value - present[0]).total_seconds()
+            np.nan if _is_missing(value) else (value - present_values[0]).total_seconds()
             for value in values.ravel()
         ]
         return np.round(1e9 * np.asarray(seconds)).astype("timedelta64[ns]")

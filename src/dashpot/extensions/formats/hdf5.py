@@ -224,7 +224,9 @@ def _decode_cf_values(
             f"'{name}' has a scale_factor or add_offset of several numbers, and the CF conventions "
             "know one of each; write the numbers as they were measured"
         )
-    unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
+    decoded_values = np.where(
+        missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0]
+    )
     applied_texts = [
         f"{key} = {pair[0]:g}"
         for key, pair in cf_attributes.items()
@@ -237,7 +239,7 @@ def _decode_cf_values(
             f"{np.count_nonzero(missing)} numbers of '{name}' are fill values, or outside the "
             "valid range that the file states: they are no numbers"
         )
-    return unpacked
+    return decoded_values
 
 
 def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:

@@ -88,14 +88,14 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         If the header is not that of an LVM file, or its segments differ in their channels.
     """
     encoding = options.encoding or find_encoding(raw.head(_HEAD))
-    detected = options.encoding is None
-    first = next(decode_blocks([raw.head(_HEAD)], encoding, detected=detected), "")
+    is_encoding_detected = options.encoding is None
+    first = next(decode_blocks([raw.head(_HEAD)], encoding, detected=is_encoding_detected), "")
     lines = first.split("\n")
     top = _find_first_row(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
     decimal_mark = _mark(first, lines[top : top + 50], sign, options)
     segments = _read_segments(
-        decode_blocks(raw.blocks(), encoding, detected=detected), sign, decimal_mark
+        decode_blocks(raw.blocks(), encoding, detected=is_encoding_detected), sign, decimal_mark
     )
     names, clocks = _read_column_names(lines[top - 1], sign)
     counted = not any(_has_clock_value(line, clocks, sign) for line in lines[top : top + 20])
@@ -109,7 +109,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     columns = _make_columns(names, clocks, segments[0], dialect.contents)
 
     def blocks() -> Iterator[str]:
-        return decode_blocks(raw.blocks(), encoding, detected=detected)
+        return decode_blocks(raw.blocks(), encoding, detected=is_encoding_detected)
 
     if _has_different_steps(segments[0], len(columns)):
         header = tuple(filter(str.strip, lines[: top - 2]))
@@ -265,8 +265,10 @@ def _get_half_digit(text: str) -> float:
 
 def _has_different_steps(segment: _LvmHead, columns: int) -> bool:
     """Return whether the channels that hold samples differ in their step."""
-    filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
-    return len(set(segment.step[:columns])) > 1 and len(filled) > 1
+    steps_with_samples = {
+        step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0
+    }
+    return len(set(segment.step[:columns])) > 1 and len(steps_with_samples) > 1
 
 
 def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
@@ -278,10 +280,12 @@ def _classify_columns(
     names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, decimal_mark: Mark
 ) -> tuple[Content, ...]:
     """Return the content of each column; "blank" if all rows are."""
-    cut = [cell.split(row, sign) for row in rows if row.strip()]
+    cell_rows = [cell.split(row, sign) for row in rows if row.strip()]
     contents: list[Content] = []
     for i in range(len(names)):
-        numbers = any(i < len(row) and cell.number(row[i], decimal_mark) is not None for row in cut)
+        numbers = any(
+            i < len(row) and cell.number(row[i], decimal_mark) is not None for row in cell_rows
+        )
         contents.append(
             "number" if numbers and i not in clocks[1:] else "blank" if not numbers else "text"
         )

@@ -229,8 +229,8 @@ def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     if (kind, length) != (_UINT32, 8):
         raise _Damaged("an array without a class")
     remaining = size - 16
-    read, dimensions = _read_content(take, file, remaining, _INT32)
-    remaining -= read
+    bytes_read, dimensions = _read_content(take, file, remaining, _INT32)
+    remaining -= bytes_read
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
     shape = _read_integers(dimensions, file)
@@ -239,10 +239,10 @@ def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     file.count(cells)
     remaining -= _read_content(take, file, remaining, _NAME)[0]
-    read, kinds, parts = _read_element_layout(
+    bytes_read, kinds, parts = _read_element_layout(
         take, file, remaining, class_=class_, cells=cells, parts=parts
     )
-    remaining -= read
+    remaining -= bytes_read
     if class_ == _SPARSE:
         remaining, parts = remaining - _read_indices(take, file, remaining, shape), parts - 2
     for _part in range(parts):
@@ -275,13 +275,13 @@ def _read_element_layout(
         bytes_left = space - (
             _read_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0
         )
-        read, longest = _read_content(take, file, bytes_left, _INT32)
-        bytes_left -= read
-        read, names = _read_content(take, file, bytes_left, _NAME)
+        bytes_read, longest = _read_content(take, file, bytes_left, _INT32)
+        bytes_left -= bytes_read
+        bytes_read, names = _read_content(take, file, bytes_left, _NAME)
         width = sum(_read_integers(longest, file))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
-        return space - bytes_left + read, _ARRAYS, cells * (len(names) // width)
+        return space - bytes_left + bytes_read, _ARRAYS, cells * (len(names) // width)
     if class_ == _CELL:
         return 0, _ARRAYS, cells
     if class_ == _CHAR:
@@ -298,20 +298,20 @@ def _read_integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
 def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """A compressed element: the one inside, inflated a stretch at a time."""
     inflate = zlib.decompressobj()
-    waiting, bytes_left = b"", size
+    buffered_bytes, bytes_left = b"", size
 
     def more(count: int) -> bytes:
-        nonlocal waiting, bytes_left
-        while len(waiting) < count and (bytes_left or inflate.unconsumed_tail):
+        nonlocal buffered_bytes, bytes_left
+        while len(buffered_bytes) < count and (bytes_left or inflate.unconsumed_tail):
             source = inflate.unconsumed_tail
             if not source:
                 source = _read_exactly(take, min(bytes_left, _BATCH_SIZE))
                 bytes_left -= len(source)
-            fresh = inflate.decompress(source, _BATCH_SIZE)
-            if not fresh and inflate.eof:
+            new_bytes = inflate.decompress(source, _BATCH_SIZE)
+            if not new_bytes and inflate.eof:
                 break
-            waiting += fresh
-        content, waiting = waiting[:count], waiting[count:]
+            buffered_bytes += new_bytes
+        content, buffered_bytes = buffered_bytes[:count], buffered_bytes[count:]
         return content
 
     _read_element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)

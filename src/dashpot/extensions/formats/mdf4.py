@@ -419,8 +419,8 @@ def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
         raise ReadError(f"damaged: a packed block says {size} bytes and unpacks to others")
     if kind == 1 and columns > 1:
         lines = size // columns
-        transposed = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
-        data = transposed.T.tobytes() + data[lines * columns :]
+        byte_matrix = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
+        data = byte_matrix.T.tobytes() + data[lines * columns :]
     return data
 
 

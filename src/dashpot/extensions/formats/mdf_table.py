@@ -123,10 +123,10 @@ class MdfTable:
                 continue
             segments = self._segments if i == base else (i,)
             clock = group.clock
-            ordered = sorted(
+            ordered_indices = sorted(
                 range(len(group.channels)), key=lambda column_place: column_place != clock
             )
-            for column_place in ordered:
+            for column_place in ordered_indices:
                 channel = group.channels[column_place]
                 if channel.clock and (i != base or column_place != clock):
                     continue

@@ -356,12 +356,17 @@ def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> b
     firsts, last_times = time[starts], time[starts - 1]
     if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (last_times[0] - time[0])):
         return False
-    from_start, from_last = (np.abs(signals[starts] - signals[other]) for other in (0, starts - 1))
+    distance_from_start, distance_from_last = (
+        np.abs(signals[starts] - signals[other]) for other in (0, starts - 1)
+    )
     change = np.nanmax(signals, axis=0) - np.nanmin(signals, axis=0)
-    returns = (from_last > _RESTART_SHARE * change) & (from_start < from_last)
+    returns = (distance_from_last > _RESTART_SHARE * change) & (
+        distance_from_start < distance_from_last
+    )
     # the column of the clock is one of them
     return bool(
-        np.all(returns | (from_last <= _RESTART_SHARE * change)) and np.all(returns.sum(axis=1) > 1)
+        np.all(returns | (distance_from_last <= _RESTART_SHARE * change))
+        and np.all(returns.sum(axis=1) > 1)
     )
 
 
@@ -397,12 +402,12 @@ def _are_specimens(labels: Sequence[str]) -> bool:
 
 def _fill_down(labels: Sequence[str]) -> list[str]:
     """Return labels, each holding for the blank cells below it."""
-    filled, last = [], ""
+    filled_cells, last_cell = [], ""
     for label in labels:
-        last = label or last
-        filled.append(last)
-    first = next((label for label in filled if label), "")
-    return [label or first for label in filled]
+        last_cell = label or last_cell
+        filled_cells.append(last_cell)
+    first = next((label for label in filled_cells if label), "")
+    return [label or first for label in filled_cells]
 
 
 def _read_stated_words(header: Sequence[str], name: str) -> dict[str, str]:

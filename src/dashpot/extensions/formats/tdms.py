@@ -270,9 +270,9 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any], notes: list[s
             values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
                 channels.append(_make_channel(channel.name, properties, values, notes))
-        nonempty = [(channel_index, item) for channel_index, item in instants if len(item)]
-        first = min((item[0] for _, item in nonempty), default=None)
-        for channel_index, value in nonempty:
+        nonempty_instants = [(channel_index, item) for channel_index, item in instants if len(item)]
+        first = min((item[0] for _, item in nonempty_instants), default=None)
+        for channel_index, value in nonempty_instants:
             seconds = (value - first) / np.timedelta64(1, "s")
             channels[channel_index] = replace(channels[channel_index], values=seconds)
     return groups

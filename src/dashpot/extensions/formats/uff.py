@@ -264,9 +264,11 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
 
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
     """Return the coherence of the same two points on the same lines; or the only one there is."""
-    on_same_grid = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
-    items = [e for e in on_same_grid if _ends(e) == _ends(frf)]
-    return items[0] if len(items) == 1 else on_same_grid[0] if len(on_same_grid) == 1 else None
+    entries_on_grid = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
+    items = [e for e in entries_on_grid if _ends(e) == _ends(frf)]
+    return (
+        items[0] if len(items) == 1 else entries_on_grid[0] if len(entries_on_grid) == 1 else None
+    )
 
 
 def _ends(entry: _Set) -> tuple[str, str]:
@@ -312,10 +314,11 @@ def _repeated_records(time_records: Sequence[_Set]) -> list[list[_Set]]:
     if width > 1 and keys == keys[:width] * (len(keys) // width):
         records = [list(time_records[i : i + width]) for i in range(0, len(keys), width)]
     elif len(set(keys)) > 1 and all(keys.count(key) == count for key in keys):
-        ordered = sorted(range(len(keys)), key=lambda i: (keys[:i].count(keys[i]), i))
+        ordered_indices = sorted(range(len(keys)), key=lambda i: (keys[:i].count(keys[i]), i))
         width = len(set(keys))
         records = [
-            [time_records[j] for j in ordered[i : i + width]] for i in range(0, len(keys), width)
+            [time_records[j] for j in ordered_indices[i : i + width]]
+            for i in range(0, len(keys), width)
         ]
     else:
         return [list(time_records)]

@@ -85,10 +85,10 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
         table_options = replace(table_options, decimal=None)
     cells = RawFile(raw.name, None, content)
     table = separate_specimens(text.read(cells, table_options), cells, table_options)
-    unmeasured = entries.get(HIDDEN + name, b"").decode()
-    message = f"hidden in sheet '{name}' and read: {unmeasured}"
-    note = Caution(message) if unmeasured.startswith("row") else message
-    notes = [note] if unmeasured else []
+    hidden_text = entries.get(HIDDEN + name, b"").decode()
+    message = f"hidden in sheet '{name}' and read: {hidden_text}"
+    note = Caution(message) if hidden_text.startswith("row") else message
+    notes = [note] if hidden_text else []
     notes += [Caution(f"sheet '{name}': {sentence}") for sentence in formulas]
     if commas:
         notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")
@@ -112,11 +112,13 @@ def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
             if "," in cell and _COMMA.match(cell):
                 columns.setdefault(j, []).append(row)
     count = 0
-    for j, those in columns.items():
-        is_decimal_comma = decimal == "," or not all(EITHER_WAY.match(row[j]) for row in those)
+    for j, column_cells in columns.items():
+        is_decimal_comma = decimal == "," or not all(
+            EITHER_WAY.match(row[j]) for row in column_cells
+        )
         if decimal == "." or not is_decimal_comma:
             continue
-        count += len(those)
-        for row in those:
+        count += len(column_cells)
+        for row in column_cells:
             row[j] = repr(float(row[j].replace(".", "").replace(",", ".")))
     return "\n".join("\t".join(row) for row in rows), count

@@ -52,7 +52,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
         size = _get_unpacked_size(stream)
-        unmeasured = list_hidden_cells(stream)
+        hidden_cells = list_hidden_cells(stream)
         formulas = scan_formulas(stream)
         stream.seek(0)
         workbook = calamine.CalamineWorkbook.from_filelike(stream)
@@ -61,7 +61,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
         raise ReadError(
             f"--file-part sheet={options.sheet}: the sheets are {format_sheet_names(names)}"
         )
-    entries = {HIDDEN + name: text.encode() for name, text in unmeasured.items()}
+    entries = {HIDDEN + name: text.encode() for name, text in hidden_cells.items()}
     entries |= {FORMULAS + name: "\n".join(notes).encode() for name, notes in formulas.items()}
     cells = 0
     for name in names if options.sheet is None else [options.sheet]:
@@ -118,8 +118,8 @@ def _columns_of_days(rows: list[list[Any]]) -> set[int]:
     for row in rows:
         for j, value in enumerate(row):
             if isinstance(value, dt.time | dt.date):
-                early = isinstance(value, dt.time) or value.year in _FIRST_YEARS
-                name = "time" if isinstance(value, dt.time) else "day" if early else "date"
+                is_day_count = isinstance(value, dt.time) or value.year in _FIRST_YEARS
+                name = "time" if isinstance(value, dt.time) else "day" if is_day_count else "date"
                 kinds.setdefault(j, set()).add(name)
     return {j for j, kind in kinds.items() if kind == {"time", "day"}}
 

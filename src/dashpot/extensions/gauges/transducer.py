@@ -57,11 +57,11 @@ class Daq:
             "daq ", **select_fields(self, "bits", "span", "rate", "channels", "fastest")
         )
         require_nonnegative("daq ", filter=self.filter, expected="a corner in Hz, or 0")
-        requested = self.channels * self.rate
-        if requested > self.fastest:
+        total_rate = self.channels * self.rate
+        if total_rate > self.fastest:
             raise DataError(
                 f"{self.channels} channels at {format_quantity(self.rate, 'kHz', 'g')} are "
-                f"{convert_to_unit(requested, 'kHz'):g} kS/s; the card converts "
+                f"{convert_to_unit(total_rate, 'kHz'):g} kS/s; the card converts "
                 f"{convert_to_unit(self.fastest, 'kHz'):g} kS/s in all: take "
                 f"{format_quantity(self.fastest / self.channels, 'kHz')} at most, or fewer channels"
             )
@@ -173,8 +173,8 @@ class Transducer:
 
     def volts(self, load: FloatArray) -> FloatArray:
         """Return the gauge voltages under force and torque, both of shape (6, n)."""
-        hung = np.array([0.0, 0.0, -self.tool, 0.0, 0.0, 0.0])
-        solution = np.linalg.solve(np.array(self.matrix), load + hung[:, None])
+        tool_load = np.array([0.0, 0.0, -self.tool, 0.0, 0.0, 0.0])
+        solution = np.linalg.solve(np.array(self.matrix), load + tool_load[:, None])
         return np.asarray(solution + np.array(self.bias)[:, None])
 
     def find_saturated(self, load: FloatArray) -> BoolArray:

@@ -35,8 +35,8 @@ def refuse_wrong_types(
         parameter = signature.parameters[name]
         if name in OPTION_CLASSES or not isinstance(parameter.annotation, str):
             continue
-        several = parameter.kind is Parameter.VAR_POSITIONAL
-        for item in value if several else (value,):
+        is_variadic = parameter.kind is Parameter.VAR_POSITIONAL
+        for item in value if is_variadic else (value,):
             example = _EXAMPLES.get(name) or _format_default(parameter.default)
             problem = describe_wrong_argument(name, item, parameter.annotation, example)
             if not (problem or parameter.default == ()) and _is_empty_sequence(item, parameter):

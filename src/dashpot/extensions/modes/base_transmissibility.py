@@ -163,6 +163,10 @@ def estimate_base_transmissibility(
         reason = str(error)
     main = next(iter(modes), None)
     checks = [] if main is not None else [resonance(frf, None)]
-    resolved = segments_resolve(frf, main)
+    resolution_check = segments_resolve(frf, main)
     frf = add_frf_checks(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, clipping_check, *checks, resolved)), modes, reason
+    return (
+        replace(frf, checks=(*frf.checks, clipping_check, *checks, resolution_check)),
+        modes,
+        reason,
+    )

@@ -71,10 +71,10 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         is_state = chart.state == state
         if is_state.any():
             # of several points what stays in shape stands out, of one there is no shape
-            pale = has_several_points and state == DAMPING
+            is_pale = has_several_points and state == DAMPING
             lower.append(
                 Dots(chart.frequency[is_state], chart.order[is_state].astype(float), colour, label,
-                     size=size, hollow=hollow or pale)
+                     size=size, hollow=hollow or is_pale)
             )  # fmt: skip
     count = f"{chart.points} points" if has_several_points else "one point"
     caption = (

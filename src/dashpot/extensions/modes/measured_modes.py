@@ -193,11 +193,11 @@ def modes_of(
     Those of motions over a base are sought in what they would be per force on 1 kg: poles and
     damping ratios are those of any mass, residues those of 1 kg.
     """
-    pushed = measured.per_force(mass=_UNIT)
-    band_frfs = select_mode_band(pushed, band)
+    force_frfs = measured.per_force(mass=_UNIT)
+    band_frfs = select_mode_band(force_frfs, band)
     lines = band_frfs.frfs[0].frequency
     search_band = band or (float(lines[0]), float(lines[-1]))
-    chart = stabilisation(pushed, band=search_band)
+    chart = stabilisation(force_frfs, band=search_band)
     shapes = find_mode_shapes(band_frfs)
     has_several_points = len(measured.points) > 1
     modes = MeasuredModes(

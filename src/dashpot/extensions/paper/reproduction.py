@@ -244,7 +244,7 @@ def reproduce(seed: int = 0) -> Reproduction:
     send_progress("eqs. (1) to (7)")
     noise_free_test = make_ideal_test()
     hold_fit, two = (fit_hold_phase(noise_free_test, arms) for arms in (1, 2))
-    coarse = fit_hold_phase(quantise_force(noise_free_test), 2)
+    quantised_fit = fit_hold_phase(quantise_force(noise_free_test), 2)
     send_progress("simulated test and hammer")
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
@@ -261,12 +261,12 @@ def reproduce(seed: int = 0) -> Reproduction:
         seed=seed,
         rows=(
             *_check_equations(),
-            *_compare_test_figures(noise_free_test, hold_fit, two, coarse),
+            *_compare_test_figures(noise_free_test, hold_fit, two, quantised_fit),
             *_compare_mass_figures(top, study),
             *_check_misprints(top[1]),
             *UNSTATED_VALUES,
         ),
-        table=tuple(_compare_table(two.solid, coarse.solid, study)),
+        table=tuple(_compare_table(two.solid, quantised_fit.solid, study)),
         force=tuple(zip(TIMES, _compute_ramp(np.array(TIMES)).tolist(), strict=True)),
         accelerance=tuple(zip(LINES, np.abs(frf.value).tolist(), phases.tolist(), strict=True)),
         peak=top,
@@ -274,7 +274,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         mode=(mode.frequency, mode.damping_ratio),
         one_arm=hold_fit,
         two_arms=two,
-        quantised=coarse,
+        quantised=quantised_fit,
         ideal=noise_free_test,
         rig=rig,
         hammer=hammer,

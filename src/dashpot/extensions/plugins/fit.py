@@ -108,14 +108,14 @@ def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> flo
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
     name, message = (get_text(plugin, item, key) for key in ("name", "message"))
     validate_keys(plugin, item, _CHECK_KEYS, f" of the check '{name}'")
-    passed, grade = item.get("passed"), item.get("grade", "limit")
-    if not (passed is None or isinstance(passed, bool)):
+    is_passed, grade = item.get("passed"), item.get("grade", "limit")
+    if not (is_passed is None or isinstance(is_passed, bool)):
         plugin.refuse_result(
-            f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None"
+            f"the check '{name}' whose 'passed' is {is_passed!r:.40}", "True, False or None"
         )
     if grade not in GRADES:
         plugin.refuse_result(
             f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}"
         )
     remedy = get_text(plugin, item, "remedy", "")
-    return Check(name, passed, message, grade=grade, remedy=Remedy(remedy) if remedy else None)
+    return Check(name, is_passed, message, grade=grade, remedy=Remedy(remedy) if remedy else None)

@@ -105,7 +105,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
             f"(--amplitude {unknown[0]}:0.1mm), or of none"
         )
     counts = [len(sweep.frequency) for sweep in sweeps]
-    of_sweep = np.repeat(np.arange(len(sweeps)), counts)
+    sweep_index = np.repeat(np.arange(len(sweeps)), counts)
     sweep_compressions = np.array([float(sweep.compression) for sweep in sweeps])
     compressions, compression = group_levels(sweep_compressions, SAME_COMPRESSION)
     if len(compressions) < 2:
@@ -134,10 +134,10 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
         compressions,
         amplitudes,
         tones,
-        compression[of_sweep],
-        amplitude[of_sweep],
+        compression[sweep_index],
+        amplitude[sweep_index],
         tone,
-        of_sweep,
+        sweep_index,
     )
 
 

@@ -96,9 +96,9 @@ def _make_cleanup_result(folder: str, partial_files: list[str]) -> CommandResult
 
     check = check_half_written_files(Path(folder))
     verification = Verification(folder, "", (check,))
-    did = "left" if check.failed else "cleared"
-    removed_text = f"{format_count(len(partial_files), 'half-written file')} {did}"
-    text = Text([f"{did} {name}" for name in partial_files], [])
+    action = "left" if check.failed else "cleared"
+    removed_text = f"{format_count(len(partial_files), 'half-written file')} {action}"
+    text = Text([f"{action} {name}" for name in partial_files], [])
     return CommandResult(
         verification, text, (check,), verdict=verdict((check,), headline=removed_text)
     )

@@ -131,20 +131,20 @@ def read_history(folder: Path) -> History:
         If a line is not one that dashpot writes.
     """
     try:
-        *raw, unfinished_line = get_log_path(folder).read_bytes().split(b"\n")
+        *raw_lines, unfinished_line = get_log_path(folder).read_bytes().split(b"\n")
     except FileNotFoundError:
-        raw, unfinished_line = [], b""
-    if unfinished_line and _is_whole(unfinished_line, raw):  # only its line end is lost
-        raw, unfinished_line = [*raw, unfinished_line], b""
-    lines = [_parse_line(text, number) for number, text in enumerate(raw, start=1)]
+        raw_lines, unfinished_line = [], b""
+    if unfinished_line and _is_whole(unfinished_line, raw_lines):  # only its line end is lost
+        raw_lines, unfinished_line = [*raw_lines, unfinished_line], b""
+    lines = [_parse_line(text, number) for number, text in enumerate(raw_lines, start=1)]
     previous_hashes = [GENESIS, *(line.hash for line in lines)]
-    intact = tuple(
+    is_intact = tuple(
         _has_valid_hash(text, line.hash) and (line.previous, line.line) == (previous, number)
         for number, (line, text, previous) in enumerate(
-            zip(lines, raw, previous_hashes, strict=False), 1
+            zip(lines, raw_lines, previous_hashes, strict=False), 1
         )
     )
-    return History(tuple(lines), intact, unfinished_line, *_read_head(folder), tuple(raw))
+    return History(tuple(lines), is_intact, unfinished_line, *_read_head(folder), tuple(raw_lines))
 
 
 def append(folder: Path, content: dict[str, Any]) -> str:
@@ -212,8 +212,8 @@ def _has_valid_old_hash(text: bytes, line_hash: str) -> bool:
     """Return the same for a line of the second edition, hashed by its sorted content."""
     entry = json.loads(text)
     entry_without_hash = {key: value for key, value in entry.items() if key != "hash"}
-    ordered = json.dumps(entry_without_hash, sort_keys=True, ensure_ascii=False)
-    is_same = sha256(ordered.encode("utf-8", "surrogatepass")) == line_hash
+    sorted_text = json.dumps(entry_without_hash, sort_keys=True, ensure_ascii=False)
+    is_same = sha256(sorted_text.encode("utf-8", "surrogatepass")) == line_hash
     return is_same and json.dumps(entry).encode() == text
 
 
@@ -258,8 +258,8 @@ def _read_head(folder: Path) -> tuple[int, str, str]:
         return 0, "", ""
     if match is None:
         raise ReadError(f"{get_head_path(folder)} is not as dashpot writes it: it was changed")
-    count, head, announced = (part.decode() for part in match.groups(b""))
-    return int(count), head, announced
+    count, head, announced_hash = (part.decode() for part in match.groups(b""))
+    return int(count), head, announced_hash
 
 
 def _get_user() -> str:

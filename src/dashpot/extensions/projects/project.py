@@ -248,10 +248,10 @@ class ResultNumbers(Serialisable):
 
 def select_numbers(document: dict[str, Any]) -> dict[str, Any]:
     """Return a result's document without its sampled arrays and its texts."""
-    dropped = {
+    dropped_keys = {
         "predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "message",
     }  # fmt: skip
-    return {key: value for key, value in document.items() if key not in dropped}
+    return {key: value for key, value in document.items() if key not in dropped_keys}
 
 
 def make_profiles(job: Job) -> dict[str, bytes]:
@@ -296,11 +296,11 @@ def _keep(project: Project, path: str) -> str:
     source = open_raw(path)
     content = b"".join(source.blocks())
     file_name = Path(source.name)
-    raw = project.folder / "raw"
-    raw.mkdir(exist_ok=True)
-    target = raw / file_name
+    raw_folder = project.folder / "raw"
+    raw_folder.mkdir(exist_ok=True)
+    target = raw_folder / file_name
     if target.exists() and target.read_bytes() != content:
-        target = raw / f"{file_name.stem}-{sha256(content)[:NAME]}{file_name.suffix}"
+        target = raw_folder / f"{file_name.stem}-{sha256(content)[:NAME]}{file_name.suffix}"
     if not target.exists():
         write_atomic(target, content)
     elif target.read_bytes() != content:

@@ -139,9 +139,9 @@ def _compare_with_rerun(
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
     input_files = {*list_paths(job), *make_profiles(job)}
-    unlisted = sorted(input_files - {entry.file for entry in (*line.inputs, *line.outputs)})
-    if unlisted:
-        return [verification_checks.inputs_listed(unlisted, line.line)]
+    unlisted_files = sorted(input_files - {entry.file for entry in (*line.inputs, *line.outputs)})
+    if unlisted_files:
+        return [verification_checks.inputs_listed(unlisted_files, line.line)]
     rerun_files = list_contents(run(resolve_job_paths(project, job)), page)
     recorded_files = {
         _get_file_kind(output.file): resolve_project_path(project, output.file).read_bytes()
@@ -238,22 +238,22 @@ def _compare_with_former(
             faults.append(f"the result and its {name}.json hold different fits")
     if faults:
         return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
-    worst, location, revised = 0.0, "", set()
+    worst, location, revised_keys = 0.0, "", set()
     for file_key, earlier_document in written_documents.items():
-        old, new, differing = split_common(
+        old, new, revised_values = split_common(
             earlier_document, select_numbers(json.loads(new_files[file_key]))
         )
         worst, location = max((worst, location), find_largest_difference(old, new, file_key))
-        revised |= {
+        revised_keys |= {
             name.rpartition(".")[2]
-            for name, (old_value, new_value) in differing.items()
+            for name, (old_value, new_value) in revised_values.items()
             if find_largest_difference(old_value, new_value)[0]
             > verification_checks.SAME_NUMBER_TOLERANCE
         }
     if worst == float("inf"):
         return [verification_checks.result_recomputed(worst, location, line.line)]
     version = line.software.get("dashpot", "another version")
-    reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised}
+    reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised_keys}
     return [
         verification_checks.former_result_recomputed(worst, location, line.line, version),
         verification_checks.uncertainty_unrevised(reasons, line.line, version),
@@ -320,17 +320,17 @@ def _merge_coincident_arms(arms: Any) -> Any:
     is_list = isinstance(arms, list)
     if not is_list or not all(isinstance(arm, dict) and keys <= arm.keys() for arm in arms):
         return arms
-    merged: list[Any] = []
+    merged_arms: list[Any] = []
     for arm in arms:
-        last = merged[-1] if merged else {"tau": None}
+        last_arm = merged_arms[-1] if merged_arms else {"tau": None}
         if (
-            _compute_relative_difference(last["tau"], arm["tau"])
+            _compute_relative_difference(last_arm["tau"], arm["tau"])
             > verification_checks.SAME_NUMBER_TOLERANCE
         ):
-            merged.append(arm)
+            merged_arms.append(arm)
         else:
-            merged[-1] = last | {key: last[key] + arm[key] for key in ("k", "b")}
-    return merged
+            merged_arms[-1] = last_arm | {key: last_arm[key] + arm[key] for key in ("k", "b")}
+    return merged_arms
 
 
 def _compute_relative_difference(text: Any, other_value: Any) -> float:
@@ -396,11 +396,11 @@ def _is_same_text(text: str, other_text: str) -> bool:
     """Return whether two texts are equal but for the last printed digit of their numbers."""
     if text == other_text:
         return True
-    before, after = _NUMBER.split(text), _NUMBER.split(other_text)
-    return before[::2] == after[::2] and all(
+    parts, other_parts = _NUMBER.split(text), _NUMBER.split(other_text)
+    return parts[::2] == other_parts[::2] and all(
         # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
         a == b or _is_rounded(a, b)
-        for a, b in zip(before[1::2], after[1::2], strict=True)
+        for a, b in zip(parts[1::2], other_parts[1::2], strict=True)
     )
 
 

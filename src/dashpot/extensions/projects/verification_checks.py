@@ -45,17 +45,17 @@ def history_whole(
     state_text = (
         "is missing" if not written_lines else f"is older: it is of line {written_lines} of {lines}"
     )
-    instead = f"history.head {state_text}, so lines cut off the end would not be seen"
+    reason = f"history.head {state_text}, so lines cut off the end would not be seen"
     if is_truncated:
-        instead = f"The history has {lines} of {written_lines} lines"
+        reason = f"The history has {lines} of {written_lines} lines"
         if lines >= written_lines:
-            instead = (
+            reason = (
                 f"Line {written_lines} of the history is another than history.head was written for"
             )
     return Finding(
         "No line is missing at the end of the history",
         max(written_lines - lines, 1) if is_truncated else int(not has_matching_head),
-        failure=instead,
+        failure=reason,
         remedy="Restore history.jsonl from a copy."
         if is_truncated
         else "Restore history.head from a copy, and compare the last hash with one that you noted.",

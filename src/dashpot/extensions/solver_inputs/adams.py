@@ -67,9 +67,9 @@ def adams(
             "export the state space instead"
         )
     time = deck.units.words[2]
-    merged = parallel(deck.model)  # arms of equal time are one factor
-    lam = [value / deck.units.time for value in creep_of(merged).lam]
-    tau = [value / deck.units.time for value in merged.tau]
+    merged_model = parallel(deck.model)  # arms of equal time are one factor
+    lam = [value / deck.units.time for value in creep_of(merged_model).lam]
+    tau = [value / deck.units.time for value in merged_model.tau]
     return deck.format_text(
         "$",
         "transfer function K(s) / k_inf of a frequency-dependent bushing",

@@ -195,10 +195,12 @@ def _is_interior_positive(
     """Return which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
     q, beta = family.fixed_count, point.beta
-    proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy
-    proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
-    proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
-    return proper
+    is_proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy
+    is_proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(
+        axis=1
+    )
+    is_proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
+    return is_proper
 
 
 def _is_well_determined(
@@ -226,12 +228,12 @@ def _compare_peak_descents(
     reduced: ReducedRecords,
 ) -> tuple[StackTrial, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
-    proper = np.ones(len(trial.sse), dtype=bool)
+    is_proper = np.ones(len(trial.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):
         other, converged = descend_together(family, start, started, reduced)
         better_rows = np.flatnonzero(other.sse < trial.sse * (1 - 1e-10))
-        proper[better_rows] = (converged & _is_interior_positive(family, other, reduced))[
+        is_proper[better_rows] = (converged & _is_interior_positive(family, other, reduced))[
             better_rows
         ]
         trial.put(better_rows, other.take(better_rows))
-    return trial, proper
+    return trial, is_proper

@@ -207,18 +207,22 @@ def _make_ideal_family(
     depth, ramp_time = ramp
     if not (depth > 0 and ramp_time >= 0):
         raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
-    elapsed = clock - clock[0]
-    x = depth * np.minimum(elapsed / ramp_time, 1.0) if ramp_time else np.full(len(elapsed), depth)
+    elapsed_time = clock - clock[0]
+    x = (
+        depth * np.minimum(elapsed_time / ramp_time, 1.0)
+        if ramp_time
+        else np.full(len(elapsed_time), depth)
+    )
     if method == "full" and ramp_time > 0:
         return _SharedMotion(
             x,
             0,
             slice(None),
-            partial(build_hold_block, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
-            partial(make_hold_family, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(build_hold_block, elapsed_time, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(make_hold_family, elapsed_time, depth=depth, ramp_time=ramp_time, ramp=True),
         )
-    first = int(np.searchsorted(elapsed, ramp_time))
-    hold_time = elapsed[first:] - ramp_time
+    first = int(np.searchsorted(elapsed_time, ramp_time))
+    hold_time = elapsed_time[first:] - ramp_time
     return _SharedMotion(
         x,
         first,
@@ -235,26 +239,26 @@ def _build_recorded_motion(clock: FloatArray, x: FloatArray, *, method: str) -> 
         raise DataError("the displacement is never positive; expected compression in m, > 0")
     first = int(np.argmax(x >= 0.99 * x.max())) if method == "hold" else 0
     window = slice(first, len(clock))
-    shared = shares_correlation(clock, x)
+    has_shared_correlation = shares_correlation(clock, x)
     return _SharedMotion(
         x,
         first,
         slice(None),
         partial(build_recorded_block, clock, x, window=window),
-        partial(make_recorded_family, clock, x, window=window) if shared else None,
+        partial(make_recorded_family, clock, x, window=window) if has_shared_correlation else None,
     )
 
 
 def _get_status(solutions: ManySolutions, row: int, arms: int) -> Status:
-    at_bound = solutions.at_bound[row]
+    is_at_bound = solutions.at_bound[row]
     return select_fit_status(
         (),
         {
             Status.NO_DATA: not solutions.is_finite[row],
             Status.NOT_CONVERGED: solutions.order[row] < 0
-            or not (solutions.converged[row] or at_bound),
+            or not (solutions.converged[row] or is_at_bound),
             Status.FEWER_ARMS: solutions.order[row] < arms,
-            Status.TAU_AT_BOUND: at_bound,
+            Status.TAU_AT_BOUND: is_at_bound,
         },
     )
 

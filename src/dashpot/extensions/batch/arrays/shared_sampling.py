@@ -135,8 +135,8 @@ def make_recorded_family(
     if not shares_correlation(time, x):
         raise DataError("records share a correlation only on a uniform grid and from x = 0")
     make = partial(build_recorded_block, time, x, window=slice(start, stop))
-    shared = correlate_displacement(time, x, x[start:stop, None], start=start, stop=stop)
-    return RecordedFamily(make, make(np.zeros(len(time))), shared)
+    convolved_motion = correlate_displacement(time, x, x[start:stop, None], start=start, stop=stop)
+    return RecordedFamily(make, make(np.zeros(len(time))), convolved_motion)
 
 
 def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
@@ -233,25 +233,28 @@ class CompressedFamily(SharedSampling):
         z, remainder_sse = project_values(self.plans, values)
         projected = z @ self.space.basis
         remainder = z - projected @ self.space.basis.T
-        fixed_part, extra = projected[:, : self.fixed_count], projected[:, self.fixed_count :]
+        fixed_part, remaining_part = (
+            projected[:, : self.fixed_count],
+            projected[:, self.fixed_count :],
+        )
         return ReducedRecords(
-            (fixed_part, extra),
+            (fixed_part, remaining_part),
             remainder_sse + np.vecdot(remainder, remainder),
-            np.vecdot(extra, extra),
+            np.vecdot(remaining_part, remaining_part),
         )
 
     def compute_triangular_factors(
         self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool
     ) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
-        fixed_part, extra = reduced.data
+        fixed_part, remaining_part = reduced.data
         count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
-        stacked = np.empty((count, size, q + extra.shape[1]))
+        stacked = np.empty((count, size, q + remaining_part.shape[1]))
         _, _, columns, slopes = self.space.node_columns.evaluate(log_tau.ravel())
         stacked[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
         stacked[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
-        stacked[:, -1, :q], stacked[:, -1, q:] = fixed_part, extra
+        stacked[:, -1, :q], stacked[:, -1, q:] = fixed_part, remaining_part
         projected = stacked[:, :, q:]
         factors = np.zeros((count, q + size, q + size))
         factors[:, :q, :q] = self.space.triangular_factor

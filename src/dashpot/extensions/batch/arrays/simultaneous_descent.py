@@ -52,7 +52,7 @@ def descend_together(
     rounding = family.rounding_floor * reduced.energy
     converged = np.zeros(len(start), dtype=bool)
     damping = np.full(len(start), 1e-6)
-    last = np.full(len(start), np.inf)
+    last_sse = np.full(len(start), np.inf)
     active = np.flatnonzero(started & np.isfinite(points.sse))
     for _ in range(limit):
         if not len(active):
@@ -63,7 +63,7 @@ def descend_together(
         change, expected_fall = np.abs(step).max(axis=1), np.abs(np.vecdot(current.gradient, step))
         sse = reduced.floor[active] + current.sse
         is_finished = (damping[active] < LINEAR_STEP) & has_converged(
-            change, last[active], expected_fall, sse
+            change, last_sse[active], expected_fall, sse
         )
         is_finished |= change <= FINAL_TOLERANCE
         previous_sse = current.sse
@@ -75,15 +75,17 @@ def descend_together(
             )
         if not len(active):
             break
-        new = evaluate_trials(family, trial, reduced.select(active))
+        new_trials = evaluate_trials(family, trial, reduced.select(active))
         is_tail, is_better = (
             change < TAIL_CHANGE,
-            is_step_acceptable(new.sse, previous_sse, change, rounding[active]),
+            is_step_acceptable(new_trials.sse, previous_sse, change, rounding[active]),
         )
-        improved = active[is_better]
-        last[improved] = change[is_better]
-        points.put(improved, new.take(is_better))
-        damping[improved] = np.where(is_tail[is_better], 0.0, 0.1 * damping[improved])
+        improved_indices = active[is_better]
+        last_sse[improved_indices] = change[is_better]
+        points.put(improved_indices, new_trials.take(is_better))
+        damping[improved_indices] = np.where(
+            is_tail[is_better], 0.0, 0.1 * damping[improved_indices]
+        )
         is_stuck = ~is_better & is_tail & (damping[active] == 0.0)
         converged[active[is_stuck]] = True
         refused_rows = active[~is_better]

@@ -247,12 +247,12 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 
     p, o, r = table.shape
     mean, cell = table.mean(), table.mean(axis=2)
-    of_part, of_operator = cell.mean(axis=1), cell.mean(axis=0)
+    part_means, operator_means = cell.mean(axis=1), cell.mean(axis=0)
     sums = np.array([
         np.sum((table - cell[:, :, None]) ** 2),
-        r * np.sum((cell - of_part[:, None] - of_operator + mean) ** 2),
-        p * r * np.sum((of_operator - mean) ** 2),
-        o * r * np.sum((of_part - mean) ** 2),
+        r * np.sum((cell - part_means[:, None] - operator_means + mean) ** 2),
+        p * r * np.sum((operator_means - mean) ** 2),
+        o * r * np.sum((part_means - mean) ** 2),
     ])  # fmt: skip
     freedom = np.array([p * o * (r - 1), (p - 1) * (o - 1), o - 1, p - 1])
     square = sums / freedom
@@ -271,13 +271,13 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
         ), p_value
 
     def solve_variances(square: FloatArray) -> _Variances:
-        error, crossed, operators, parts = square
+        error, interaction, operators, parts = square
         variances = {
             "repeatability": error,
-            "operator": (operators - crossed) / (p * r),
-            "interaction": (crossed - error) / r,
+            "operator": (operators - interaction) / (p * r),
+            "interaction": (interaction - error) / r,
         }
-        return _add_variance_totals(variances, (parts - crossed) / (o * r))
+        return _add_variance_totals(variances, (parts - interaction) / (o * r))
 
     return _Squares(square, freedom, solve_variances), p_value
 
@@ -285,8 +285,12 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 def _add_variance_totals(variances: _Variances, part: FloatArray) -> _Variances:
     """Return the variances, at least 0, with those of the gauge and in total."""
     entries = {name: np.maximum(values, 0.0) for name, values in variances.items()}
-    of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
-    return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}
+    part_variance, gauge_variance = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
+    return entries | {
+        "gauge": gauge_variance,
+        "part": part_variance,
+        "total": gauge_variance + part_variance,
+    }
 
 
 def _draw_variances(squares: _Squares) -> _Variances:

@@ -116,7 +116,7 @@ def adjust_holm(p_values: Sequence[float]) -> tuple[float, ...]:
     Source: Holm, Scandinavian Journal of Statistics 6 (1979).
     """
     order = np.argsort(p_values)
-    scaled = np.asarray(p_values)[order] * np.arange(len(p_values), 0, -1)
+    adjusted_values = np.asarray(p_values)[order] * np.arange(len(p_values), 0, -1)
     values = np.empty(len(p_values))
-    values[order] = np.minimum(np.maximum.accumulate(scaled), 1.0)
+    values[order] = np.minimum(np.maximum.accumulate(adjusted_values), 1.0)
     return tuple(float(value) for value in values)

@@ -49,10 +49,10 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     zero = f"{samples_before} samples before the load give the zero of the displacement"
     third_length = samples_before // 3
     # under a load that is on record the part may move
-    unloaded = (
+    unloaded_samples = (
         samples_before and float(np.ptp(test.load[:samples_before])) < MAX_PRELOAD * test.level
     )
-    if samples_before >= MIN_BASELINE and unloaded:
+    if samples_before >= MIN_BASELINE and unloaded_samples:
         first, last = (
             test.displacement[:third_length],
             test.displacement[samples_before - third_length : samples_before],
@@ -156,20 +156,23 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
 @criterion("difference of BIC", ">=", MIN_BIC_DIFFERENCE, "our choice: 1 to 150 in likelihood")
 def flow_distinguished(has_flow: bool, difference: float, se_of_flow: float | None) -> Finding:
     """The data distinguish a part that comes to rest from one that flows."""
-    word, other = ("flows", "comes to rest") if has_flow else ("comes to rest", "flows")
+    description, alternative = (
+        ("flows", "comes to rest") if has_flow else ("comes to rest", "flows")
+    )
     error_text = (
         "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
     )
     if np.isinf(difference):
         return Finding(
-            f"A part that {other} explains no more than one that {word}", always_passes=True
+            f"A part that {alternative} explains no more than one that {description}",
+            always_passes=True,
         )
     return Finding(
-        f"A part that {word} explains the record better than one that {other}, by {difference:.3g} "
-        f"in BIC{error_text}",
+        f"A part that {description} explains the record better than one that {alternative}, by "
+        f"{difference:.3g} in BIC{error_text}",
         difference,
         failure=f"The record hardly separates a part that comes to rest from one that flows "
-        f"(BIC {difference:.3g}). One that {word} was taken; k_inf may be 0",
+        f"(BIC {difference:.3g}). One that {description} was taken; k_inf may be 0",
         remedy="Hold longer, or record a recovery.",
     )
 

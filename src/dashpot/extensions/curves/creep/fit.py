@@ -366,21 +366,21 @@ def _is_flow_significant(selection: SelectedModel) -> bool:
 def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["auto"]) -> Fit:
     residual = retardation.estimate.residuals[0]
     creep = retardation.spectrum
-    at_rest_or_end = creep.compliance(record.hold_time).item()
+    final_compliance = creep.compliance(record.hold_time).item()
     band = find_informed_band(
-        [record], retardation.data.rows, stiffness=at_rest_or_end,
+        [record], retardation.data.rows, stiffness=final_compliance,
         noise=max(retardation.estimate.residual_sd, 1e-6 * retardation.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing shows the loss there
-    resolved = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
-    band = (band[0], max(min(band[1], resolved), band[0]))
+    shortest_time = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
+    band = (band[0], max(min(band[1], shortest_time), band[0]))
     end, band, error = _limit_end_of_test(record, retardation, band)
-    word = "m" if record.unit == "N/m" else "1"
-    nuisance = _list_nuisances(record, retardation, word)
+    motion_unit = "m" if record.unit == "N/m" else "1"
+    nuisance = _list_nuisances(record, retardation, motion_unit)
     all_checks = (
         retardation.convergence_check,
-        *_run_checks(retardation, record.unit, window, "the record", word),
+        *_run_checks(retardation, record.unit, window, "the record", motion_unit),
         *_run_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time),
         *_run_plateau_checks(creep, end, record.unit),
@@ -393,7 +393,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         clocks_agree([_find_delay(nuisance)]),
     )
     return build_fit(
-        retardation.make_solid_estimate(replace(retardation.residual, unit=word), nuisance),
+        retardation.make_solid_estimate(replace(retardation.residual, unit=motion_unit), nuisance),
         Evidence(
             band,
             retardation.orders,
@@ -627,10 +627,10 @@ def _fit_curve(
     """Return the fit of a compliance after a unit step, with relative residuals."""
     is_positive_time = curve.time > 0
     t, values = curve.time[is_positive_time], curve.compliance[is_positive_time]
-    rises = checks.compliance_rises(values)
-    if rises.failed:
+    rise_check = checks.compliance_rises(values)
+    if rise_check.failed:
         raise DataError(
-            f"this is no creep compliance: {decapitalise_sentence(rises.message_with_remedy)}"
+            f"this is no creep compliance: {decapitalise_sentence(rise_check.message_with_remedy)}"
         )
     bad_indices = np.flatnonzero(values <= 0)
     if bad_indices.size:

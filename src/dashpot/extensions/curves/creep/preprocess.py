@@ -197,9 +197,12 @@ def make_load_error_products(record: LoadHold) -> Callable[[FloatArray], FloatAr
 
     gram = _compute_gram(time, corners)
     if corner_shift_columns is not None:
-        crossed = _project_columns(time, corners, corner_shift_columns)
+        corner_products = _project_columns(time, corners, corner_shift_columns)
         gram = np.block(
-            [[gram, crossed], [crossed.T, corner_shift_columns.T @ corner_shift_columns]]
+            [
+                [gram, corner_products],
+                [corner_products.T, corner_shift_columns.T @ corner_shift_columns],
+            ]
         )
     value, eigenvectors = np.linalg.eigh(gram)
     reference = value > _SINGULAR * value[-1]
@@ -273,8 +276,8 @@ def _insert_corners(
         remainder = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
         if _is_noise(remainder, noise, _UNLIKELY_SD):
             if (low, high) not in original_spans:
-                pieces = min(_QUARTERS, len(t) // _MIN_READINGS)
-                arrays.append(np.linspace(low, high, pieces + 1))
+                piece_count = min(_QUARTERS, len(t) // _MIN_READINGS)
+                arrays.append(np.linspace(low, high, piece_count + 1))
             continue
         midpoint = (low + high) / 2
         stack += [(midpoint, high), (low, midpoint)]
@@ -284,11 +287,11 @@ def _insert_corners(
 
 def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
     """Return the heights of corners whose straight lines are nearest to a force."""
-    onto = _project_columns(time, corners, force[:, None])[:, 0]
+    force_projection = _project_columns(time, corners, force[:, None])[:, 0]
     gram = _compute_gram(time, corners)
     # a corner between which and its neighbours no reading lies has no height of its own
     gram[np.diag_indices_from(gram)] += _SINGULAR * float(np.diag(gram).max())
-    return np.asarray(np.linalg.solve(gram, onto))
+    return np.asarray(np.linalg.solve(gram, force_projection))
 
 
 def _locate_readings(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
@@ -347,14 +350,14 @@ def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
 
 
 def _make_step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
-    word = "N" if unit == "N/m" else "Pa"
+    unit_name = "N" if unit == "N/m" else "Pa"
     start_text = (
-        f"the load of {held_load.level:.4g} {word} rises from {held_load.onset:.5g} s "
+        f"the load of {held_load.level:.4g} {unit_name} rises from {held_load.onset:.5g} s "
         "and is held from "
     )
     message = (
         f"{start_text}{held_load.ramp_end:.5g} to {held_load.hold_end:.5g} s, after "
-        f"{held_load.preload:.3g} {word} of "
+        f"{held_load.preload:.3g} {unit_name} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
     options = (("force turned", str(held_load.sign)), ("displacement turned", str(sign)))

@@ -87,12 +87,12 @@ def compute_relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -
     ratio = value / first[:, None]
     log_k = -ratio / rho[:, None] - (slope - second[:, None] * ratio) / first[:, None]
     k = -1 / (rho * first)
-    at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
+    value_at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
     viscous = np.concatenate(([0.0], x, -weight, [1.0]))
     k_inf = 0.0 if creep.flow > 0 else 1 / creep.equilibrium
     b = 0.0 if creep.glass > 0 else 1 / (creep.flow + float(weight.sum()))
     return np.vstack(
-        (-(k_inf**2) * at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
+        (-(k_inf**2) * value_at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
     )
 
 

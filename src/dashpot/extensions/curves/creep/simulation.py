@@ -106,8 +106,11 @@ def simulate_creep(
     position = rig.gap + model.displacement(time, force)
     random = np.random.default_rng(seed)
     measured = position + rig.position_noise * random.standard_normal(len(time))
-    displacement, read = round_to_quantum(measured, rig.encoder), rig.read(time, force, random)
-    test = CreepTest(time, displacement, read, specimen=specimen, units="SI")
+    displacement, recorded_force = (
+        round_to_quantum(measured, rig.encoder),
+        rig.read(time, force, random),
+    )
+    test = CreepTest(time, displacement, recorded_force, specimen=specimen, units="SI")
     truth = CreepTruth(
         load, ramp_time, hold_time, recovery_time, model=model, rig=rig, seed=seed,
         displacement=position, force=force, climate=climate,

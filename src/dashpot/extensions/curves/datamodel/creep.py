@@ -101,8 +101,8 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
-        text, pushed = _ARE[self.unit]
-        return collect_arrays(self, time="s", displacement=text, force=pushed)
+        motion_quantity, load_quantity = _ARE[self.unit]
+        return collect_arrays(self, time="s", displacement=motion_quantity, force=load_quantity)
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -273,8 +273,10 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """Displacement and force over time, and the load without noise."""
-        text, pushed = _ARE[self.unit]
-        return collect_arrays(self, time="s", displacement=text, force=pushed, load=pushed)
+        motion_quantity, load_quantity = _ARE[self.unit]
+        return collect_arrays(
+            self, time="s", displacement=motion_quantity, force=load_quantity, load=load_quantity
+        )
 
     @property
     def step(self) -> float:

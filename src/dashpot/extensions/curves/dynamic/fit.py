@@ -229,7 +229,7 @@ def fit_dynamic(
         end = _limit_end(data, curve, selection, tau)
         band, band_error = find_band(selection.solid, tau)
     other = family_choice.alternative(band, BY_SWEEPS)
-    of_data = (
+    data_checks = (
         kramers_kronig(compute_passive_misfit(data)),
         loss_positive(data),
         instrument_stiff(data),
@@ -256,7 +256,7 @@ def fit_dynamic(
             selection.certificate,
             checks=(
                 selection.convergence_check,
-                *of_data,
+                *data_checks,
                 *check_temperature(data.specimen),
                 *_run_checks(
                     selection, data, records, end, [n for item in sets for n in item.record_dof]
@@ -281,7 +281,7 @@ def fit_dynamic(
     if records or arms != "auto" or dashpot or fit_with_few_arms.family != "maxwell":
         return fit_with_few_arms
     return dense_spectrum_if_needed(
-        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), of_data,
+        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), data_checks,
         find_band=lambda model: find_band(model, model.tau),
     )  # fmt: skip
 
@@ -519,7 +519,7 @@ def _run_checks(
     if records:
         shortest = min(shortest, *(2 * float(np.diff(record.time).min()) for record in records))
         longest = max(longest, *(record.hold_time for record in records))
-    of_arms = (
+    arm_checks = (
         []
         if isinstance(selection, FractionalFit)
         else [
@@ -533,11 +533,11 @@ def _run_checks(
         ]
     )
     fastest = float(model.complex_stiffness(omega=data.omega.max()).real)
-    extra = "Sweep to lower frequencies."
+    sweep_advice = "Sweep to lower frequencies."
     all_checks = [
-        *of_arms,
+        *arm_checks,
         *run_plateau_checks(
-            model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra
+            model, float(error[0]), end, unit=data.unit, first=fastest, extra=sweep_advice
         ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),

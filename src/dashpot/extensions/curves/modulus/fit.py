@@ -226,8 +226,8 @@ def _find_band(
     """
     if curve is None:
         return band, None
-    early = BeforeCurve(curve, float(t[t > 0][0]), model)
-    spectra = find_admissible_spectra(early, time=_get_window(t)[1], extra=model.tau)
+    extended_curve = BeforeCurve(curve, float(t[t > 0][0]), model)
+    spectra = find_admissible_spectra(extended_curve, time=_get_window(t)[1], extra=model.tau)
     band, error = find_band_with_shift_errors(spectra, model, band, origin=origin)
     if error is not None:
         # a curve shows its modulus alone

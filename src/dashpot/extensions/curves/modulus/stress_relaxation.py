@@ -62,14 +62,14 @@ def convert_to_material(fit: Fit) -> Fit:
         (("length_m", repr(UNIT_LENGTH)), ("area_m2", repr(UNIT_AREA))),
         "strain and stress fitted as the test of a specimen of 1 mm by 1 mm²: MPa are its N/mm",
     )
-    scaled = scale_stiffness(fit, UNIT_LENGTH / UNIT_AREA, step)
+    material_fit = scale_stiffness(fit, UNIT_LENGTH / UNIT_AREA, step)
     residual = fit.estimate.residual
     return replace(
-        scaled,
+        material_fit,
         unit="Pa",
         elastic_law=None,
         estimate=replace(
-            scaled.estimate,
+            material_fit.estimate,
             residual=replace(
                 residual, sse=residual.sse / UNIT_AREA**2, rms=residual.rms / UNIT_AREA, unit="Pa"
             ),
@@ -81,8 +81,8 @@ def convert_to_material(fit: Fit) -> Fit:
             orders=tuple(
                 replace(order, sse=order.sse / UNIT_AREA**2) for order in fit.evidence.orders
             ),
-            end_of_hold=scaled.evidence.end_of_hold,
-            alternative=scaled.evidence.alternative,
+            end_of_hold=material_fit.evidence.end_of_hold,
+            alternative=material_fit.evidence.alternative,
         ),
     )
 

@@ -63,7 +63,7 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     cycle = cld.cycle
     rows = find_loaded_samples(cld)
     law, residual = fit_law_through(cld.compression[rows], e[rows], depth=cycle.depth)
-    raw = cycle.hysteresis
+    measured_hysteresis = cycle.hysteresis
     fraction = None if cycle.unloading is None else _compute_loss_fraction(cld, cycle.unloading, e)
     first, last = (_compute_common_force(cld, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
@@ -83,11 +83,11 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         _add_ratio_errors(law, variant_laws),
         relaxation,
         residual,
-        raw,
+        measured_hysteresis,
         fraction,
         1 - last / first,
         (
-            checks.relaxation_explains_hysteresis(raw, fraction),
+            checks.relaxation_explains_hysteresis(measured_hysteresis, fraction),
             checks.stroke_within_relaxation_times(stroke, fit.band),
             *(check for fit in fits for check in _check_relaxed_force(cld, law, fit)),
             *(
@@ -220,9 +220,11 @@ def average_slope(slope: FloatArray, knots: FloatArray) -> float:
 def _compute_loss_fraction(cld: CLD, unloading: Branch, e: FloatArray) -> float:
     """Return the part of the energy that relaxed forces lose over the chosen cycle in contact."""
     rows = find_loaded_samples(cld)
-    released = rows >= unloading.first
+    is_unloading = rows >= unloading.first
     x = cld.compression
-    common_compression = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
+    common_compression = max(
+        float(x[rows[~is_unloading]].min()), float(x[rows[is_unloading]].min())
+    )
     work_in, work_out = (
         float(np.trapezoid(e[branch.samples], np.maximum(branch.compression, common_compression)))
         for branch in (cld.loading, unloading)

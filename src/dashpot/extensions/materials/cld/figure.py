@@ -184,7 +184,7 @@ def _make_line(result: CLD, branch: Branch, pen: Pen, label: str) -> Line:
         x, y = x[::-1], y[::-1]
     # bins need a rising x: noise makes a few readings fall
     order = np.argsort(x, kind="stable")
-    thinned: tuple[FloatArray, FloatArray] = downsample_to_extremes(
+    downsampled_line: tuple[FloatArray, FloatArray] = downsample_to_extremes(
         convert_to_unit(x[order], "mm"), result.per * y[order], bins=300
     )
-    return Line(*thinned, pen, label)
+    return Line(*downsampled_line, pen, label)

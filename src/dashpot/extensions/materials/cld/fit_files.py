@@ -78,11 +78,11 @@ def apply_elastic_law(
         f"elastic law of compression load deflection to {format_quantity(law.depth, 'mm')}: "
         f"stiffnesses there {factor:.4g} times the secant of fit {fit._identity}",
     )
-    scaled = scale_stiffness(fit, factor, step)
+    scaled_fit = scale_stiffness(fit, factor, step)
     return replace(
-        scaled,
-        elastic_law=replace(law, stiffness=scaled.model.k_inf),
-        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks), end_of_hold=None),
+        scaled_fit,
+        elastic_law=replace(law, stiffness=scaled_fit.model.k_inf),
+        evidence=replace(scaled_fit.evidence, checks=(*fit.checks, *checks), end_of_hold=None),
     )
 
 
@@ -120,8 +120,8 @@ class SpecimenStatistics:
             half_width = t_quantile(0.95, self.count - 1) * self.deviation / math.sqrt(self.count)
         interval = self.mean - half_width, self.mean + half_width
         unit = self.unit or "1"
-        read = "" if self.unit else "%"
-        return ReportedValue(self.name, self.mean, *interval, unit, read=read)
+        display_unit = "" if self.unit else "%"
+        return ReportedValue(self.name, self.mean, *interval, unit, read=display_unit)
 
 
 @dataclass(frozen=True, repr=False)

@@ -228,8 +228,8 @@ def _has_determined_arms(
 
 def downsample_record(cld: CLD, knots: FloatArray, *, offset: float = 0.0) -> DownsampledRecord:
     """Return means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
-    last = cld.unloading or cld.loading
-    stop = last.samples.stop
+    last_stroke = cld.unloading or cld.loading
+    stop = last_stroke.samples.stop
     rows = np.zeros(len(cld.force), dtype=bool)
     rows[find_loaded_samples(cld)] = True
     rows &= cld.compression <= 1.005 * knots[-1]

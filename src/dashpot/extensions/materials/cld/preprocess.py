@@ -211,8 +211,8 @@ def _with_delay(
             for point, (loading, unloading, slope) in zip(points, at.reshape(-1, 3), strict=True)
         ]
     )
-    widened = tuple(None if mark is None else next(new_points) for mark in marks)
-    return new_cycles._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
+    shifted_marks = tuple(None if mark is None else next(new_points) for mark in marks)
+    return new_cycles._replace(cycles=cycles), shifted_marks  # type: ignore[return-value]  # the same three
 
 
 def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
@@ -221,8 +221,8 @@ def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
     steps = np.concatenate([np.diff(np.maximum(branch.compression, 0.0)) for branch in branches])
     scatter = zero.noise * float(np.linalg.norm(steps))
     # a zero that is off adds as much to both works
-    shared = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
-    return float(np.hypot(scatter, shared)) / cycle.energy
+    zero_error_term = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
+    return float(np.hypot(scatter, zero_error_term)) / cycle.energy
 
 
 def _evaluate_record_cycle(
@@ -251,21 +251,23 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
     if not zero.comes_through_air:
         _refuse_loops(float(-x.min()), max(depths), rated=test.time is not None)
-    excess = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
+    max_extrapolation = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
     if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _MIN_COMPLETE_SHARE * max(depths):
         pairs, depths = pairs[:-1], depths[:-1]
     common = _COMMON_DEPTH_SHARE * min(depths)
-    cycles, uneven = [], []
+    cycles, speed_variations = [], []
     for number, (loading, unloading) in enumerate(pairs, start=1):
         speed = relative_variation = None
         if test.time is not None:
             speed, relative_variation = measure_speed(clock[loading.samples], x[loading.samples])
         cycles.append(
             _make_cycle(x, force, number, loading, unloading, zero=zero, common_depth=common,
-                   max_extrapolation=excess, speed=speed)
+                   max_extrapolation=max_extrapolation, speed=speed)
         )  # fmt: skip
-        uneven.append(relative_variation)
-    return _RecordCycles(tuple(cycles), zero, excess, common, tuple(uneven), x, force)
+        speed_variations.append(relative_variation)
+    return _RecordCycles(
+        tuple(cycles), zero, max_extrapolation, common, tuple(speed_variations), x, force
+    )
 
 
 def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:

@@ -119,8 +119,8 @@ def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
 def _select_moving_samples(record: DownsampledRecord) -> BoolArray:
     """Return the samples of the chosen cycle in contact, but for those beside a turning point."""
     direction = np.sign(record.velocity)
-    steady = (direction == np.roll(direction, 1)) & (direction == np.roll(direction, -1))
-    values = np.asarray(record.is_in_contact & steady)
+    is_steady = (direction == np.roll(direction, 1)) & (direction == np.roll(direction, -1))
+    values = np.asarray(record.is_in_contact & is_steady)
     values[: record.first_sample] = False
     return values
 

@@ -69,7 +69,7 @@ def find_zero(
     that is a preload, and is left.
     """
     noise = max(estimate_robust_scatter(clock, force), find_quantum(force) / 12**0.5)
-    rested = first.first + 1 >= _MIN_REST_SAMPLES
+    has_rest = first.first + 1 >= _MIN_REST_SAMPLES
     start = slice(0, first.first + 1)
     level, rest_position, top = (
         median(force[start]),
@@ -84,7 +84,7 @@ def find_zero(
         rest_position=rest_position,
         level=top,
         least_gap=max(2 * resolution, 1e-3 * (top - rest_position)),
-        is_rested=rested,
+        is_rested=has_rest,
     )
     if first_contact.gap > _SIGNIFICANT_AIR * first_contact.standard_error:
         margin = max(3 * first_contact.standard_error, resolution)

@@ -334,10 +334,10 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
 
 def _list_oven_sets(kelvin: float, hottest: float, count: int) -> Iterator[tuple[float, ...]]:
     """Iterate over oven temperatures: the hottest is given, the coldest is near that of use."""
-    furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hottest - kelvin))
+    max_distance = max(checks.MAX_EXTRAPOLATION, 0.25 * (hottest - kelvin))
     inner = np.arange(hottest - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
-        is_near = cooler[0] - kelvin <= furthest
+        is_near = cooler[0] - kelvin <= max_distance
         if is_near and all(np.diff((*cooler, hottest)) >= _MIN_DISTANCE - 1e-6):
             yield (*cooler, hottest)
 
@@ -371,7 +371,7 @@ def _choose_design(
     """
     kelvin, part = temperature_and_fraction
     gradient = test.compute_life_gradient(kelvin, part)
-    ranked = []
+    ranked_designs = []
     for temperatures in _list_oven_sets(kelvin, hottest, count):
         ovens = PlannedOvens(test, temperatures)
         design = _allocate(ovens, gradient, target, _MAX_SPECIMENS)
@@ -384,13 +384,13 @@ def _choose_design(
         is_sensitive = checks.robust_to_lower_activation_energy(
             change, LOWER, temperatures[0]
         ).failed
-        ranked.append((rank, is_sensitive, design._replace(significance=significance)))
-    if not ranked:
+        ranked_designs.append((rank, is_sensitive, design._replace(significance=significance)))
+    if not ranked_designs:
         raise DataError("no ovens fit between the temperature of use and the hottest oven")
-    rank, _, best = min(ranked)
+    rank, _, best = min(ranked_designs)
     robust = [
         (other, design)
-        for other, is_sensitive, design in ranked
+        for other, is_sensitive, design in ranked_designs
         if not is_sensitive and other[:2] == rank[:2] and other[3] <= _ROBUST_COST * rank[3]
     ]
     return min(robust)[1] if robust else best
@@ -406,8 +406,8 @@ def _list_alternatives(
         sd = PlannedOvens(other, design.temperatures).compute_life_sd(design.specimens, gradient)
         return AgingAlternative(change, sum(design.specimens), sd)
 
-    doubled = best._replace(specimens=tuple(2 * n for n in best.specimens))
-    yield compare("twice as many specimens", test, doubled)
+    doubled_design = best._replace(specimens=tuple(2 * n for n in best.specimens))
+    yield compare("twice as many specimens", test, doubled_design)
     longer_test = replace(test, last_reading_time=2 * test.last_reading_time)
     yield compare(
         f"{format_quantity(longer_test.last_reading_time, 'h', '.4g')} in the ovens", longer_test

@@ -153,7 +153,7 @@ def predict_aging(
             "more ovens together with it, or ask for the temperature of the oven"
         )
     questions = _parse_questions(until) or ("50%",)
-    furthest = max(
+    latest_time = max(
         _compute_question_time(law, temperature, *_parse_end(question)) for question in questions
     )
     changes = [
@@ -164,11 +164,11 @@ def predict_aging(
         robust_to_lower_activation_energy(
             max((change for change in changes if change is not None), default=None), LOWER, coldest
         ),
-        time_near_readings(math.log10(furthest / aging.longest), aging.longest),
+        time_near_readings(math.log10(latest_time / aging.longest), aging.longest),
         end_point_reached(*count_ovens_at_end_point(aging, questions)),
         aging_answer_known(_find_widest(aging, temperature, questions)),
     )
-    return Aged(aging, temperature, questions, furthest, (*checks, *aging.checks))
+    return Aged(aging, temperature, questions, latest_time, (*checks, *aging.checks))
 
 
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
@@ -492,20 +492,20 @@ def scale_for_aging(
         (("left", repr(factor.value)), ("of", fit._identity)),
         f"{factor.value:.4g} of fit {fit._identity} is left {condition}",
     )
-    scaled = scale_stiffness(fit, factor.value, step)
+    scaled_fit = scale_stiffness(fit, factor.value, step)
     values = {item.name: item.value for item in fit.estimate.list_values(fit.solid, fit.unit)}
     k = np.array([values.get(name, 0.0) for name in fit.estimate.parameters])
-    estimate, factor_covariance = scaled.estimate, error**2 * np.outer(k, k)
+    estimate, factor_covariance = scaled_fit.estimate, error**2 * np.outer(k, k)
     noise_covariance = (
         None if estimate.noise_covariance is None else estimate.noise_covariance + factor_covariance
     )
     return replace(
-        scaled,
+        scaled_fit,
         estimate=replace(
             estimate,
             covariance=estimate.covariance + factor_covariance,
             noise_covariance=noise_covariance,
             profiles=(),
         ),
-        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks)),
+        evidence=replace(scaled_fit.evidence, checks=(*fit.checks, *checks)),
     )

@@ -46,11 +46,11 @@ def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOpt
     if not (clock or is_stated):
         return None
     read_options = clock or options
-    pushed = _has_role(table, "force", read_options)
+    has_force = _has_role(table, "force", read_options)
     ratios = [number for number, column in columns if is_ratio(column)]
-    if not (pushed or ratios):
+    if not (has_force or ratios):
         return None
-    if pushed or options.force:
+    if has_force or options.force:
         return read_options
     return replace(read_options, force=ratios[0], units={**dict(read_options.units), "force": "N"})
 

@@ -160,7 +160,7 @@ class _FittedImpacts:
                 problem.shared_parameter_count - 2 : problem.shared_parameter_count
             ]
         )
-        reported = [
+        reported_values = [
             self._make_reported_value(
                 "loss_factor", self.loss_factor, 0, f"loss factor at {frequency:.3g} Hz"
             ),
@@ -171,7 +171,7 @@ class _FittedImpacts:
             loss_without_arm = uncertainty.derive_quantity(
                 lambda values: self._compute_loss_factor(values, with_arm=False)
             )
-            reported.insert(
+            reported_values.insert(
                 1,
                 self._make_reported_value(
                     "loss_before", loss_without_arm, 0, "loss factor without the fast arm"
@@ -179,7 +179,7 @@ class _FittedImpacts:
             )
         checks = self._run_checks()
         return DropFit(
-            frequency, tuple(reported), self.impacts, problem.mass,
+            frequency, tuple(reported_values), self.impacts, problem.mass,
             self._build_specimen_fit(checks),
             checks, list_sources(self.records),
         )  # fmt: skip

@@ -170,8 +170,8 @@ class DropProblem:
         # a trial law that pulls runs away, and is refused for it
         with np.errstate(over="ignore", invalid="ignore"):
             x, v, force, relaxed_force = integrate_impact(masses, self.step, STEPS)
-        released = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
-        return x, v, np.where(released, 0.0, force), relaxed_force
+        is_released = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
+        return x, v, np.where(is_released, 0.0, force), relaxed_force
 
     def compute_forces(self, theta: FloatArray) -> list[FloatArray]:
         """Return the modelled force of every impact."""
@@ -193,36 +193,37 @@ class DropProblem:
 
     def compute_jacobian(self, theta: FloatArray) -> FloatArray:
         """Return the derivatives of all forces by theta, by central differences."""
-        shared, impact_count = self.shared_parameter_count, len(self.impacts)
+        shared_count, impact_count = self.shared_parameter_count, len(self.impacts)
         scale = np.array([parameter.scale for parameter in self.parameters])
         # up and down of the shared parameters, and of the impact's speed
-        steps = np.zeros((2 * (shared + 1), shared + 1))
-        steps[: shared + 1] = np.eye(shared + 1)
-        steps[shared + 1 :] = -np.eye(shared + 1)
+        steps = np.zeros((2 * (shared_count + 1), shared_count + 1))
+        steps[: shared_count + 1] = np.eye(shared_count + 1)
+        steps[shared_count + 1 :] = -np.eye(shared_count + 1)
         steps *= _DIFFERENCE_STEP
-        motions_per_impact = 2 * (shared + 1) + 1
-        rows = np.repeat(theta[None, :shared], motions_per_impact * impact_count, axis=0)
+        motions_per_impact = 2 * (shared_count + 1) + 1
+        rows = np.repeat(theta[None, :shared_count], motions_per_impact * impact_count, axis=0)
         speed = np.repeat(self.select_speeds(theta), motions_per_impact)
         acceleration = np.repeat(self.gravity_accelerations, motions_per_impact)
         for i in range(impact_count):
             block = slice(i * motions_per_impact + 1, (i + 1) * motions_per_impact)
-            rows[block] += steps[:, :shared] * scale[:shared]
-            speed[block] += steps[:, shared] * scale[shared + 2 * i]
+            rows[block] += steps[:, :shared_count] * scale[:shared_count]
+            speed[block] += steps[:, shared_count] * scale[shared_count + 2 * i]
         force = self.integrate_motion(rows, speed, acceleration)[2]
         J = []
         for i, hit in enumerate(self.impacts):
             time = hit.time - self.select_contact_times(theta)[i]
             values = np.zeros((len(time), len(theta)))
             unchanged_force = force[:, i * motions_per_impact]
-            for j in range(shared + 1):
+            for j in range(shared_count + 1):
                 increased, decreased = (
-                    force[:, i * motions_per_impact + 1 + j + k * (shared + 1)] for k in (0, 1)
+                    force[:, i * motions_per_impact + 1 + j + k * (shared_count + 1)]
+                    for k in (0, 1)
                 )
-                column = j if j < shared else shared + 2 * i
+                column = j if j < shared_count else shared_count + 2 * i
                 values[:, column] = self.sample_force(increased - decreased, time) / (
                     2 * _DIFFERENCE_STEP * scale[column]
                 )
-            values[:, shared + 2 * i + 1] = -self.sample_force(
+            values[:, shared_count + 2 * i + 1] = -self.sample_force(
                 np.gradient(unchanged_force, self.step), time
             )
             J.append(values / hit.noise)

@@ -245,16 +245,16 @@ def simulate_impacts(
         np.array([model.k_inf for model in models]), k, tau, b if b.any() else None, law.factor,
     )  # fmt: skip
     contact_time = _estimate_contact_time(masses, models[0], law)
-    rough = integrate_impact(
+    coarse_motion = integrate_impact(
         masses, contact_time / _ROUGH_STEPS, int(_LONGEST_CONTACT * _ROUGH_STEPS)
     )
-    released = (rough.force <= 0) & (rough.v <= 0)
-    if not released[-1].all():
+    is_released = (coarse_motion.force <= 0) & (coarse_motion.v <= 0)
+    if not is_released[-1].all():
         raise DataError(
             f"the mass is still on the specimen after {_LONGEST_CONTACT:g} times the time of an "
             "elastic contact: it does not rebound. Expected a lighter mass, or a faster one"
         )
-    step = contact_time * int(released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
+    step = contact_time * int(is_released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
     fine_motion = integrate_impact(masses, step, 3 * _FINE_STEPS)
     motions = []
     for i, model in enumerate(models):

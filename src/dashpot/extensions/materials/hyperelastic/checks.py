@@ -54,13 +54,13 @@ def run_checks(
     use_range: Span | None,
 ) -> tuple[Check, ...]:
     """Return every check of a hyperelastic law."""
-    shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
+    shape_curves = [curve for curve in fit.curves if curve.mode != "volumetric"]
     worst_index = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
-    through = list(fit.curves) if foam else shaped
+    through = list(fit.curves) if foam else shape_curves
     flexible = compute_best_stable_misfit(through, fit.law.poisson)
     # of a foam that is known to be one its own ratio has been tried
-    best_stable_misfit = math.inf if foam else compute_best_stable_misfit(shaped, 0.0)
+    best_stable_misfit = math.inf if foam else compute_best_stable_misfit(shape_curves, 0.0)
     stretch_ranges = dict(fit.reach)
     min_drucker, location = least_drucker(fit.law, stretch_ranges)
     half_widths = times * quantity.standard_error[: len(fit.law.constants)]
@@ -80,13 +80,13 @@ def run_checks(
         ),
         stable_in_use(min_drucker, location, fit.stable),
         modes_enough(
-            len({curve.mode for curve in shaped}),
-            has_two_modes=_has_both_directions(shaped),
+            len({curve.mode for curve in shape_curves}),
+            has_two_modes=_has_both_directions(shape_curves),
             foam=foam,
         ),
         unmeasured_modes_determined(*_find_mode_error(fit, selected, candidates, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, selected.rms))),
-        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, use_range)),
+        use_range_measured(_compute_extrapolation_ratio(shape_curves, fit.law.poisson, use_range)),
         constants_determined(
             fit.law.constant_names[widest_index], float(half_widths[widest_index]) / largest
         ),
@@ -100,7 +100,7 @@ def run_checks(
         labels_agree(*_find_other_label(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
         strain_measured_on_specimen(
-            tuple({curve.mode: None for curve in shaped if _is_motion_of_machine(curve)})
+            tuple({curve.mode: None for curve in shape_curves if _is_motion_of_machine(curve)})
         ),
         bulk_modulus_determined(is_known=fit.law.bulk_modulus is not None),
     )
@@ -232,13 +232,13 @@ def _find_better_scale(
     result: tuple[float, float, str] = (best, 0.0, "")
     for mode in modes if best > SMALL_RESIDUAL else ():
         for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
-            scaled = [
+            scaled_fits = [
                 replace(curve, stress=curve.stress * math.exp(size))
                 if curve.mode == mode
                 else curve
                 for curve in curves
             ]
-            result = min(result, (compute_best_stable_misfit(scaled, poisson), size, mode))
+            result = min(result, (compute_best_stable_misfit(scaled_fits, poisson), size, mode))
     remainder, size, kind_index = result
     return best / max(remainder, SMALL_RESIDUAL), math.expm1(size), kind_index
 

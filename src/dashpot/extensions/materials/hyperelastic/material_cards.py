@@ -391,10 +391,10 @@ def _write_hill_foam(card: _Card, density: float) -> Body:
 
 def _list_eight_terms(card: _Card) -> list[str]:
     """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
-    filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
+    terms = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
     return [
-        format_fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
-        format_fields(*(a for _, a in filled)),
+        format_fields(*(2 * mu / a if a else 0.0 for mu, a in terms)),
+        format_fields(*(a for _, a in terms)),
     ]
 
 

@@ -16,8 +16,8 @@ def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
     unstated = () if hyperelastic_fit.temperature is not None else ("temperature",)
     if hyperelastic_fit.law.bulk_modulus is not None:
         return DeckTerms(None, allowed_unknowns=unstated)
-    untested = "the change of volume was not tested. Give a bulk modulus when you export it"
-    return DeckTerms(None, allowed_unknowns=unstated, reason=untested)
+    untested_note = "the change of volume was not tested. Give a bulk modulus when you export it"
+    return DeckTerms(None, allowed_unknowns=unstated, reason=untested_note)
 
 
 def page(hyperelastic_fit: HyperelasticFit) -> KindPage:

@@ -104,12 +104,12 @@ def _choose_loading(stretch: FloatArray, stress: FloatArray, cycle: int | None) 
 
 def _find_loadings(strain_size: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
     """Return the whole loadings; any, where none is whole."""
-    inward = [stroke for stroke in strokes if stroke.inward]
+    loading_strokes = [stroke for stroke in strokes if stroke.inward]
     complete_strain = _WHOLE_SHARE * float(strain_size.max())
     # a record that only comes back is one way, too
     return (
-        [stroke for stroke in inward if strain_size[stroke.last] >= complete_strain]
-        or inward
+        [stroke for stroke in loading_strokes if strain_size[stroke.last] >= complete_strain]
+        or loading_strokes
         or list(strokes[:1])
     )
 

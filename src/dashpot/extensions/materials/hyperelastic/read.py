@@ -114,12 +114,13 @@ def _refuse_relaxation(
         stress_at_start
     ):
         return
-    elongated, pushed = channels_chosen[-2:]
+    strain_channel, stress_channel = channels_chosen[-2:]
     columns = file.table.columns
     lengths = ",".join(
         f"{role}={'' if size == 1 else f'{size:.6g}'}{word}"
         for role, size, word in (
-            ("displacement", elongated.unit.factor, "mm"), ("force", pushed.unit.factor / 1e6, "N")
+            ("displacement", strain_channel.unit.factor, "mm"), ("force", stress_channel.unit.factor
+            / 1e6, "N")
         )
     )  # fmt: skip
     raise ReadError(
@@ -127,8 +128,8 @@ def _refuse_relaxation(
         f"{100 * is_held.mean():.0f} % of the record while its stress falls, and a law of stress "
         "over strain would take the ramp alone. Fit its moduli, in MPa: --kind modulus. For N/mm "
         "of a specimen, give multiples of these, which are of 1 mm by 1 mm²: --column "
-        f'displacement="{handle(columns, elongated.index)}" --column '
-        f'force="{handle(columns, pushed.index)}" --units "{lengths}". '
+        f'displacement="{handle(columns, strain_channel.index)}" --column '
+        f'force="{handle(columns, stress_channel.index)}" --units "{lengths}". '
         "To fit its ramp nevertheless: --kind stress-strain"
     )
 
@@ -155,12 +156,14 @@ def refuse_sizes(
     ------
     ReadError
     """
-    stretched, stressed = channels_chosen[-2:]
+    strain_channel, stress_channel = channels_chosen[-2:]
     max_stress = float(np.abs(stress).max(initial=0.0))
-    answers = [(stressed, [stress_of_a_rubber(max_stress, stressed.unit.word)])]
+    answers = [(stress_channel, [stress_of_a_rubber(max_stress, stress_channel.unit.word)])]
     if strain is not None:
         max_strain = float(np.abs(strain).max(initial=0.0))
-        answers.insert(0, (stretched, [strain_of_a_rubber(max_strain, stretched.unit.word)]))
+        answers.insert(
+            0, (strain_channel, [strain_of_a_rubber(max_strain, strain_channel.unit.word)])
+        )
     channels.refuse_sizes(file, answers)
 
 

@@ -286,20 +286,20 @@ class Hyperelastic:
     def _first_unstable(self, mode: Mode, sign: float) -> float | None:
         # the path itself sits between 1 / MAX_STRETCH and MAX_STRETCH in the imposed direction
         e = sign * np.linspace(0.0, math.log(MAX_STRETCH), _SCAN_POINTS)
-        failed = np.flatnonzero(self.drucker(mode, np.exp(e)) <= 0)
-        if not failed.size:
+        unstable_indices = np.flatnonzero(self.drucker(mode, np.exp(e)) <= 0)
+        if not unstable_indices.size:
             return None
-        high = int(failed[0])
+        high = int(unstable_indices[0])
         if high == 0:
             return 1.0
-        stable_strain, outside = float(e[high - 1]), float(e[high])
+        stable_strain, unstable_strain = float(e[high - 1]), float(e[high])
         for _ in range(40):
-            midpoint = 0.5 * (stable_strain + outside)
+            midpoint = 0.5 * (stable_strain + unstable_strain)
             if self.drucker(mode, math.exp(midpoint)) > 0:
                 stable_strain = midpoint
             else:
-                outside = midpoint
-        return math.exp(outside)
+                unstable_strain = midpoint
+        return math.exp(unstable_strain)
 
     # -- the energy and its derivatives ---------------------------------------------------------
 

@@ -77,11 +77,11 @@ class Law:
     def parameters(self, duration: float, change: float) -> list[Parameter]:
         """Return the range of each, but for the touch."""
         value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starting_values)]
-        first, last = np.log((duration, change))
+        log_duration, log_change = np.log((duration, change))
         ranges = [
-            [first - _LOG_RANGE, first + _LOG_RANGE],
+            [log_duration - _LOG_RANGE, log_duration + _LOG_RANGE],
             *value,
-            [last - _LOG_RANGE, last + _LOG_RANGE],
+            [log_change - _LOG_RANGE, log_change + _LOG_RANGE],
         ]
         return [Parameter(float(low), float(high)) for low, high in ranges]
 
@@ -89,8 +89,10 @@ class Law:
         self, duration: float, values: Sequence[float], change: float
     ) -> FloatArray:
         """Return the parameters, but for the touch."""
-        first, last = np.log((duration, change))
-        return np.array([first, *np.arcsinh(values / _ARSINH_UNITS[: len(values)]), last])
+        log_duration, log_change = np.log((duration, change))
+        return np.array(
+            [log_duration, *np.arcsinh(values / _ARSINH_UNITS[: len(values)]), log_change]
+        )
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
         """Return time unit, coefficients of the law and speed from the parameters."""
@@ -210,12 +212,12 @@ def simulate_sensor_signal(
         np.maximum(time_since_touch - end, 0.0),
     )
     # in flight with the speed of approach, or of release
-    slowed = push / hit.mass - hit.pull
+    acceleration = push / hit.mass - hit.pull
     if motion == "velocity":
         speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
             time_before + time_after
         )
-        return Recorded(-speed, slowed, -time_since_touch * slowed)
+        return Recorded(-speed, acceleration, -time_since_touch * acceleration)
     displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
     speed += hit.pull * (time_before + time_after)
     displacement += hit.velocity[0] * time_before + hit.velocity[-1] * time_after

@@ -45,8 +45,8 @@ def run_checks(
         float(time_since_touch[-1] / T - 1),
     )
     size = float(np.ptp(fit.modelled)) or 1.0
-    scarce = fit.noise < _NOISELESS_SHARE * size
-    relative = fit.residual * size / fit.noise if not scarce else None
+    is_noiseless = fit.noise < _NOISELESS_SHARE * size
+    relative = fit.residual * size / fit.noise if not is_noiseless else None
     stated_velocity = test.indenter.stated_velocity
     names = [
         reported_value
@@ -57,7 +57,7 @@ def run_checks(
     worst = max(
         bounded_values, key=lambda reported_value: reported_value.high / reported_value.value
     )
-    bounded = ", ".join(
+    bounded_names = ", ".join(
         f"{name.name.replace('_', ' ')} is below {name.high:.3g} {name.unit}".strip()
         for name in names
         if name.low == 0
@@ -70,7 +70,10 @@ def run_checks(
         law_residual_small(relative, fit.residual),
         no_adhesion_on_release(*_compute_undershoot(fit, size)),
         parameters_determined(
-            worst.name, worst.high / worst.value, bounded, leading_factor=_get_widest_interval(fit)
+            worst.name,
+            worst.high / worst.value,
+            bounded_names,
+            leading_factor=_get_widest_interval(fit),
         ),
         laws_agree(fit, other_laws),
         velocity_agrees(fit["impact_velocity"].value, stated_velocity),
@@ -122,8 +125,10 @@ def _noise_correlation_fraction(fit: IndentationFit, step: float) -> float | Non
     if len(residual) < 24 or fit.noise < _NOISELESS_SHARE * float(np.ptp(fit.modelled)):
         return None
     residual = residual - residual.mean()
-    rough = float(np.sum(np.diff(residual) ** 2) / np.sum(residual**2))  # 2 where it is white
-    correlation = min(max(1 - rough / 2, 0.0), 0.999)
+    difference_ratio = float(
+        np.sum(np.diff(residual) ** 2) / np.sum(residual**2)
+    )  # 2 where it is white
+    correlation = min(max(1 - difference_ratio / 2, 0.0), 0.999)
     return -step / np.log(correlation) / fit.duration if correlation > 0 else 0.0
 
 

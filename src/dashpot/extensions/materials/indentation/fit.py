@@ -226,7 +226,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         item for item in candidates[1:] if scores[item.name] - scores[best.name] < _DECISIVE_BIC
     ]
     other_laws = [(item.name, _make_contact_facts(window, item)) for item in close_laws]
-    fitted = IndentationFit(
+    indentation_fit = IndentationFit(
         best.name, best.contact, reported_values, tuple((item.name,
         scores[item.name]) for item in candidates),
         test.indenter, test.of, window.time[window.is_used] - touch_time,
@@ -234,14 +234,14 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         best.model, noise, remainder / size, touch_time, best.collision.duration, (), test.source,
     )  # fmt: skip
     checked_checks = checks.run_checks(
-        fitted,
+        indentation_fit,
         best.collision,
         test,
         contact=window.contact,
         clipped_count=window.clipped_count,
         other_laws=other_laws,
     )
-    return replace(fitted, checks=(*checked_checks, *caution_checks(list_sources([test]))))
+    return replace(indentation_fit, checks=(*checked_checks, *caution_checks(list_sources([test]))))
 
 
 def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | None) -> None:
@@ -265,7 +265,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     )
     time, signal = test.time[in_window], contact.sign * test.signal[in_window]
     mask = ~_detect_clipped_samples(signal, test.of)
-    clipped = int(np.count_nonzero(~mask))
+    clipped_count = int(np.count_nonzero(~mask))
     centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
     columns = {
         "acceleration": np.stack((np.ones(len(time)), centred), axis=1),
@@ -277,7 +277,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     if test.of == "velocity":
         scatter = float(np.std(np.diff(signal, 2))) / np.sqrt(6)
         prior[:] = scatter / (_VELOCITY_OFFSET * float(np.ptp(signal)) / 2)
-    return _NearHit(test, contact, time, signal, mask, clipped, mass, columns[mask], prior)
+    return _NearHit(test, contact, time, signal, mask, clipped_count, mass, columns[mask], prior)
 
 
 def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
@@ -285,10 +285,10 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
     if signal_name in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
     index = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
-    clipped = np.zeros(len(signal), dtype=bool)
+    is_clipped = np.zeros(len(signal), dtype=bool)
     if len(index) >= _MIN_CLIPPED_SAMPLES and index[-1] - index[0] < 2 * len(index):
-        clipped[index[0] : index[-1] + 1] = True
-    return clipped
+        is_clipped[index[0] : index[-1] + 1] = True
+    return is_clipped
 
 
 def _estimate_speed_change(window: _NearHit) -> float:
@@ -347,11 +347,14 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     best = min(optima, key=lambda optimum: optimum.cost)
     if len(law.starting_values) == 1:
         # where the force jumps, or rises as a root, a touch between two other samples is a valley
-        extra = np.outer(_CONTACT_SHIFTS, np.eye(len(best.theta))[-1]) * window.test.step
-        refined = full_problem.solve(
-            [*best.theta + extra], max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
+        shifted_starts = np.outer(_CONTACT_SHIFTS, np.eye(len(best.theta))[-1]) * window.test.step
+        refined_optimum = full_problem.solve(
+            [*best.theta + shifted_starts],
+            max_steps=_TRIES,
+            step_tolerance=_FLAT,
+            cost_tolerance=_FLAT,
         )
-        best = refined or best
+        best = refined_optimum or best
     return _estimate_law_errors(window, name, best, optima)
 
 
@@ -359,12 +362,12 @@ def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
     padded_values = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
-    beaten = np.zeros(cost.shape, dtype=bool)
+    has_lower_neighbour = np.zeros(cost.shape, dtype=bool)
     for axis in range(cost.ndim):
         for direction in (-1, 1):
-            beaten |= np.roll(padded_values, direction, axis)[inner] < cost
-    order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
-    return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
+            has_lower_neighbour |= np.roll(padded_values, direction, axis)[inner] < cost
+    order: list[int] = np.argsort(np.where(has_lower_neighbour, np.inf, cost), axis=None).tolist()
+    return order[: min(int(np.count_nonzero(~has_lower_neighbour)), _STARTS)]
 
 
 def _estimate_law_errors(
@@ -450,9 +453,9 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
     ])  # fmt: skip
     values = np.array([value for value, _ in derived_values.values()])
     (low, high), (_, upper_at_90) = ends(_LEVEL), ends(0.90)
-    bounded = losses & (low <= 0)
+    is_bounded = losses & (low <= 0)
     rows = zip(
-        derived_values.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded,
+        derived_values.items(), np.where(is_bounded, 0.0, low).tolist(), np.where(is_bounded,
         upper_at_90, high).tolist(),
         strict=True,
     )  # fmt: skip

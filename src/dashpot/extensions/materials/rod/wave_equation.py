@@ -332,9 +332,11 @@ def _estimate_scatter(lines: ComplexArray) -> FloatArray:
     """
     if len(lines) < 2 * _NEIGHBOUR_LINES:
         return np.zeros(len(lines))
-    rough = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
+    squared_differences = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
     kernel = np.ones(_NEIGHBOUR_LINES)
-    mean = np.convolve(rough, kernel, "same") / np.convolve(np.ones_like(rough), kernel, "same")
+    mean = np.convolve(squared_differences, kernel, "same") / np.convolve(
+        np.ones_like(squared_differences), kernel, "same"
+    )
     return np.sqrt(np.pad(mean, 1, mode="edge"))
 
 

@@ -103,11 +103,11 @@ def _pair_terms(number: str, material: _Material, option: str) -> tuple[tuple[fl
             "modulus and time"
         )
     pairs = list(zip(values[::2], values[1::2], strict=True))
-    said = material.counts.get(key)
-    if said is not None and said != len(pairs):
+    stated_count = material.counts.get(key)
+    if stated_count is not None and stated_count != len(pairs):
         raise ReadError(
-            f"TB,PRONY,{number} {option} says {said} pairs and has {len(pairs)}; a TBDATA is "
-            "missing, or overwrites another"
+            f"TB,PRONY,{number} {option} says {stated_count} pairs and has {len(pairs)}; a TBDATA "
+            "is missing, or overwrites another"
         )
     for share, tau in pairs:
         if share and not tau > 0:

@@ -95,8 +95,8 @@ class ViscoelasticCard:
                 spring.b / units.damping(1.0),
             )
         g = [share for share, _ in self.relative]
-        rest = 1 - sum(g)
-        if rest < -1e-9 or min(g, default=0.0) < 0:
+        remaining_share = 1 - sum(g)
+        if remaining_share < -1e-9 or min(g, default=0.0) < 0:
             raise ReadError(
                 f"{self.keyword} of {self.name}: relative moduli from {min(g):g} that sum to "
                 f"{sum(g):g}; expected none below 0 and a sum of at most 1"
@@ -105,12 +105,12 @@ class ViscoelasticCard:
         if self.modulus is not None:
             E_0 = self.modulus / units.stress(1.0)
             if self.is_long_term:
-                if rest <= 0:
+                if remaining_share <= 0:
                     raise ReadError(
                         f"{self.keyword} of {self.name}: nothing is left of the instantaneous "
                         "modulus, and the card has the relaxed one; its MODULI are INSTANTANEOUS"
                     )
-                E_0 /= rest
+                E_0 /= remaining_share
         if E_0 is None:
             raise ReadError(
                 f"{self.keyword} of {self.name} has relative moduli alone: give the instantaneous "
@@ -118,7 +118,7 @@ class ViscoelasticCard:
             )
         order = sorted(self.relative, key=lambda term: term[1])
         return GeneralizedMaxwell(
-            max(rest, 0.0) * E_0,
+            max(remaining_share, 0.0) * E_0,
             tuple(share * E_0 for share, _ in order),
             tuple(tau * units.time for _, tau in order),
         )

@@ -81,8 +81,8 @@ def _compute_covariance(model: GeneralizedMaxwell, test: Bench) -> FloatArray:
     """Return the bound of k_inf, k, ln tau, offset and drift; huge if undetermined."""
     columns = test.sensitivity(model)
     count = max(round(test.baseline * test.rate), 1)
-    rest = -np.arange(count, 0, -1) / test.rate
-    time = np.concatenate((rest, test.time()))
+    baseline_time = -np.arange(count, 0, -1) / test.rate
+    time = np.concatenate((baseline_time, test.time()))
     J = np.zeros((len(time), columns.shape[1] + 2))
     J[count:, :-2] = columns
     J[:, -2], J[:, -1] = 1.0, time

@@ -195,18 +195,19 @@ class _Sensitivities:
         magnitude = float(np.linalg.norm(remainder))
         linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
         residual = target - columns[:, linear] @ mean[linear]
-        follow = np.zeros(len(mean))
-        follow[self.fitted] = -coefficients
-        falling_indices = [i for i in linear if follow[i] < 0]
+        parameter_changes = np.zeros(len(mean))
+        parameter_changes[self.fitted] = -coefficients
+        falling_indices = [i for i in linear if parameter_changes[i] < 0]
         max_stiffness = min(
-            [(1 - _MIN_SHARE) * mean[i] / -follow[i] for i in falling_indices], default=model.k_0
+            [(1 - _MIN_SHARE) * mean[i] / -parameter_changes[i] for i in falling_indices],
+            default=model.k_0,
         )
         if magnitude <= _MIN_COLUMN_SHARE * float(np.linalg.norm(a)):
             k = share * max_stiffness
         else:
             k = truncated_normal(share, float(remainder @ residual) / magnitude**2, 1 / magnitude)
         k = min(k, max_stiffness, 10 * model.k_0)
-        step, part = values - mean + follow * k, 1.0
+        step, part = values - mean + parameter_changes * k, 1.0
         for _ in range(_MAX_ITERATIONS):
             solid = _build_solid(self.fit, self.names, mean, mean + part * step)
             combined = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))

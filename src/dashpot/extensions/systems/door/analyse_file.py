@@ -313,8 +313,8 @@ def _check_seal_line(
 ) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
-    pieces = np.diff(line.arc_length).tolist()
-    yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, pieces)
+    segment_lengths = np.diff(line.arc_length).tolist()
+    yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, segment_lengths)
     yield checks.stations_suffice(estimate_station_error(assembly, max_hz), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     compressions = stations.compression

@@ -90,13 +90,13 @@ def seal_touches(
 def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
     """Hinges, latch or the shear of the seal support the door sideways."""
     has_several_motions = motions > 1
-    from_text = "" if slowest is None else f" from {slowest:.3g} Hz"
+    frequency_text = "" if slowest is None else f" from {slowest:.3g} Hz"
     return Finding(
         "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
         motions,
         failure=f"In-plane motion is held by nothing: no shear is given, and {motions} "
         f"motion{'s' * has_several_motions} {'are' if has_several_motions else 'is'} "
-        f"free{from_text}",
+        f"free{frequency_text}",
         remedy="Give across and along in [seal.shear].",
     )
 

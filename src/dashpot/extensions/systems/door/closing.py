@@ -190,11 +190,11 @@ class _Doors:
         }
         share = door.length * load[:, None]
         seal = PressedSeal(door.section, share=share, dashpot=dashpot, **geometry)
-        airs = [
+        air_chambers = [
             Chambers(name, chamber_air, length=door.length, **geometry)
             for name, chamber_air in door.setup.airs
         ]
-        return cls(door, seal, airs, angle)
+        return cls(door, seal, air_chambers, angle)
 
     def copy_state(self) -> _Doors:
         """Return the same, which the next step leaves where they are."""
@@ -279,7 +279,7 @@ def simulate_closing(
     pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
     kinetic, time = np.zeros((2, n + 1, doors))
     kinetic[0] = 0.5 * door.inertia * (np.asarray(speed) / door.edge) ** 2
-    moment, returned = np.zeros(doors), 0.0
+    moment, returned_energy = np.zeros(doors), 0.0
     for i in range(n):
         # of one door alone it is asked with what it comes back
         previous_state = state.copy_state() if doors == 1 else state
@@ -297,14 +297,16 @@ def simulate_closing(
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
             if doors == 1:
-                returned = _compute_rebound_energy(previous_state, angle[i::-1])
+                returned_energy = _compute_rebound_energy(previous_state, angle[i::-1])
             break
-    stopped = np.isnan(kinetic[-1])
+    is_stopped = np.isnan(kinetic[-1])
     stored_energy = {
-        name: np.where(stopped, np.nan, row)
+        name: np.where(is_stopped, np.nan, row)
         for name, row in state.compute_stored_energy(work).items()
     }
-    return ClosingHistory(angle, kinetic, time, dict(work), stored_energy, dict(pressure), returned)
+    return ClosingHistory(
+        angle, kinetic, time, dict(work), stored_energy, dict(pressure), returned_energy
+    )
 
 
 def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:

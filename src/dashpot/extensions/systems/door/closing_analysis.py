@@ -234,8 +234,8 @@ class ClosingAnalysis:
         """Distance of the edge from closed where the door stops, m; None if it closes."""
         if self.is_latched:
             return None
-        last = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
-        return self.door.edge * float(self.march.angle[last])
+        last_step = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
+        return self.door.edge * float(self.march.angle[last_step])
 
     @property
     def rebound(self) -> float:
@@ -297,10 +297,10 @@ def close_door(
         raise DataError(
             f"a closing speed of {v:g} m/s; expected > 0 and at most {FASTEST:g} m/s, such as 1m/s"
         )
-    moving = door if isinstance(door, ClosingDoor) else make_closing_door(door, line)
-    closing_march = simulate_closing(moving, np.array([v]), steps=steps)
+    closing_door = door if isinstance(door, ClosingDoor) else make_closing_door(door, line)
+    closing_march = simulate_closing(closing_door, np.array([v]), steps=steps)
     closing = ClosingAnalysis(
-        moving,
+        closing_door,
         v,
         closing_march,
         tuple(_list_energy_shares(closing_march)),
@@ -311,21 +311,21 @@ def close_door(
     )
     load, hidden = np.ones(1), np.zeros(1)
     if seal_uncertainty is not None:
-        extremes = seal_uncertainty.extremes(moving.section.solid.maxwell, closing.frequency)
+        extremes = seal_uncertainty.extremes(closing_door.section.solid.maxwell, closing.frequency)
         load, hidden = (
             np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
         )
     min_speed, limited = np.full(len(load), np.inf), np.isfinite(hidden)
     min_speed[limited] = find_least_speed(
-        moving, load=load[limited], dashpot=hidden[limited], steps=steps
+        closing_door, load=load[limited], dashpot=hidden[limited], steps=steps
     )
-    minimum, variation = float(min_speed[0]), moving.setup.variation
+    minimum, variation = float(min_speed[0]), closing_door.setup.variation
     return replace(
         closing,
         minimum=minimum,
         interval=None if seal_uncertainty is None else (float(min_speed[1]), float(min_speed[2])),
-        monotone=_check_faster_doors(moving, minimum),
-        scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
+        monotone=_check_faster_doors(closing_door, minimum),
+        scatter=None if variation is None else simulate_scatter(closing_door, variation, minimum),
     )
 
 
@@ -389,8 +389,8 @@ def find_least_speed(
     high, low = np.full(doors, half_mass), np.zeros(doors)
     energy_left = spare(high)
     while np.isnan(energy_left).any() and high.max() < half_mass * FASTEST**2:
-        stopped = np.isnan(energy_left)
-        low, high = np.where(stopped, high, low), np.where(stopped, 4 * high, high)
+        is_stopped = np.isnan(energy_left)
+        low, high = np.where(is_stopped, high, low), np.where(is_stopped, 4 * high, high)
         energy_left = spare(high)
     never_closes, slope = np.isnan(energy_left), np.ones(doors)
     for _ in range(_TRIES):
@@ -455,7 +455,7 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     ratio = door.length / reduced_door.length[group]
     groups = np.zeros((n, len(reduced_door.lever)))
     groups[np.arange(n), group] = ratio
-    rough = find_least_speed(
+    coarse_speeds = find_least_speed(
         reduced_door,
         compression=compressions @ groups,
         load=load,
@@ -465,7 +465,7 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     nominal = find_least_speed(reduced_door, steps=_COARSE_STEPS, tolerance=_COARSE_TOLERANCE)[0]
     # few stations and steps miss alike in every door what the nominal one shows of it
     scale = minimum / nominal if 0 < nominal < np.inf and np.isfinite(minimum) else 1.0
-    speed = scale * rough
+    speed = scale * coarse_speeds
     force = load[:, None] * door.section.force(compressions)
     return Scatter(variation, speed, compressions.min(axis=1), force.min(axis=1))
 

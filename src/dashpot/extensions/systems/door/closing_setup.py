@@ -299,15 +299,15 @@ class ClosingSetup:
         named_parts = (
             ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
         )  # fmt: skip
-        airs = tuple((name, air) for name, air in named_parts if air is not None)
-        object.__setattr__(self, "airs", airs)
+        named_air_parts = tuple((name, air) for name, air in named_parts if air is not None)
+        object.__setattr__(self, "airs", named_air_parts)
 
 
 def _validate_table(
     owner: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
 ) -> None:
-    rises = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
-    if len(x) != len(y) or not rises or not np.isfinite([*x, *y]).all():
+    is_rising = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
+    if len(x) != len(y) or not is_rising or not np.isfinite([*x, *y]).all():
         begins = "from 0 " if from_zero else ""
         raise DataError(
             f"{owner}: {len(x)} places and {len(y)} values; expected as many of both, at least "
