@@ -2,7 +2,7 @@
 
 Each verb takes records and results of any kind; which work they mean is decided where the command
 line asks, too (`dashpot.reading.readers.detect_kind`, `dashpot.workflow.fit_routing`). The public
-names stand in ``dashpot/__init__.pyi``.
+names are listed in ``dashpot/__init__.pyi``.
 
 A function whose result depends on its arguments has one signature for each case, in the stub
 ``dashpot/_signatures.pyi``; its run-time signature, which `help` shows, names the options of all.
@@ -31,7 +31,7 @@ FORMER_KEYWORDS = {
     "cuts": ["time_limits"], "known": ["prior"], "memory": ["relaxation"],
     "only": ["temperature"], "slam": ["drop"], "wanted": ["max_std"],
 }  # fmt: skip
-"""Present name of an option by that of the edition before, which an error suggests."""
+"""Present name of an option by its former name, which an error suggests."""
 OPTION_CLASSES = {
     "hammer": "dashpot.workflow.job:HammerChoices",
     "machine": "dashpot.datamodel.machine:Machine",
@@ -169,7 +169,7 @@ def refuse_unknown_option(
     subject: str,
     error: type[DashpotError] = DataError,
 ) -> None:
-    """Refuse an option that is none of some names, and name the nearest.
+    """Refuse an unknown option, and suggest the most similar name.
 
     Raises
     ------

@@ -260,7 +260,7 @@ def fit_jointly(
 
 
 def prepare_ramp_hold(test: Any, machine: Machine | None = None) -> RampHold:
-    """Return a ramp and hold as it is fitted; one that is prepared stays as it is.
+    """Return a ramp and hold prepared for a fit; one that is prepared stays as it is.
 
     Raises
     ------

@@ -44,7 +44,7 @@ class ReadOptionKeywords(TypedDict, total=False):
     calibration : path
         File of a six-axis transducer, with `axis`.
     profile : path
-        Answers that ``dashpot inspect --save`` has kept.
+        Reading options saved by ``dashpot inspect --save``.
     specimen : Specimen
     test : str
         For stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
@@ -166,7 +166,7 @@ def _list_paths(places: Any) -> list[Path]:
 
 
 def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords that were given."""
+    """Return the given keywords."""
     return {name: value for name, value in keywords.items() if value is not None}
 
 
@@ -251,7 +251,7 @@ def _read_transmissibility(path: Place, options: dict[str, Any], _: Mapping[str,
 
 
 _SPECIAL = {"impact": _read_impact, "transmissibility": _read_transmissibility}
-"""Kinds whose readers want to know something else than the options and the specimen."""
+"""Kinds whose readers take other arguments than the options and the specimen."""
 
 
 def _read_several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str, Any]) -> Any:

@@ -101,7 +101,7 @@ def replace_notes(record: T, **words: object) -> T:
     """Return a frozen record with other words in fields that nothing is computed from.
 
     As :func:`dataclasses.replace`, but cached values (:func:`cache_on_record`, cached properties)
-    are copied, too.
+    are copied as well.
     """
     result = copy(record)
     for name, value in words.items():
@@ -219,12 +219,12 @@ def same_length(**arrays: FloatArray | ComplexArray | None) -> int:
 
 
 def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:
-    """Return the runs of so many rows that begin at these."""
+    """Return the runs of `count` rows that begin at these."""
     return tuple(slice(a, b) for a, b in pairwise((*starts, count)))
 
 
 def number_of_run(starts: Sequence[int], count: int) -> IndexArray:
-    """Return for each of so many rows the number of its run, from 1."""
+    """Return the run number of each row, from 1."""
     return np.repeat(np.arange(1, len(starts) + 1), np.diff((*starts, count)))
 
 
@@ -311,7 +311,7 @@ def block_means(values: FloatArray, count: int) -> FloatArray:
 def find_fast_length(minimum: int) -> int:
     """Return the smallest 2^i 3^j 5^k >= least.
 
-    `scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
+    `scipy.fft.next_fast_len` returns the same, but its import takes longer than the first fit.
     """
     best = 1 << max(minimum - 1, 0).bit_length()
     five = 1
@@ -358,7 +358,7 @@ def set_readonly(values: FloatArray) -> FloatArray:
 
 
 def _copy_if_writable(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[Any]:
-    """A read-only array: a copy, unless it is read-only and no small part of what it lies in."""
+    """A read-only array: a copy, unless it is read-only and not a small part of a larger array."""
     array = np.asarray(values, dtype=dtype)
     inner: Any = array
     while isinstance(inner, np.ndarray) and not inner.flags.writeable:
@@ -419,7 +419,7 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     Returns
     -------
     mapping of str to str
-        The quantity of each array as stated; empty where all are in SI already.
+        The quantity of each array as stated; empty if all are in SI already.
 
     Raises
     ------

@@ -69,7 +69,7 @@ class Remedy(Serialisable):
 
     @property
     def command_option(self) -> str:
-        """The option as it is typed: ``"--band 1:25Hz"``; empty where there is none."""
+        """The option as it is typed: ``"--band 1:25Hz"``; empty if there is none."""
         return f"--{self.option} {self.value}".rstrip() if self.option else ""
 
 
@@ -86,13 +86,13 @@ class Check(Serialisable):
     value, limit : float or None
         The measured value and its limit (None where there is no number).
     message : str
-        The sentences the user reads: what was found and what it means. They hold no option, so
-        that terminal, page and app say the same.
+        The sentences the user reads: what was found and what it means. They name no option, so that
+        terminal, page and app show the same text.
     grade : str
         What a failure means: ``"note"``, it does not matter to the result; ``"limit"``, use it
         with care; ``"stop"``, do not use it.
     remedy : Remedy or None
-        What to do, if it failed.
+        Remedy of a failure.
     fit_status : Status or None
         Status of a fit that fails it; neither saved nor compared.
 
@@ -229,7 +229,7 @@ def format_short_message(
 ) -> str:
     """Return the message of a check and its remedy in at most `max_words` words.
 
-    What explains it, and the second thing to do, give way first.
+    The explanation and the second remedy are shortened first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
     short = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy[:1], closing))
@@ -290,7 +290,7 @@ class Finding(NamedTuple):
     Attributes
     ----------
     message : str
-        What was found, in a sentence.
+        Finding, in a sentence.
     value : float or None
         Compared with the limit; None if nothing was measured: a criterion with a measure is then
         not checked.
@@ -322,7 +322,7 @@ class Finding(NamedTuple):
 
     @property
     def advice(self) -> Remedy | None:
-        """The remedy, its words as sentences; None where there is none."""
+        """The remedy, its words as sentences; None if there is none."""
         remedy = Remedy(self.remedy) if isinstance(self.remedy, str) else self.remedy
         return (
             replace(remedy, words=sentence(expand_powers(remedy.words))) if remedy.words else None
@@ -347,7 +347,7 @@ class Criterion(Generic[P]):
         A key of `RULES`: how the value is held against the limit; none for a question of more
         than one number, whose finding passes unless `always_fails`.
     limit : float or None
-        None if the record sets it.
+        None if the limit depends on the record.
     source : str
         Where the limit comes from.
     grade : str

@@ -1,6 +1,6 @@
-"""What is made when it is first used: public names of a package, and regular expressions.
+"""Values created at first use: public names of a package, and regular expressions.
 
-The public names stand in ``__init__.pyi``.
+The public names are listed in ``__init__.pyi``.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ if TYPE_CHECKING:
 else:
 
     class PatternOnUse:
-        """Stand for a pattern until one of its methods is requested.
+        """Delay the compilation of a pattern until one of its methods is used.
 
         A short command uses half of the patterns of the modules that it loads.
         """

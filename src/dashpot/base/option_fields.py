@@ -73,13 +73,12 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
 
     `how` holds ``metavar``, ``multiple`` and ``is_flag`` as click knows them; ``unit``, the
     dimension of a quantity, and ``ends`` where two of them make a range; ``size``, its row of
-    ``SIZES``; ``choices``, a type of this module; ``least``, of a
-    whole number; ``above``, of any; ``word``, what stands for no number; ``parse``, from what
-    click passes on to what the field takes, and ``typed`` back to texts; ``flag``, the option's
-    name where it is not the field's; ``former``, its name in the edition before; ``under``, the
-    option that takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and
-    ``sign`` in place of "="; ``argument``, the place of what is typed without an option;
-    ``decides``, what a job needs it for first.
+    ``SIZES``; ``choices``, a type of this module; ``least``, of a whole number; ``above``, of any;
+    ``word``, what stands for no number; ``parse``, from what click passes on to what the field
+    takes, and ``typed`` back to texts; ``flag``, the option's name where it is not the field's;
+    ``former``, its name in the edition before; ``under``, the option that takes it as KEY=VALUE,
+    ``key``, that word where it is not the field's name, and ``sign`` in place of "="; ``argument``,
+    the position of an argument without an option name; ``decides``, what a job needs it for first.
     """
     if "choices" in how:
         how["choices"] = get_choice_values(how["choices"])
@@ -151,7 +150,7 @@ class FormField(NamedTuple):
         A number with its unit, in a shell ``"bare"`` without one; a ``"range"`` 4 to 8; ``"sizes"``
         with commas between; or ``"words"``, each an option of its own.
     prefix : str
-        What stands before it in a shell.
+        Command prefix of a shell example.
     """
 
     name: str
@@ -200,7 +199,7 @@ class FormData:
     entries: tuple[tuple[str, str], ...] = ()
 
     def get_text(self, name: str) -> str:
-        """Return the text of a field; empty where there is none."""
+        """Return the text of a field; empty if there is none."""
         return dict(self.entries).get(name, "")
 
     def number(self, name: str, dimension: Dimension) -> float | None:
@@ -214,7 +213,7 @@ class FormData:
         return si_range(text, dimension) if text else None
 
     def options(self, files: int) -> tuple[str, ...]:
-        """Return the command-line words of the filled fields, for so many files."""
+        """Return the command-line words of the filled fields, for `file_count` files."""
         results: list[str] = []
         for form_field in self.fields:
             names = (

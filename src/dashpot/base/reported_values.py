@@ -22,7 +22,7 @@ INTERVAL_LEVELS = (0.025, 0.975)
 AT_MOST = "at most"
 """Text before a one-sided upper limit."""
 ASYMMETRY_LIMIT = 0.1
-"""An interval whose one end is that much nearer to the value than the other."""
+"""Ratio of the two halves of an interval beyond which it is asymmetric."""
 END_AT_VALUE_SHARE = 1e-2
 """The same, where that end stands for the value itself."""
 
@@ -112,8 +112,8 @@ class ReportedValue(Serialisable):
     ) -> Self:
         """Return a value with an interval of so many standard errors; none if the error is inf.
 
-        That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
-        An error that is nan or None is not known.
+        That of a positive one whose logarithm has the error, ``of_log``, is a factor either way. An
+        error of nan or None is unknown.
         """
         if error is None or math.isnan(error) or (of_log and math.isinf(error)):
             return cls(name, value, unit=unit, read=read, words=words)

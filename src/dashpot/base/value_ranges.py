@@ -1,4 +1,4 @@
-"""Ranges of single values: what is valid, and what is plausible in tests of seals."""
+"""Ranges of single values: valid ranges, and plausible ranges in tests of seals."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ MAX_HELP_LINES = 40
 """Lines that the help of a verb may take."""
 
 TYPED_VALUES = "dashpot.typed"
-"""Where options are kept as they were typed."""
+"""Key of the options as typed."""
 
 KEYED_OPTIONS = {
     "--column": ("ROLE=NAME", "Column of a role, by name or number: force=Kraft."),
@@ -38,7 +38,7 @@ KEYED_OPTIONS = {
     "--label": ("KEY=VALUE", "name, lot, operator, date or notes."),
     "--shape": ("SHAPE", "disc:20mm,20mm or block:30mm,20mm,10mm."),
 }
-"""What an option of several keys takes, and says."""
+"""Keys and help of an option with several keys."""
 
 
 class TargetFields(NamedTuple):
@@ -237,7 +237,7 @@ def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list
 
 
 def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
-    """Return options that the short help leaves out."""
+    """Return the options that the short help omits."""
     advanced_options = _flatten(options)
     for option in advanced_options:
         option.is_advanced = True
@@ -439,7 +439,7 @@ def refuse_options(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str,
 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
-    """Return what each file is called, in a sentence."""
+    """Return the description of each file in a sentence."""
     from dashpot.reading.columns.file_kinds import get_kind_label
 
     return "; ".join(f"{Path(path).name} is {get_kind_label(word)}" for path, word in kinds.items())

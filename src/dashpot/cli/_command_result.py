@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 WRITTEN, STDOUT_TAKEN = "dashpot.written", "dashpot.stdout"
 OUTCOME_JUDGE = "dashpot.judge"
-"""Where an option keeps the function that judges the outcome."""
+"""Key of the function that judges the outcome."""
 _RECORD_WRITERS = ("simulate", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _VISUAL_SUFFIXES = (".html", ".png", ".svg", ".pdf")
@@ -59,7 +59,7 @@ def claim_outputs(paths: Iterable[str | Path]) -> None:
 
 
 def write_output(path: str | Path, content: str | bytes) -> None:
-    """Write a file, which the command says at its end; ``-`` is stdout.
+    """Write a file, which is listed at the end of the command; ``-`` is stdout.
 
     Under ``--json`` stdout belongs to the document.
     """
@@ -80,7 +80,7 @@ def note_written(path: str | Path) -> None:
 
 
 def write_figure(path: str, figure: dp.plot.Picture) -> None:
-    """Write a figure as the suffix of its file says."""
+    """Write a figure in the format of its file's suffix."""
     size = click.get_current_context().params.get("size")
     write_output(path, dp.plot.render_figure(figure, Path(path).suffix, size=size))
 
@@ -150,9 +150,9 @@ class CommandResult(NamedTuple):
 def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> None:
     """Run a verb; turn its outcome into output and an exit code.
 
-    stdout gets the text or, with ``--json``, one JSON document and nothing else; then stderr says
-    what was written and what comes next. Where the outputs go is settled before any work is done;
-    what goes wrong is the group's to say.
+    stdout gets the text or, with ``--json``, one JSON document and nothing else; stderr then lists
+    the written files and the next commands. Where the outputs go is settled before any work is
+    done; what goes wrong is the group's to say.
     """
     from dashpot.cli._terminal import show_progress  # a page of help shows none
 

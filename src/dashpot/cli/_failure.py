@@ -43,7 +43,7 @@ class Failure(Serialisable):
 
 
 def report_error(error: BaseException, words: Sequence[str]) -> int:
-    """Print what went wrong and return the exit code.
+    """Print the error and return the exit code.
 
     stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
     document. With ``--traceback`` both say where in the code it happened.

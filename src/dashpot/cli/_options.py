@@ -249,7 +249,7 @@ def get_typed_options(*groups: str, excluded: Container[str] = ()) -> list[str]:
 
 
 def get_typed_options_for(verb: str, *, excluded_flags: Container[str] = ()) -> list[str]:
-    """Return the options that were typed and that another verb takes too, as typed.
+    """Return the typed options that another verb takes as well.
 
     `excluded_flags` are flags that it is given otherwise.
     """

@@ -43,7 +43,7 @@ def load_simulated_seal(name: str) -> SimulatedSeal:
 def simulate_relaxation(
     *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[Any, ...]:
-    """Return a simulated relaxation test as CSV, its truth as JSON, and what an extension adds."""
+    """Return a simulated relaxation test as CSV, its truth as JSON, and files of extensions."""
     simulated_seal, rig, climate = _build_bench(seal, choices)
     record = dp.simulation.simulate_relaxation(
         simulated_seal.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
@@ -53,7 +53,7 @@ def simulate_relaxation(
 
 
 def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
-    """Return the record of a motion as CSV, its truth as JSON, and what an extension adds."""
+    """Return the record of a motion as CSV, its truth as JSON, and files of extensions."""
     simulated_seal, rig, climate = _build_bench(seal, choices)
     with explain_unclear_file(follow):
         commanded_motion = dp.files.read_trajectory(follow)
@@ -69,7 +69,7 @@ def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any,
 
 @contextmanager
 def explain_unclear_file(path: str) -> Iterator[None]:
-    """Context manager that adds to the error of an unclear file what its header needs."""
+    """Context manager that adds the required header to the error of an unclear file."""
     try:
         yield
     except ReadError as error:
@@ -156,7 +156,7 @@ def _build_instrument(
 def _build_climate(
     seal: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None
 ) -> Any:
-    """Return where the test is made, by the seal's own law unless another is given."""
+    """Return the climate of the test, with the seal's own law unless another is given."""
     if temperature is None:
         if law is not None:
             raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")

@@ -151,7 +151,7 @@ def _compare_prediction(
 
 
 def _find_test_path(name: str, paths: Sequence[str]) -> str:
-    """Return the path of a fitted file: here, beside the files that were given, or in FOLDER."""
+    """Return the path of a fitted file: here, next to the given files, or in FOLDER."""
     candidates = (Path(name), *(Path(path).parent / name for path in paths))
     return str(next((path for path in candidates if path.is_file()), Path("FOLDER", name)))
 

@@ -44,7 +44,7 @@ class FitRequest:
     ----------
     files : tuple of str
     kinds : mapping of str to str
-        What each file was taken for.
+        Detected kind of each file.
     stated_options : mapping
         The options by name, in SI.
     """
@@ -82,7 +82,7 @@ class FitRequest:
 
     @property
     def mass(self) -> float | None:
-        """The one mass that was given, kg."""
+        """The one given mass, kg."""
         masses = self.stated_options["mass"]
         if len(masses) > 1:
             raise click.UsageError(
@@ -158,7 +158,7 @@ class FitRequest:
 
     @property
     def page(self) -> bool:
-        """Whether the result goes to a page."""
+        """Whether the result is written to a page."""
         return bool(self.output) and str(self.output).lower().endswith(PAGE_SUFFIXES)
 
     def save(self, result: Any, **figures: Any) -> None:
@@ -184,7 +184,7 @@ class FitRequest:
 
     @property
     def result_path(self) -> str:
-        """The file that the result can be read back from; empty where there is none."""
+        """The file that the result can be read back from; empty if there is none."""
         return "" if self.output in {None, "-"} or self.page else str(self.output)
 
     def get_option_words(self, *excluded: str) -> list[str]:
@@ -284,7 +284,7 @@ def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
 
 
 def run_generic_kind(request: FitRequest) -> CommandResult:
-    """Fit the files as the row of their kind says."""
+    """Fit the files by the function of their kind."""
     row = KINDS[request.kinds[request.files[0]]]
     request.check_output_suffix(".json", result_name="this fit")
     result = load_object(row.fit)(

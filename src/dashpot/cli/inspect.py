@@ -1,4 +1,4 @@
-"""dashpot inspect: what is in a file."""
+"""dashpot inspect: the contents of a file."""
 
 from __future__ import annotations
 

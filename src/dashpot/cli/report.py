@@ -247,9 +247,9 @@ _MASS_FLAGS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "-
 
 
 def _format_next_command(files: Sequence[str], job: Job, study: Study) -> str:
-    """Return the command that keeps the solid which the report ends with.
+    """Return the command that saves the recommended solid of the report.
 
-    It repeats every option that decided over that solid; nothing is returned where no fit does.
+    It repeats every option that decided over that solid; None if there is no usable fit.
     """
     remark = "keeps the model for export"
     if study.joint is not None and study.mass is not None:

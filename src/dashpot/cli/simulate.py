@@ -40,7 +40,7 @@ class Simulated(Serialisable):
 
 
 _RECORD_OPTIONS = call_handler("options", "simulate", default=())
-"""What extensions ask of the record of the rig."""
+"""Options of extensions for the record of the rig."""
 
 
 @verb(

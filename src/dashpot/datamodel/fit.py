@@ -311,8 +311,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
     ) -> EndOfHold | None:
         """Return limits at the end of the test as they are at another temperature, K.
 
-        They refer to a time that is a_T times as long. What shifts and their law add to the errors
-        of the stiffness there widens them.
+        They refer to a time that is a_T times as long. They are widened by the errors of shifts and
+        their law in the stiffness there.
         """
         if end is None or self.temperatures is None:
             return None
@@ -353,8 +353,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
 
         No test bounds k_inf from below, so it has no standard error (nan) but where it was given:
-        :meth:`intervals` has what it is at most. Of a fractional solid, those of the arms that
-        stand for it follow from its own four. Of relaxation tests they hold what their rigs may
+        :meth:`intervals` has its upper limit. For a fractional solid, the values of its equivalent
+        arms follow from its own four parameters. Of relaxation tests they hold what their rigs may
         have done unseen; without it they are those of `estimate.noise_only`.
         """
         errors = self._arm_estimate.standard_errors(self.model)
@@ -463,7 +463,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def _fitted_mass(self) -> float | None:
-        """The mass that was fitted too, kg."""
+        """The fitted mass, kg."""
         if self.evidence.has_unexplained_discrepancy:
             return None
         masses = (item.value for item in self.estimate.nuisance if item.name == "mass")
@@ -553,7 +553,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.
 
-        What belongs to the fitted record alone (orders, certificate, nuisances) stays behind.
+        Orders, certificate and nuisances, which describe only the fitted record, are dropped.
         """
         length = None if self.specimen.length is None else count * self.specimen.length
         step = Step(
@@ -696,13 +696,13 @@ def get_temperature_law(fit: Fit) -> TemperatureLaw | None:
 def get_error_label(fit: Fit) -> str:
     """Return the label of the errors of shifts and of their law.
 
-    Rigs may have done more than these errors hold.
+    Errors of the rigs may be larger than these.
     """
     return "± SE" if fit.estimate.noise_covariance is None else "± noise"
 
 
 def list_undetermined_times(fit: Fit) -> tuple[float, ...]:
-    """Return relaxation times, s, of the arms that the data ask for and cannot place.
+    """Return relaxation times, s, of arms that the data require but do not determine.
 
     Such an arm only corrects the others: its own k or tau is hardly determined. None are listed of
     a fit whose parameters are identified.
@@ -750,7 +750,7 @@ def list_reported_nuisances(fit: Fit) -> tuple[Nuisance, ...]:
 
 
 def get_fitted_mass(fit: Fit) -> float | None:
-    """Return the mass that was fitted too, kg."""
+    """Return the fitted mass, kg."""
     return fit._fitted_mass
 
 

@@ -39,7 +39,7 @@ class Alternative(Serialisable):
         Frequency above which the two differ by more than the accuracy of such data, Hz; None if
         they agree wherever a part vibrates.
     message : str
-        What the two predict there, and what would distinguish them.
+        Predictions of both there, and the test that would distinguish them.
     """
 
     _keys = (
@@ -158,7 +158,7 @@ class ParameterChange:
 
     @property
     def shift(self) -> float | None:
-        """Change in units of the former standard error; None where there is none."""
+        """Change in units of the former standard error; None if there is none."""
         if self.before is None or not self.before_se or not np.isfinite(self.before_se):
             return None
         return (self.after - self.before) / self.before_se
@@ -184,7 +184,7 @@ class Explanation(Serialisable):
     is_sufficient : bool
         With this value every other quantity agrees with its prior.
     message : str
-        With its value only where it explains both tests best: one quantity has one value.
+        With its value only if it explains both tests best: one quantity has one value.
     """
 
     _keys = (
@@ -214,7 +214,7 @@ class DepthStiffness:
     depth : float
         Compression held, m.
     k_inf, k_inf_most : float
-        Secant equilibrium stiffness at this depth, N/m, and what it is at most, at 95 %.
+        Secant equilibrium stiffness at this depth, N/m, and its upper 95 % limit.
     k, k_se : tuple of float
         Arm stiffnesses at this depth, N/m, in the order of the model's arms.
     """
@@ -251,7 +251,7 @@ class Evidence:
         One per test where each has its own stiffnesses (``fit_depths``), shallowest
         first; the fit's solid is then the deepest test's.
     parameter_changes : tuple of ParameterChange
-        What a further test changed, where there was an earlier fit.
+        Changes of an earlier fit's parameters by a further test.
     explanations : tuple of Explanation
         Explanations of two tests that disagree, the best first.
     end_of_hold : EndOfHold or None
@@ -259,7 +259,7 @@ class Evidence:
     creep : CreepEstimate or None
         The compliances and retardation times that were fitted to a creep test.
     alternative : Alternative or None
-        The best solid of the family that was not selected, where both were fitted.
+        The best solid of the other family, if both were fitted.
     band_error : BandError or None
         How well stiffness and loss factor are known in the band, over all spectra that the test
         does not reject; None where that was not asked.

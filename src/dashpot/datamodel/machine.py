@@ -103,9 +103,9 @@ DEFAULT_UNCERTAINTIES: Mapping[str, DefaultUncertainty] = MappingProxyType({
         3e-3, "of the mass", "half of a cable of 1 g, wax and a stud, on 100 to 200 g"
     ),
 })  # fmt: skip
-"""One standard deviation each of what limits take into account, and no fitted value does.
+"""One standard deviation of each effect that limits include and fitted values do not.
 
-The table of a machine that nobody has described; what `Machine` names takes its place.
+The table of a machine that nobody has described; the values of `Machine` replace it.
 """
 
 
@@ -139,7 +139,7 @@ class MachineCalibration(Serialisable):
 class Machine(Serialisable):
     r"""Test machine: properties that its records show badly or not at all.
 
-    A value that is None is unknown; `DEFAULT_UNCERTAINTIES` then applies.
+    None is an unknown value; `DEFAULT_UNCERTAINTIES` then applies.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class Machine(Serialisable):
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
     rest : float or None
-        Time for which the seal was left alone before its record began, s.
+        Time without load before the record began, s.
     oven : float or None
         Standard deviation of the true temperature of an oven from its reading, K.
     cable : float or None
@@ -260,8 +260,8 @@ class Machine(Serialisable):
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
         r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
 
-        Over a record of `duration` T, s, it may drift by :math:`3.5 \cdot 10^{-3} F_e`: what a fit
-        is bound to. A limit bears more. With the `noise` of the force s, N, that is
+        Over a record of `duration` T, s, it may drift by :math:`3.5 \cdot 10^{-3} F_e`: the bounds
+        of a fit. A limit includes more. With the `noise` of the force s, N, that is
 
         .. math:: \max\Bigl(3.5 \cdot 10^{-3} F_e/T,\
                   \sqrt{(2.4 \cdot 10^{-4} F_e)^2 + (0.1\,s)^2}\,/\sqrt{1 + T/120\,\mathrm s}\Bigr)

@@ -1,16 +1,15 @@
 r"""Standard errors and confidence intervals of fitted parameters.
 
-The rows of the covariance are k in N/m and ln tau; what people read follows by the delta method:
+The rows of the covariance are k in N/m and ln tau; the reported values follow by the delta method:
 
 .. math:: \mathrm{SE}(\tau) = \tau\,\mathrm{SE}(\ln\tau), \qquad
           \mathrm{Var}(\ln b) = \frac{\mathrm{Var}(k)}{k^2} + \frac{2\,\mathrm{Cov}(k, \ln\tau)}{k}
                               + \mathrm{Var}(\ln\tau), \quad b = k\tau
 
 Intervals are Student's, symmetric in k and in ln tau (so tau > 0 always). Where a profile
-likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and
-an end that the data leave open is open. What a rig may have done without a trace no deviance
-shows: its part
-of the covariance lengthens either side of a profile by the root of the sum of squares.
+likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and an
+end that the data leave open is open. The deviance does not include undetected effects of a rig: its
+part of the covariance lengthens either side of a profile by the root of the sum of squares.
 """
 
 from __future__ import annotations
@@ -212,7 +211,7 @@ class ParameterEstimate(EqualByValue):
 
     @property
     def noise_only(self) -> ParameterEstimate:
-        """Estimate with the errors by noise alone, without those of the rig."""
+        """Estimate with the errors due to noise only, without those of the rig."""
         if self.noise_covariance is None:
             return self
         return replace(self, covariance=self.noise_covariance, noise_covariance=None)
@@ -394,7 +393,7 @@ class ParameterEstimate(EqualByValue):
     def _error(self, name: str) -> float:
         """Return standard error of one row; 0 for a parameter that was held fixed.
 
-        Without a row for any parameter the covariance says nothing of them.
+        Without rows of the parameters the covariance does not include them.
         """
         if not self.parameters:
             return inf
@@ -447,7 +446,7 @@ class CreepEstimate(FrozenArrays):
         return scale * sqrt(max(float(self.covariance[index, index]), 0.0))
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
-        """Return the compliances, in `unit`, and times of a solid, and its flow where it flows."""
+        """Return the compliances, in `unit`, the times and any flow of a solid."""
         spectrum, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
         rows = [("glass", spectrum.glass, unit)]
         for j, d, lam in zip(numbers, spectrum.d, spectrum.lam, strict=True):

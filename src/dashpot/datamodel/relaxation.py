@@ -57,7 +57,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     ) -> RampHold:
         """Cut, tare and judge the test, as :func:`~dashpot.preprocessing.prepare.prepare` does.
 
-        A fit does so by itself; the arguments replace what it finds.
+        A fit does so by itself; the arguments replace the detected values.
         """
         ramp_hold: RampHold = load_function("preprocessing.prepare", "prepare")(
             self, onset=onset, ramp_end=ramp_end, hold_end=hold_end, contact=contact, cycle=cycle,
@@ -172,7 +172,7 @@ class Hum:
 class RampHold(EqualByValue, Plottable, Serialisable):
     """Prepared relaxation test: its ramp and hold, compression positive, tared.
 
-    Made by :func:`dashpot.preprocessing.prepare.prepare`; what every fit works on.
+    Made by :func:`dashpot.preprocessing.prepare.prepare`; the input of every fit.
 
     Attributes
     ----------
@@ -199,13 +199,13 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     specimen, source
         As in the raw test.
     steps : tuple of Step
-        What preparation did, in order.
+        Steps of preparation, in order.
     checks : tuple of Check
-        What preparation noticed.
+        Checks of preparation.
     unfiltered : RampHold or None
         The same record before the filter that was requested; None if none was.
     machine : Machine
-        What the user knows of the machine.
+        Known properties of the machine.
     hum : tuple of Hum
         Lines found in the force and taken off it.
     machine_deflection : array, shape (n,), or None
@@ -332,7 +332,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def start(self) -> int:
-        """The first sample of the stand before the loading that is fitted."""
+        """The first sample of the rest before the fitted loading."""
         start = self.loading_start
         return 0 if start is None else int(np.searchsorted(self.time, start))
 
@@ -340,8 +340,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def baseline_samples(self) -> slice:
         """The samples before the ramp, or before the first of all, at which the seal is free.
 
-        Where the plate is away from the seal when the ramp begins, those; else those before it was
-        pressed for the first time.
+        Where the plate is away from the seal when the ramp begins, those; else those before the
+        first compression.
         """
         if self.loading_start is None:
             return slice(0, int(np.searchsorted(self.time, self.onset)))
@@ -367,7 +367,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def last_loading(self) -> RampHold:
-        """The record from the stand before the loading that is fitted on, as if it were all."""
+        """The record from the rest before the fitted loading to its end."""
         if self.loading_start is None:
             return self
         span = slice(self.start, None)
@@ -410,7 +410,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def hold_creep(self) -> float:
-        """The largest motion left in the hold, to its last tenth, as a part of the depth.
+        """Largest motion in the hold, up to its last tenth, as a fraction of the depth.
 
         Means over twelve stretches, each longer than the one before; the first fifth of a ramp
         time is left to the plate for settling.
@@ -485,7 +485,7 @@ def find_quantum(values: FloatArray) -> float:
 
 
 def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
-    """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
+    """True if the steps are those of an ideal ramp between ideal rests, not of a converter."""
     magnitude = np.abs(np.diff(values))
     is_moving = magnitude > 0.5 * step
     # a converter that counts a ramp in single steps also pauses on it
@@ -500,9 +500,9 @@ def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
 def _keeps_its_speeds(counts: FloatArray) -> bool:
     """True if a path, in counts from sample to sample, is of long stretches of one speed each.
 
-    That is a motion as it was sent, with as many ramps and rests as it may have. A converter slips:
-    between two stretches of one speed a few samples move otherwise, unless the speed is a whole
-    number of counts.
+    That is a commanded motion, with any number of ramps and rests. A converter slips: between two
+    stretches of one speed a few samples move otherwise, unless the speed is a whole number of
+    counts.
     """
     edges = np.flatnonzero(np.abs(np.diff(counts)) > 0.1) + 1
     starts = np.concatenate(([0], edges))

@@ -102,7 +102,7 @@ class LineFriction:
 MAX_FRICTION = 3.0
 """No dry rubber rubs more."""
 MAX_STIFFNESS_RATIO = SIZES["shear"].hard[1]
-"""A seal is softer sideways than where it is pressed; far beyond, it is a percentage."""
+"""A seal is softer sideways than in compression; far beyond, it is a percentage."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class SealSection:
     law : ElasticLaw or None
         Relaxed force per metre, N/m; None is a straight line.
     band : (float, float) or None
-        The frequencies that its test informs, Hz.
+        Frequencies of the valid band of its test, Hz.
     shear : Shear
         None by default: the seal has no lateral stiffness.
     friction : LineFriction or None
@@ -150,7 +150,7 @@ class SealSection:
         shear: Shear | None = None,
         friction: LineFriction | None = None,
     ) -> SealSection:
-        """One metre of what was tested.
+        """One metre of the tested seal.
 
         Parameters
         ----------
@@ -206,7 +206,7 @@ class SealSection:
         return np.asarray(self.solid.k_inf * self.path(compression))
 
     def factor(self, compression: npt.ArrayLike) -> FloatArray:
-        """Tangent stiffness over that of the solid; 0 where it does not touch."""
+        """Tangent stiffness over that of the solid; 0 without contact."""
         x = np.asarray(compression, dtype=float)
         tangent = np.ones_like(x) if self.law is None else self.law.factor(x)
         return np.where(x < 0, 0.0, tangent)
@@ -268,7 +268,7 @@ class LineDirection:
         Metres of it that each station is; 0 where it does not answer.
     direction : array, shape (n, 3)
     friction : (array, array) or None
-        Stiffness, N/m, with which each station sticks beside it, and force, N, at which it slips.
+        Stiffness, N/m, of the friction element of each station, and force, N, at which it slips.
     """
 
     solid: Solid
@@ -294,7 +294,7 @@ class Stations(EqualByValue):
         m; the direction in which the seal is pressed there, of length 1; and that in which the
         line runs, square to it.
     length : array, shape (n,)
-        Length of seal that each stands for, m: together the whole line.
+        Length of seal represented by each, m: together the whole line.
     factor : array, shape (n,)
         Stiffness over that of the seal: 1 but at joints.
     compression : array, shape (n,), or None

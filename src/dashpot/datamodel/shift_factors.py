@@ -43,7 +43,7 @@ class Shift:
     log10_a_t, se : float
         Decadic logarithm of the shift factor of time, and its standard error.
     b_t, b_t_se : float
-        Factor of every stiffness, and its standard error; 0 where it was held.
+        Factor of every stiffness, and its standard error; 0 if it was fixed.
     """
 
     temperature: float
@@ -86,8 +86,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
         of and with `slope`; empty where nothing is known of it.
     untested : tuple of float or None
-        Temperatures among the shifts, K, at which no test was made, as of an extrapolated
-        reference; None if there is none.
+        Temperatures among the shifts, K, without a test, such as an extrapolated reference; None if
+        there is none.
     """
 
     _keys = ("reference", EVERY_FIELD, Key("untested", optional=True))
@@ -151,7 +151,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def coldest(self) -> float:
         """Below this, K, nothing is foretold: 10 K above the glass transition, or the coldest test.
 
-        Only a WLF law says where the glass transition lies.
+        Only a WLF law gives the glass transition.
         """
         if isinstance(self.law, WLF):
             return min(self.law.glass + GLASS_MARGIN, self.tested_range[0])
@@ -280,8 +280,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def change_reference(self, temperature: float) -> TemperatureShifts:
         r"""Return the same shifts from another temperature, K, at which the solid then is.
 
-        With :math:`s = \log_{10} a_T` at the new reference every other shift is
-        :math:`(s_i - s)/(1 + g s)`: so the slope g stays what it is.
+        With :math:`s = \log_{10} a_T` at the new reference every other shift is :math:`(s_i - s)/(1
+        + g s)`: so the slope g does not change.
 
         Raises
         ------

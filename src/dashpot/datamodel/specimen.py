@@ -30,17 +30,17 @@ class Specimen:
     notes : str
         Further notes: material, fixing, load history.
     name : str
-        What it is called, such as "Door seal 4711-B".
+        Name, such as "Door seal 4711-B".
     lot, operator : str
         Lot, and operator of the test.
     date : str
         Date of the test, ISO 8601: 2026-11-21.
     stated_temperature : float or None
-        Temperature in the file, where `temperature` was given otherwise, K.
+        Temperature in the file, if `temperature` was given differently, K.
     warmed : float or None
         By how much the file's own column of temperature rises over the record, K.
     rested : float or None
-        Time of rest before the record, as the file states it, s.
+        Rest time before the record as stated in the file, s.
 
     Examples
     --------

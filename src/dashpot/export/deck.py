@@ -47,14 +47,14 @@ _CUBIC_RANGE = 2.0
 """Range of the table of a cubic spring, relative to the largest tested amplitude."""
 _CUBIC_POINTS = 80
 _UNTESTED_AMPLITUDE = 0.01
-"""Largest amplitude, m, that is assumed where none was tested."""
+"""Default largest amplitude, m, if none was tested."""
 _NODE_DISTANCE_RATIO = 1000
 """Distance of the nodes over the largest amplitude: elements that follow them hardly rotate."""
 
 
 @dataclass(frozen=True)
 class NonlinearElements:
-    """Sliders and a cubic spring in parallel with a model; empty where it is linear.
+    """Sliders and a cubic spring in parallel with a model; empty if it is linear.
 
     Attributes
     ----------
@@ -215,9 +215,9 @@ class DeckText(str):
     verdict : Verdict or None
         Verdict of the fit behind it, over the rows written; None for a bare solid.
     checks : tuple of Check
-        Those of the fit, and whether it informs the rows.
+        Checks of the fit, and whether its valid band includes the rows.
     overrides : tuple of str
-        What was wrong and written all the same.
+        Reasons against the export that were overridden.
     """
 
     verdict: Verdict | None
@@ -250,9 +250,9 @@ class Deck:
     form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
     fit : Fit or NonlinearFit or None
-        Where the solid comes from; None for a bare one.
+        Source of the solid; None for a bare one.
     overrides : tuple of str
-        What was wrong and written all the same, one sentence each.
+        Reasons against the export that were overridden, one sentence each.
     """
 
     solid: Solid

@@ -69,9 +69,9 @@ def option_of(argument: str) -> str:
 def target(
     *forms: str, line: tuple[str, ...] = (), **requirements: tuple[str, ...]
 ) -> Callable[[Callable[..., DeckText]], Target]:
-    """Make what writes the cards of an opened deck a target of its name, as a decorator.
+    """Decorator that registers a function which writes the cards of a deck as a target of its name.
 
-    The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
+    The target takes the solid and the arguments of :func:`open_deck` in place of the deck. Its
     first form is the default; of a seal line, the first of those that hold a `line`. `requirements`
     has the forms that read an argument which others would leave unread.
     """
@@ -148,15 +148,15 @@ def open_deck(
     target, form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
     forms : sequence of str
-        Those that the target knows.
+        Choices of the target.
     units : str
         ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     specimen : Specimen, optional
-        Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
-        is that which the deck is requested.
+        Replaces the specimen of the fit; its temperature, where the fit knows one, is that which
+        the deck is requested.
     allow : collection of str
         Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
-        applies leaves an OVERRIDE line in the header.
+        applies adds an OVERRIDE line to the header.
 
     Raises
     ------
@@ -311,8 +311,8 @@ def _problems(deck: Deck) -> dict[str, str]:
 def _format_caution(fit: Fit | NonlinearFit) -> str | None:
     """Return why parameters of a fit are not identified; None if its verdict is "use".
 
-    What is called so may be used: an arm that single data cannot place still adds up to limits that
-    hold. k_inf is no question here; what it is at most stands in the header.
+    Verdicts that allow an export: an arm that single data cannot place still adds up to limits that
+    hold. k_inf is no question here; its upper limit is in the header.
     """
     if fit.checks and fit.verdict.use == "use":
         return None

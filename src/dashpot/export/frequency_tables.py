@@ -80,7 +80,7 @@ def tabulate(
         Tolerance of the FRF, relative.
     damping : {"loss_factor", "damping"}
     edges : tuple of float
-        Frequencies, Hz, that get a point of their own, such as the ends of the valid band.
+        Frequencies, Hz, included as points, such as the ends of the valid band.
     rounded : callable
         Rounds a number as the deck prints it: the error includes the rounding.
 

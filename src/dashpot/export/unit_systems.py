@@ -101,7 +101,7 @@ UNIT_SYSTEMS = MappingProxyType(
 
 _UNITS_ASKED = f"add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
 NO_UNITS = f"no unit system is given; {_UNITS_ASKED}"
-"""Message, with all else that is missing, if no unit system was chosen."""
+"""Message if no unit system was chosen, with all other missing choices."""
 
 
 def unit_system(name: str | None) -> UnitSystem:
@@ -191,7 +191,7 @@ def _ensure_decimal_point(number: str) -> str:
 
 
 def convert_to_printable_ascii(line: str) -> str:
-    """Printable ASCII: a file name can hold anything, a solver reads no more.
+    """Printable ASCII: a file name can contain any character, a solver reads only these.
 
     >>> convert_to_printable_ascii("known to ±1 %, up to 1.2·10⁶ Hz")
     'known to +/-1 %, up to 1.2e6 Hz'
@@ -201,4 +201,4 @@ def convert_to_printable_ascii(line: str) -> str:
 
 
 _SPELT = str.maketrans({"±": "+/-", "²": "^2", "°": "deg"})
-"""Signs that sentences of a verdict hold, as a solver's comment spells them."""
+"""ASCII spelling of the signs in sentences of a verdict, for comments of a deck."""

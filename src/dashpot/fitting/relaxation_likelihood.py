@@ -366,7 +366,7 @@ def _add_rig_columns(
 def estimate_noise_power(residual: FloatArray) -> float:
     r"""Return the power S of noise in the band of the arms: its variance, if it is white.
 
-    The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
+    The mean periodogram between 8 and 160 cycles per record, lines of hum omitted; below, where
     the noise wanders. A standard deviation counts a hum as noise, and so does a sum of
     autocovariances; an arm does not see it.
     """

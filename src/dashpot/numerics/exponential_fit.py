@@ -513,7 +513,7 @@ def solve_orders(
 
     The tuple ends where a further arm with k > 0 no longer lowers the SSE. With `negligible` it
     also ends one order after the first that is within so many noise variances of the best
-    positive spectrum with any number of arms, so that no order left out could gain more; unless
+    positive spectrum with any number of arms, so that no order omitted could gain more; unless
     `every_order` one is wanted, which is then found from a single start.
     """
     chain = ArmInsertion(_validate_blocks(blocks, max_arms), thorough=thorough)

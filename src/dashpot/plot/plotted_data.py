@@ -58,7 +58,7 @@ def _positive(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _assign_bins(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, IndexArray]:
-    """Number the bin of every sample 0, 1, 2..., empty bins left out; where each bin starts."""
+    """Number the bin of every sample 0, 1, 2..., empty bins omitted; where each bin starts."""
     scale = np.log(x) if log else x
     span = scale[-1] - scale[0] or 1.0
     raw = np.minimum((scale - scale[0]) / span * bins, bins - 1).astype(np.intp)

@@ -211,7 +211,7 @@ def columns(
     names : sequence of str
     roles : sequence of str or None
     values : array, shape (n, m)
-        In the file's units; a column without numbers is left out.
+        In the file's units; a column without numbers is omitted.
     stamp : str
         Origin of the data, printed below the figure.
 

@@ -201,7 +201,7 @@ def compute_octave_extent(f: FloatArray, value: FloatArray) -> tuple[FloatArray,
 
 
 def _bins(f: FloatArray, per_octave: int) -> IndexArray:
-    """Return where every part of an octave begins, empty ones left out."""
+    """Return where every part of an octave begins, empty ones omitted."""
     number = np.floor(per_octave * np.log2(f / f[0]))
     return np.flatnonzero(np.concatenate(([True], np.diff(number) > 0)))
 

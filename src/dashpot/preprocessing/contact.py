@@ -222,7 +222,7 @@ def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> flo
     """Return standard error of the contact: in the Jacobian its column is the slope of the rise.
 
     Where the force starts as a square, a straight part and a shift are one: the straight
-    part is then left out.
+    part is then omitted.
     """
     (columns,) = _build_contact_columns(x, np.array([contact]))
     solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]

@@ -328,7 +328,7 @@ def hum_lines(
 
 
 def white_noise(time: FloatArray, values: FloatArray) -> float:
-    r"""Return the standard deviation of the white noise of a channel over a hold, lines left out.
+    r"""Return the standard deviation of the white noise of a channel over a hold, lines omitted.
 
     The median of the power of a windowed spectrum is :math:`\ln 2\,\sigma^2 \sum w^2`, whatever
     lines stand in it.

@@ -195,7 +195,7 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     """Decks of one seal, or cards of a material, over the band of its tests and no further.
 
     What is not known of the specimen is allowed by name, so each deck marks it in its header. A
-    deck is left out if the model may not be used, is not identified, or lacks a number.
+    deck is omitted if the model may not be used, is not identified, or lacks a number.
 
     Parameters
     ----------

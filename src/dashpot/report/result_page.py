@@ -118,7 +118,7 @@ def make_indicators(
 ) -> tuple[Light, ...]:
     """One indicator for each topic, with the grade of its worst check.
 
-    Checks that no topic names belong to the first one, which is left out if it has none and others
+    Checks that no topic names belong to the first one, which is omitted if it has none and others
     have.
     """
     unique_checks = tuple(dict.fromkeys(checks))

@@ -273,7 +273,7 @@ class RampHoldCycle(NamedTuple):
 
 
 def find_cycles(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
-    """Return the loadings with a hold, in order; data after the last hold are left out.
+    """Return the loadings with a hold, in order; data after the last hold are omitted.
 
     A loading ends where the displacement comes back to within 10 % of where it began: there the
     plate may leave the seal, and no linear solid describes what follows.

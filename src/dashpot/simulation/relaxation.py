@@ -93,7 +93,7 @@ def simulate_motion(
     motion : Trajectory
         At the time of a set-point the next one is sent; the plate begins at the first.
     rig : Rig, optional
-        ``Rig()`` if not given; its own rest before the motion is left out.
+        ``Rig()`` if not given; its own rest before the motion is omitted.
     seed : int
         Seed of the noise.
     climate : Climate, optional

@@ -38,7 +38,7 @@ def simulate_face_under_plate(
     Parameters
     ----------
     solid : GeneralizedMaxwell
-        Its parallel dashpot `b` is left out.
+        Its parallel dashpot `b` is omitted.
     time : array, shape (n,)
         s, rising.
     plate : array, shape (n,)

@@ -282,7 +282,7 @@ class Bush(Geometry):
 class Bulb(Geometry):
     """Hollow round seal, slightly compressed across: outer diameter, wall and length, m.
 
-    A thin wall that bends. Its stretch and shear, left out, make it softer: by 2.5 % at a wall of a
+    A thin wall that bends. Its stretch and shear, omitted, make it softer: by 2.5 % at a wall of a
     tenth of the mean radius, 9 % at a fifth. `poisson` is Poisson's ratio of the wall; a sponge has
     a lower one than solid rubber.
 

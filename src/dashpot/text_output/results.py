@@ -43,7 +43,7 @@ def format_rounded(value: float, error: float | None = None, *, digits: int = 4)
 
 
 def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
-    """Return a value, SI, in a column of a unit, so too; empty where there is none."""
+    """Return a value, SI, in a column of a unit, so too; empty if there is none."""
     return ascii_only(number_format.format_cell(value, unit, digits=digits))
 
 

@@ -292,7 +292,7 @@ def read_test(
     Raises
     ------
     ReadError
-        If the file is of another kind, or leaves open which column is what or in which unit.
+        If the file is of another kind, or does not determine its columns and units.
     """
     detection = recognise(path, options)
     row = KINDS.get(detection.kind, KINDS["relaxation"])

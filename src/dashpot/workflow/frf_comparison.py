@@ -89,7 +89,7 @@ class LeaveOneOut(Serialisable):
     error : float
         Mean over the hits of the rms error, over the rms of the measured accelerance.
     hits : int
-        Each left out once.
+        Each omitted once.
     frequency_error_hz : (float, float)
         Least and largest error of the peak's frequency, Hz.
     height_error : (float, float)

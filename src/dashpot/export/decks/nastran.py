@@ -64,8 +64,8 @@ def nastran(
         geometric middle of a given range, else 10 Hz or the end of the valid band below it.
     line : Stations, optional
         Puts one CBUSH at each station of a seal line, each with its share of the stiffness, at its
-        compression and its normal: needs the contact length that the model stands for. Without it
-        there is one CBUSH at the origin.
+        compression and its normal: needs the contact length of the model. Without it there is one
+        CBUSH at the origin.
     shear : Shear, optional
         Stiffness of the seal of that line across it and along it: components 2 and 3.
     first_id : int

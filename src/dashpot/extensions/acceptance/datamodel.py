@@ -45,11 +45,11 @@ class JudgedLimit(Serialisable):
         does, and with a chance of 90 % if this value is true. None where it is decided, and where
         no number of such tests does.
     remedy : str
-        What would narrow a bound; empty where that is not known.
+        Test that would narrow a bound; empty where that is not known.
     is_usable : bool
         Whether the model may be used at all.
     stated : tuple of (str, str)
-        Both limits with the unit in which they were stated; empty where there is none.
+        Both limits with the unit in which they were stated; empty if there is none.
     """
 
     _keys = (
@@ -138,7 +138,7 @@ class JudgedLimit(Serialisable):
 
     @property
     def explanation(self) -> str:
-        """Sentence on what would decide an open limit; empty where it is decided."""
+        """Sentence on the test that would decide an open limit; empty if it is decided."""
         if self.outcome != "open":
             return ""
         if not self.is_usable:
@@ -165,7 +165,7 @@ class Acceptance(Printable, Serialisable):
     Attributes
     ----------
     result : Study, Fit or another result
-        What the limits were held against.
+        Result that was compared with the limits.
     use : str
         The verdict on the model.
     limits : tuple of JudgedLimit

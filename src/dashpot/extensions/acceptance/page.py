@@ -23,7 +23,7 @@ class IntervalBar(NamedTuple):
     start, width : float
         Start and width of the interval.
     value_position : float
-        Place of the value; nan where there is none.
+        Place of the value; nan if there is none.
     limits : tuple of float
     """
 

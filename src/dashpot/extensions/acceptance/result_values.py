@@ -63,7 +63,7 @@ class ResultValue(NamedTuple):
         ``"random"`` for noise of the test; ``"bound"`` for limits of a quantity that no such test
         determines; ``"unknown"`` where that or the interval is not known.
     remedy : str
-        What would narrow a bound, in sentences; empty where it is not known.
+        Tests that would narrow a bound, in sentences; empty if unknown.
     noise_share : float
         For a random interval: the standard error of noise over that of noise and rig.
     """
@@ -182,7 +182,7 @@ def _get_column(reported_value: ReportedValue) -> str:
 
 @singledispatch
 def _find_by_name(result: Any, name: _Name) -> ResultValue | None:
-    """Return a value of a result by its name; None if there is none of that name."""
+    """Return a value of a result by its name; None if no value has that name."""
     reported_values: Iterable[ReportedValue] = getattr(result, "facts", ())
     matches = [
         reported_value
@@ -246,9 +246,9 @@ def _(study: Study, name: _Name) -> ResultValue | None:
 
 
 def _make_answer_value(name: _Name, value: RecommendedValue, advice: Recommendation) -> ResultValue:
-    """Return a value that a recommendation holds.
+    """Return a value of a recommendation.
 
-    As there, a frequency goes with the stiffness at the peak, damping and height with the loss
+    As there, a frequency depends on the stiffness at the peak, damping and height on the loss
     factor.
     """
     reported_value, position_text = value.fact, ""

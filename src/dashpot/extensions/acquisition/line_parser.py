@@ -53,16 +53,16 @@ class Lines:
 
     A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at its
     end is the exclusive or of the bytes before it; a device that has sent one is held to it in
-    every line. The first line is left out: its beginning may have been sent before the recording
+    every line. The first line is omitted: its beginning may have been sent before the recording
     started.
 
     Parameters
     ----------
     columns : sequence of str
         Names with units; that of the time, if there is one, begins with ``time``. Without it the
-        clock is that of this computer.
+        time is that of this computer.
     clock : callable
-        Tells the seconds of this computer.
+        Clock of this computer, s.
 
     Raises
     ------
@@ -183,7 +183,7 @@ class Lines:
         return kept_lines
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
-        """Return a sample that is kept; its step is put in the account."""
+        """Return a complete sample; its step is put in the account."""
         step, usual_step = sample[0] - self._last_time, self._get_usual_step()
         self._last_time, self._falls_in_a_row = sample[0], 0
         if math.isinf(step):

@@ -29,7 +29,7 @@ def record(
     replace: bool = False,
     seen: Callable[[Block], None] | None = None,
 ) -> tuple[int, tuple[str, ...]]:
-    """Write what a recorder reads to a file, until it ends, is stopped, or `seconds` are over.
+    """Write the samples of a recorder to a file, until it ends, is stopped, or `seconds` are over.
 
     The file is written in place and flushed within a second: if the process is killed, all rows
     until then remain. Meanwhile the operating system's lock on it is held, which ends with the
@@ -56,8 +56,8 @@ def record(
     Raises
     ------
     ReadError
-        If the file exists, another process records to it, nothing came, or it cannot be written
-        any further; what was written before stands there.
+        If the file exists, another process records to it, nothing came, or it cannot be written any
+        further; earlier rows are kept.
     OSError
         If it cannot be made.
     """

@@ -21,7 +21,7 @@ class Description:
     Attributes
     ----------
     device : str
-        What it is, for the head of the file.
+        Description of the device, for the header of the file.
     channels : tuple of str
         Names with their units, without the time: ``("displacement [mm]", "force [N]")``.
     notes : tuple of str
@@ -40,7 +40,7 @@ class Recorder(Protocol):
         """Return the source and its errors so far."""
 
     def blocks(self) -> Iterator[Block]:
-        """Yield what came since the block before, at least every few tenths of a second.
+        """Yield the samples since the last block, at least every few tenths of a second.
 
         A block may be empty. After `stop` the samples that were read already are still returned,
         then the end.

@@ -30,7 +30,7 @@ LAWS = get_choice_values(AmplitudeLaw)
 """Kraus's law as a factor or in parallel to the solid, a cubic spring, and both."""
 _EXPONENTS = (0.1, 0.95)
 DEFAULT_EXPONENT = 0.5
-"""The exponent where it cannot be known."""
+"""The exponent if the data do not determine it."""
 _MIN_SCATTER = 3e-3
 """Relative misfit of amplitude laws; only larger scatter counts as noise."""
 _PER_DECADE = 10
@@ -59,7 +59,7 @@ class FittedLaw:
     residuals : complex array, shape (n,)
         Fit less sample, over the size of the sample.
     residual_loss : float
-        What is left of the loss over the loss, rms, of the worst third of the amplitudes.
+        Relative rms residual of the loss, of the worst third of the amplitudes.
     bic, deviance : float
         n ln(rss/n), with and without the penalty of the parameters.
     is_adequate : bool

@@ -84,7 +84,7 @@ class LevelResonance(Serialisable):
     amplitude : float
         Amplitude of the part's displacement there, m.
     strain : float or None
-        That over the height; None for a part that was swept itself.
+        That over the height; None if the part itself was swept.
     frf : FRF
     """
 
@@ -142,10 +142,10 @@ class SweptPart(Serialisable):
     Attributes
     ----------
     laws : tuple of AmplitudeFit
-        The one that explains the sweep best, and those that it does not distinguish from it.
+        The law that fits the sweep best, and those with an equally good fit.
     factors : tuple of float
-        Strain of the sweep over that of the part; the first is taken, the others are what it
-        might be.
+        Strain of the sweep over that of the part; the first is used, the others are possible as
+        well.
     height : float or None
         m; None where the sweep is over displacement.
     fitted_at : float
@@ -544,7 +544,7 @@ def _get_part_height(
 
 
 def _list_rival_laws(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
-    """Return the alternative laws that the sweep allows, such as one that scales the solid."""
+    """Return the alternative laws consistent with the sweep, such as one that scales the solid."""
     kraus, plus, spring = law.law.partition("+")
     other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
     scores = dict(law.orders)

@@ -202,7 +202,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     ----------
     fit : LevelFit
     frfs : sequence of FRF
-        What it was fitted to.
+        Fitted FRFs.
     stamp : str
         Origin of the data, printed below the figure; by default files, mass and seals.
     """
@@ -221,7 +221,7 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
 def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     """Return frequency and damping of every hit over the motion that it made, with their lines.
 
-    Shaded is the 95 % interval of the line, dashed what no hit tested.
+    The 95 % interval of the line is shaded, amplitudes without a hit are dashed.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
 
 
 def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
-    """Return a cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
+    """Return a cycle of each amplitude, the smallest first; at most as many as fit in a row."""
     hysteresis_loops: list[HysteresisLoop] = []
     for cycle in sorted(cycles, key=lambda loop: loop.amplitude):
         if not hysteresis_loops or cycle.amplitude > 1.1 * hysteresis_loops[-1].amplitude:

@@ -57,14 +57,14 @@ _OUTLIER_SD = 5.0
 def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     r"""Fit how stiffness and loss move with amplitude: Kraus's law, a cubic spring, or both.
 
-    Least squares on complex residuals over the size of the modulus; a linear complex level for
-    each frequency, one share, half-way amplitude and exponent of Kraus's law with tied loss for
-    all, and one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it
-    by 2 ln L > 20, a spring beside Kraus's law where it makes the storage rise again: else it
-    is but another way to soften. Kraus's law is a factor, or stands beside the solid: BIC chooses
-    where frequencies differ enough to distinguish them; at one frequency the two are the same
-    curve, and the factor is taken for a modulus, the element beside the solid for a stiffness.
-    Where the sweep ends below twice X_c the exponent is set to 0.5.
+    Least squares on complex residuals over the size of the modulus; a linear complex level for each
+    frequency, one share, half-way amplitude and exponent of Kraus's law with tied loss for all, and
+    one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it by 2 ln L
+    > 20, a spring beside Kraus's law where it makes the storage rise again: else it is but another
+    way to soften. Kraus's law is a factor, or in parallel to the solid: BIC chooses where
+    frequencies differ enough to distinguish them; at one frequency the two are the same curve, and
+    the factor is taken for a modulus, the element beside the solid for a stiffness. Where the sweep
+    ends below twice X_c the exponent is set to 0.5.
 
     Source: G. Kraus (1984); the tie of the loss is the rule of broad friction,
     :math:`K'' = -(2/\pi)\,dK'/d\ln X`.
@@ -265,7 +265,7 @@ def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
 
 
 def _find_strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
-    """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
+    """The smallest amplitudes of a frequency whose residual exceeds the scatter of the others."""
     magnitude = np.abs(residual)
     limit = _OUTLIER_SD * 1.4826 * median(magnitude)
     is_stray = np.zeros(len(magnitude), dtype=bool)

@@ -60,7 +60,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
         The levels that were requested.
     checks : tuple of Check
     records : tuple of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
-        What it was found from: one sweep, one record of loops, or the FRF of each level.
+        Fitted records: one sweep, one record of loops, or the FRF of each level.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def requested_levels(self) -> tuple[PeakAtLevel, ...] | None:
-        """Return the requested levels; None where there can be none."""
+        """Return the requested levels; None if it cannot be determined."""
         return None if isinstance(self.fit, AmplitudeFit) else self.at
 
     def to_dict(self) -> dict[str, Any]:
@@ -148,7 +148,7 @@ def level_files(
         the base's acceleration, m/s^2. Of hammer files: peak force of their hits, N, which is held
         against the records; these count.
     mass : float, optional
-        Under those FRFs, kg; or what was struck, held against the mass that the hits show.
+        Under those FRFs, kg; or the struck mass, compared with the mass by the hits.
     seals : float
     band : (float, float), optional
         Lines taken, or where the resonance of the hits lies, Hz.
@@ -159,7 +159,7 @@ def level_files(
     motion : str
         Motion of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     machine : Machine, optional
-        What is known of the machine that drove recorded loops: its `sync`.
+        Known properties of the machine that recorded loops: its `sync`.
     options : ReadOptions, optional
         Reading options of the files.
     """
@@ -221,13 +221,13 @@ def _attach_sweep(
 
 
 _OF_HITS = ("--amplitude", "--mass", "--band", "--resonance-amplitude")
-"""Options that belong to FRFs, and to hits too."""
+"""Options of FRFs, and of hits."""
 
 
 def _refuse_frf_options(
     path: str | Path, options: Mapping[str, object], *accepted_flags: str
 ) -> None:
-    """Refuse options of FRFs that were given with a file that is none."""
+    """Refuse options of FRFs that were given with a file of another kind."""
     given_flags = [
         flag for flag, option in options.items() if option and flag not in accepted_flags
     ]

@@ -172,7 +172,7 @@ def _get_frf_name(frf: FRF, number: int) -> str:
 def _redraw_fits(
     problem: _LineData, K: ComplexArray, best: _TermsOptimum, seed: int
 ) -> tuple[Parts, ...]:
-    """Return the same fit of records that chance might have given."""
+    """Return the same fit of randomly perturbed records."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.residuals / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)

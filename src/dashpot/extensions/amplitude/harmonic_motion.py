@@ -33,7 +33,7 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
     Parameters
     ----------
     time, motion : array, shape (n,)
-        s, and displacement or strain in any unit. A third array, of what pushes, is not asked.
+        s, and displacement or strain in any unit. A third array, the force, is not checked.
     """
     rise_starts, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
     starts = max(rise_starts, fall_starts, key=len)

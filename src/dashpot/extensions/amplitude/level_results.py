@@ -80,7 +80,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     Attributes
     ----------
     solid : GeneralizedMaxwell
-        What does not depend on the level; its single arms mean little beyond the band.
+        Part that does not depend on the level; its single arms mean little beyond the band.
     rate_independent : tuple of Jenkins or Cubic
         Elements in parallel: friction, as a spectrum over yield displacements, and a stiffening or
         softening spring; empty if none was detected.
@@ -94,8 +94,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         As `residual`, of arms alone.
     draws : tuple of (GeneralizedMaxwell, tuple of Jenkins or Cubic)
         Fits to simulated repetitions of the records: they give the uncertainty of every quantity
-        that follows from the solid and its parallel elements. None of a fit that was read from a
-        file.
+        that follows from the solid and its parallel elements. None if read from a file.
     mass : float
         On all seals, kg.
     seals : float
@@ -107,7 +106,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         2 ln L of each explanation that was tried, over arms alone.
     specimen : Specimen
     steps : tuple of Step
-        What was made of it since.
+        Later steps.
     at : tuple of PeakAtLevel
         The levels that were requested.
     """
@@ -236,7 +235,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     def at_compression(self, compression: float) -> NoReturn:  # noqa: ARG002
-        """Refuse every compression but that of the tests.
+        """Refuse a compression other than that of the tests.
 
         Raises
         ------
@@ -287,7 +286,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The verdict, and what moves with amplitude by how much."""
+        """The verdict, and the changes with amplitude."""
         low, high = self.amplitudes
         middle = np.pi * (self.band[0] + self.band[1])
         end_stiffnesses = self.stiffness(omega=middle, amplitude=[low, high])

@@ -27,7 +27,7 @@ class StagedSpring(RateIndependent):
     k : tuple of float
         Tangent stiffness of each stage, N/m, >= 0.
     until : tuple of float
-        Where all stages but the last end, m, rising from above 0.
+        Upper ends of all stages but the last, m, > 0 and rising.
     """
 
     k: tuple[float, ...]

@@ -77,7 +77,7 @@ class Orbit(EqualByValue):
     lost_contact : float
         Fraction of the cycle without contact.
     least, most : float
-        Compressions between which it swings, m; a seal that has not caught up lets go above 0.
+        Compressions between which it swings, m; a seal that has not recovered separates above 0.
     """
 
     frequency: float
@@ -272,8 +272,8 @@ class PreloadedMass:
         """The answers to a force, N, over frequencies, Hz, in their order, :data:`HARMONICS` each.
 
         Each goes on from the one before, the first from `start`, where that leads to one that
-        lasts, else it is followed from rest. Those that do not last are among them; lines without
-        one are left out.
+        lasts, else it is followed from rest. Unstable ones are included; lines without one are
+        omitted.
 
         Raises
         ------
@@ -459,7 +459,7 @@ class _PressedBalance:
         return np.asarray(np.fft.irfft(value, self.samples, axis=0))
 
     def pressing(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Compression, m, and what presses were the seal glued, N, over a cycle."""
+        """Compression, m, and the force of a seal that cannot separate, N, over a cycle."""
         x = self.basis @ z
         return x, self._apply_arms(self.of.law.force(np.maximum(x, 0.0)))
 

@@ -153,7 +153,7 @@ def find_steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
 
 
 def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
-    r"""Return how long what pushes stays at its largest or least value, as a part of a cycle.
+    r"""Return the part of a cycle for which the force is at its largest or smallest value.
 
     Of the loops at least half as large as the largest it is the longest stretch within six standard
     deviations of the noise, less that of the crest of a sine, :math:`\sqrt{2\delta/A}/\pi`.
@@ -176,9 +176,9 @@ def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
 
 
 def _find_tones(frequency: FloatArray) -> FloatArray:
-    """Return the frequency that each cycle was asked to have: neighbours share their median.
+    """Return the nominal frequency of each cycle: neighbours share their median.
 
-    Those of a sweep of the frequency have their own: most are far from the median.
+    Cycles of a frequency sweep have their own: most are far from the median.
     """
     order = np.argsort(frequency)
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))

@@ -5,8 +5,8 @@ elongation u until it reaches the slip force; then it stays there and u does not
 
 .. math:: |F[u]| \le F_c, \qquad \dot u = \dot x \text{ while } |F| < F_c
 
-A steady cycle is antisymmetric: after half of it the state of the solid is the negative of what it
-was. That is solved by Newton; the map of half a cycle is affine wherever what slips stays the same.
+A steady cycle is antisymmetric: after half of it the state of the solid has the opposite sign. That
+is solved by Newton; the map of half a cycle is affine while the same elements slip.
 
 Source: P. Gaillard and R. Singh, Applied Acoustics 60 (2000) 37.
 """

@@ -184,7 +184,7 @@ def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
 
 
 def _compare_arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
-    """Springs and arms side by side: common time constants in one row, others alone."""
+    """Springs and arms in one chart: common time constants in one row, others alone."""
     entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
     group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
@@ -292,7 +292,7 @@ def _get_response(compared_fit: ComparedFit) -> Curve | None:
 
 
 def _render_responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
-    """Return both responses in one panel, and the hammer's; nothing where no mass is given."""
+    """Return both responses in one panel, and the hammer's; empty without a mass."""
     limits = make_prediction_bands(a.study.frf_band if a.study.joint is None else None)[:1]
     curves = [curve for side in (a, b) if (curve := _get_response(side)) is not None]
     if len(curves) < 2:

@@ -1,4 +1,4 @@
-"""Time limits of a connection: a request that is not sent to its end holds no place."""
+"""Time limits of a connection: an incomplete request does not block a connection."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BODY_SECONDS = 30.0
 
 
 class LimitedProtocol(H11Protocol):
-    """HTTP protocol that closes a connection whose request stops on its way.
+    """HTTP protocol that closes a connection with an incomplete request.
 
     The head of a request has `HEAD_SECONDS` in all, however slowly its bytes come; its body may
     pause for `BODY_SECONDS`. There is no limit while a response is computed.

@@ -86,7 +86,7 @@ def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
 def _make_card(
     name: str, panels: tuple[Panel, ...], width: float, cards_per_row: int, key: AbstractSet[str]
 ) -> FigureCard:
-    """One strip under its title; an axis that says no more than the title is named there."""
+    """One strip under its title; an axis with the same label as the title is named there."""
     first, *lower_panels = panels
     has_y_label_as_title = not (first.title or first.note or first.drawing)
     title = first.title or (
@@ -106,7 +106,7 @@ def _make_card(
 
 
 def _make_key(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
-    """Return what each mark looks like, and its name."""
+    """Return the symbol and the name of each mark."""
     key = Picture(name, "", (tuple(panels),)).key
     return [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
 

@@ -131,7 +131,7 @@ def _get_visible_curve(frf: FRF, view: tuple[float, float]) -> tuple[FloatArray,
 
 
 def propose_selection(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> HitSelection:
-    """Return which hits to keep, of those that are accepted now."""
+    """Return the hits to keep among the accepted ones."""
     return propose_hits(frf, get_single_hits(impact, frf, choices))
 
 

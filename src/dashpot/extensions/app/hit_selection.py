@@ -6,7 +6,7 @@ of the resonance,
 .. math:: d_i = \frac{\|A_i - m_i\|}{\|m_i\|}
 
 where :math:`m_i` is the median, of real and imaginary part, of all the other accepted hits. The hit
-that is farthest off is left out while it is off by three times the median of all and by 5 %, and
+that is farthest off is omitted while it is off by three times the median of all and by 5 %, and
 three remain. Overloads and double hits are rejected before, for reasons of their own.
 """
 
@@ -33,7 +33,7 @@ MAX_HITS = 24
 BAND_RATIO = 2.3
 """Highest of the compared frequencies over the resonance, and the resonance over the lowest."""
 MIN_HITS = 3
-"""Hits that are kept at least."""
+"""Smallest number of kept hits."""
 DEVIATION_RATIO, MIN_DEVIATION = 3.0, 0.05
 """Multiple of the median deviation, and deviation, above which a hit is left out."""
 
@@ -69,7 +69,7 @@ def _format_deviation(value: float) -> str:
 
 
 def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
-    """Return the FRF of every single hit, by its name; failed ones are left out.
+    """Return the FRF of every single hit, by its name; failed ones are omitted.
 
     Parameters
     ----------

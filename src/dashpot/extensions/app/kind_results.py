@@ -135,7 +135,7 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the file that is kept of a result, or its JSON as ``--json`` prints it."""
+    """Return the saved file of a result, or its JSON as printed by ``--json``."""
     result, page = _fit_with_page(_parse_request(request, folder))
     save_file = find_handler("app file", result)
     if save_file is not None:

@@ -26,7 +26,7 @@ class LimitsPanel:
     refusal : str
         Why one is no limit of this result.
     words : tuple of str
-        Options of the command line that ask the same.
+        Equivalent options of the command line.
     document : Serialisable or None
         The result with the outcome of its limits.
     """
@@ -37,7 +37,7 @@ class LimitsPanel:
     document: Any = None
 
     def add_to(self, command: str) -> dict[str, Any]:
-        """Return the entries of an answer: the limits, and the command that also asks them."""
+        """Return the entries of an answer: the limits, and the equivalent command."""
         return {
             "limits": {"html": self.html, "refusal": self.refusal},
             "command": " ".join([command, shlex.join(self.words)]).rstrip(),

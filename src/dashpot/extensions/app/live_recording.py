@@ -28,7 +28,7 @@ MAX_CURVE_POINTS = 2000
 _AXES_HEIGHT = 60.0
 """Height of the axes of a drawing below and above its plot, px."""
 _WIDTH_RANGE, _HEIGHT_RANGE = (240.0, 2000.0), (60.0, 600.0)
-"""What a page may ask a drawing to be, px."""
+"""Range of widths of a drawing that a page may request, px."""
 
 
 class Trace:
@@ -39,7 +39,7 @@ class Trace:
         self._minima = self._maxima = self._remaining_samples = np.empty((0, 2))
 
     def add(self, time: FloatArray, value: FloatArray) -> None:
-        """Take what came."""
+        """Add the received samples."""
         samples = np.concatenate([self._remaining_samples, np.column_stack([time, value])])
         complete_count = len(samples) // self._samples_per_point * self._samples_per_point
         self._take_block(samples[:complete_count].reshape(-1, self._samples_per_point, 2))
@@ -131,14 +131,14 @@ class Live:
         self._thread.start()
 
     def stop(self, timeout: float = 10.0) -> None:
-        """End the record, and wait, so many seconds at most, until it is on the disk."""
+        """End the record, and wait, up to a time limit, until it is on the disk."""
         if self._recorder is not None:
             self._recorder.stop()
         if self._thread is not None:
             self._thread.join(timeout=timeout)
 
     def look(self, width: float, height: float) -> dict[str, Any]:
-        """Return what there is to be seen: the state, in words, and a drawing of each channel."""
+        """Return the displayed state: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:
             return {"running": False, "rows": 0, "message": "", "drawn": [], "kept": None}

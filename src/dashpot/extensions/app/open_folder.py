@@ -50,7 +50,7 @@ def open_folder(request: Mapping[str, Any], path: Path) -> bytes:
 
 
 def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
-    """Return the folders that were kept or opened last."""
+    """Return the folders saved or opened last."""
     return wire_format.encode_message({"recent": recent.list_recent_folders()})
 
 

@@ -36,7 +36,7 @@ MAX_NAMES = 6
 
 
 class OverlaidTest(NamedTuple):
-    """Test with its fit; an error in place of them where there is none."""
+    """Test with its fit; an error if there is none."""
 
     name: str
     file: str

@@ -16,7 +16,7 @@ MAX_FOLDERS = 12
 """Folders of the list."""
 _LIST_FILE = "recent.json"
 STATE_VARIABLE = "DASHPOT_STATE"
-"""Name of the variable that says where the list is kept instead."""
+"""Environment variable with another path of the list."""
 
 
 def list_recent_folders() -> list[dict[str, Any]]:

@@ -50,7 +50,7 @@ def _get_cache_path(path: str, options: ReadOptions, temperature: float | None) 
 
 
 def _save_record(cache_path: Path, record: RelaxationTest) -> None:
-    """Write the signals, then the words, which say that all is there."""
+    """Write the signals, then the metadata, which mark the entry as complete."""
     cache_path.parent.mkdir(exist_ok=True)
     temporary_path = cache_path.with_suffix(f".{os.getpid()}")
     size = len(_SIGNALS), len(record.time)

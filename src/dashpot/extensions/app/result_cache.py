@@ -183,8 +183,7 @@ def fit_study_tests(
 ) -> FittedTests:
     """Return the relaxation tests of a study, fitted; another mass or band leaves them as they are.
 
-    Records are distinguished by identity: those in use are kept, so none takes the place of
-    another.
+    Records are distinguished by identity: entries in use are not removed.
     """
     key = (*map(id, tests), *choices, *preparation.items())
     if key not in _fitted_tests:
@@ -222,7 +221,7 @@ def measure_hammer(
     mass: float | None,
     band: tuple[float, float] | None,
 ) -> tuple[ImpactTest | None, FRF]:
-    """Return what :func:`.read_measured` does; another mass reads no file and averages no hit.
+    """Return the result of :func:`.read_measured`; another mass reads no file and averages no hit.
 
     Of hits it decides over one check alone.
     """
@@ -251,8 +250,8 @@ def get_study(job: Job) -> Study:
 def predict_base_motion(job: Job) -> Prediction:
     r"""The transmissibility to the mass of a job, as ``dashpot predict FIT --base`` predicts it.
 
-    By the solid of both tests where they are fitted together; where the job names no band, to
-    either side of the highest frequency of the peak, :math:`\sqrt{n k_0 / m} / 2\pi`.
+    By the solid of both tests if they are fitted together; where the job names no band, to either
+    side of the highest frequency of the peak, :math:`\sqrt{n k_0 / m} / 2\pi`.
 
     Raises
     ------
@@ -272,10 +271,10 @@ def predict_base_motion(job: Job) -> Prediction:
 
 
 def select_test_choices(job: Job) -> Job:
-    """Return what of a job decides the prepared test."""
+    """Return the fields of a job on which the prepared test depends."""
     return select_options(job, "test")
 
 
 def select_fit_choices(job: Job) -> Job:
-    """Return what of a job decides the fit of the relaxation test."""
+    """Return the fields of a job on which the fit of the relaxation test depends."""
     return select_options(job, "test", "fit")

@@ -28,7 +28,7 @@ _IDENTITY = re.compile(r"([0-9a-f]{16})(?:-[0-9a-f]{8})?")
 _DIGITS = 16
 """Digits of the identity of a file."""
 _ORIGINS = "origins"
-"""Folder that says from where on this machine a file was read; no identity is called so."""
+"""Folder with the original path of each file on this machine; no identity is called so."""
 
 
 class TooLargeError(DataError):
@@ -41,7 +41,7 @@ class Store:
     Parameters
     ----------
     folder : path, optional
-        Where they lie; by default a new folder of the system's temporary ones.
+        Folder of the files; by default a new folder of the system's temporary ones.
     """
 
     def __init__(self, folder: str | Path | None = None) -> None:
@@ -141,7 +141,7 @@ class Store:
         return self.put(path.name, content, origin=path, stamp=stamp, modified=modified)
 
     def get_origin(self, identity: str) -> tuple[Path, tuple[int, ...]] | None:
-        """Return where a file was read and its stamp then; None of one that a page sent."""
+        """Return where a file was read and its stamp then; None of an uploaded file."""
         try:
             origin_text = (self.folder / _ORIGINS / identity[:_DIGITS]).read_text(encoding="utf-8")
         except FileNotFoundError:

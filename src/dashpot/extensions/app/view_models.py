@@ -1,6 +1,6 @@
 """View models: panels, tables and curves in the form that the page displays.
 
-Pure functions, tested without a server. Words, digits and marks are those of the report.
+Pure functions, tested without a server. Terms, digits and symbols are those of the report.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 _SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
 """Sections of the page with files that belong to no job, or to several."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
-"""What its unit can be one of."""
+"""Possible units."""
 EQ5_PEN = Pen("ref", 1.6, (2, 3))
 SHORT_LABELS = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
@@ -113,7 +113,7 @@ Sizes = Mapping[str, tuple[float, float]]
 HIDDEN_SIZE = (400.0, 180.0)
 """Size of a panel that is not shown yet, px."""
 LABELLED_AT_LINE = {"displacement", "coherence"}
-"""What is named where it is drawn, and in no key."""
+"""Marks labelled in the drawing, not in a legend."""
 MIN_WIDTH, NARROW_WIDTH = 160.0, 480.0
 """Least width of a drawing, px; below which two peaks are named and no third."""
 HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
@@ -153,7 +153,7 @@ def render_panels(
     """Panels as the page has them: the key, then the drawing at the size of its place.
 
     Of several, one below the other, the first is as high as `HEIGHT_SHARES` of them. A `title`
-    replaces what stands over the place; a `note` stands in place of the key.
+    replaces the heading of the slot; a `note` replaces the legend.
     """
     width, height = sizes.get(name, HIDDEN_SIZE)
     panel_strip = panels if isinstance(panels, tuple) else (panels,)
@@ -192,7 +192,7 @@ def render_test_panels(
 ) -> dict[str, str]:
     """Ramp, hold with its residual, and arms of a fit, in the colour of its solid.
 
-    Of a hold that is cut the `full_test` stays in sight: its handle goes both ways.
+    With a shortened hold the `full_test` remains visible: its handle goes both ways.
     """
     plotted_fit = _make_plotted_fit(fit, prepared)
     eq5_fit = None
@@ -676,7 +676,7 @@ def render_terms(title: str, terms: Sequence[Term], note: str = "", *, subject: 
 
 
 def _make_pads(texts: Sequence[str]) -> list[str]:
-    """Return what each number lacks behind its point to be as long as the longest."""
+    """Return the padding behind each number that aligns their decimal points."""
     decimal_counts = [len(text.partition(".")[2]) for text in texts]
     return [
         "." * (not decimals and max(decimal_counts) > 0) + "0" * (max(decimal_counts) - decimals)
@@ -771,7 +771,7 @@ def get_short_name(value: RecommendedValue) -> str:
 
 
 def format_load(job: Job) -> str:
-    """Return what rests on how many seals."""
+    """Return the mass and the number of seals under it."""
     mass_text = "the mass" if job.mass is None else format_with_error(job.mass, "g", digits=4)
     return f"{mass_text} on {seals(job.seals)}"
 
@@ -813,7 +813,7 @@ def _draw_pulses(impact: ImpactTest | None) -> dict[str, str]:
 
 
 def get_section(inspection: InspectedFile) -> str:
-    """Return where the page takes a file; empty where it does not."""
+    """Return where the page takes a file; empty if not."""
     return KINDS[inspection.kind].app_section if inspection.kind in KINDS else ""
 
 
@@ -864,7 +864,7 @@ def _format_heading(inspection: InspectedFile) -> str:
 
 
 def _format_unplaced_kind(inspection: InspectedFile) -> str:
-    """Return what to do with a file of a kind that this page has no place for, if it is one."""
+    """Return the advice for a file of a kind that this page does not show."""
     has_place = get_section(inspection) or inspection.kind not in KINDS_OF_FILE
     if inspection.questions or inspection.refusal or has_place:
         return ""

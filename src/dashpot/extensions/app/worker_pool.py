@@ -80,7 +80,7 @@ class WorkerProcess:
                 self._started_at = 0.0
 
     async def start(self) -> asyncio.subprocess.Process:
-        """Start the worker if none is there."""
+        """Start the worker if none is running."""
         if self._process is None or self._process.returncode is not None:
             self._process = await asyncio.create_subprocess_exec(
                 *interpreter("dashpot.extensions.app.worker_process"), str(self._folder),

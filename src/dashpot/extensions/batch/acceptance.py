@@ -28,7 +28,7 @@ class SealDecision(NamedTuple):
     lot, seal : str
     decision : str
         ``"pass"``; ``"fail"`` outside a limit; ``"not proven"`` inside it by less than the guard
-        band; ``"no result"`` where no test of the seal is used.
+        band; ``"no result"`` if no test of the seal is used.
     value : float or None
         Mean of its tests, SI.
     guard : float or None
@@ -50,7 +50,7 @@ class SealDecision(NamedTuple):
 
 
 def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
-    r"""Return what limits make of every seal that was tested, in the order of lot and seal.
+    r"""Return the judgement of every tested seal by limits, in the order of lot and seal.
 
     The guard band is :math:`t_{0.95,\nu}\,u`, the decision rule of ISO 14253-1, with the standard
     uncertainty u of the mean of n repeats: :math:`u^2 = s_r^2/n`, pooled over all seals with

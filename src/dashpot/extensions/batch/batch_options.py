@@ -62,7 +62,7 @@ class BatchOptions:
     quick : bool
         The optimum alone: no errors, no checks, no verdict.
     mass : float or None
-        Mass of the block on the seals, kg, where a test has none of its own.
+        Mass of the block on the seals, kg, for tests without their own.
     seals : float
         Under that mass.
     reading, reading_impact : ReadOptions
@@ -79,7 +79,7 @@ class BatchOptions:
     radius : float or None
         Radius of an indenter's tip, m: a hit then has a modulus.
     machine : Machine
-        On which the tests were made, where the manifest gives a test none of its own.
+        Testing machine of tests without one in the manifest.
     """
 
     arms: int | Literal["auto"] = copy_option(Job, "arms")
@@ -135,7 +135,7 @@ class BatchOptions:
 
     @property
     def columns(self) -> int:
-        """Number of arms that a row can hold."""
+        """Largest number of arms in a row."""
         return MAX_ARMS if self.arms == "auto" or self.joint else self.arms
 
     @property

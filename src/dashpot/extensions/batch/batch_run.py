@@ -96,7 +96,7 @@ class BatchPlan(Serialisable):
     seconds : float
         Expected time, estimated from the first few tests on this machine; 0 if no row is missing.
     jobs : int
-        Processes side by side.
+        Number of parallel processes.
     """
 
     schema = "dashpot/batch-plan@1"
@@ -133,18 +133,18 @@ def batch(
 ) -> Lot:
     r"""Fit every test in files, folders and patterns, one row each.
 
-    Each test is fitted alone, in the way that suits it, as ``dashpot fit`` does it: a ramp and
-    hold, a creep test, a dynamic sweep, a master curve, a relaxation modulus. A paired hammer test
-    is compared with its prediction. A file that has no fit, or cannot be read, is a row that says
-    why. Rows are kept in `output` as Parquet parts by the hash of what decides them: configuration,
-    version, contents; a second run, whatever ended the first, makes only those that are missing,
-    and ends with the same table.
+    Each test is fitted separately by its kind, as by ``dashpot fit``: a ramp and hold, a creep
+    test, a dynamic sweep, a master curve, a relaxation modulus. A paired hammer test is compared
+    with its prediction. A file without a fit, or that cannot be read, is a row with the reason.
+    Rows are stored in `output` as Parquet parts by the hash of their inputs: configuration,
+    version, contents; a second run, after an interrupted first one, computes only the missing rows
+    and gives the same table.
 
     Parameters
     ----------
     paths : path or sequence of path
     output : path, optional
-        Folder of the parts and of the log; without one nothing is kept.
+        Folder of the parts and of the log; without it nothing is written.
     arms, method
         As in :func:`~dashpot.fitting.relaxation.fit`.
     quick : bool
@@ -166,7 +166,7 @@ def batch(
         On which the tests were made; the manifest may give each test its own.
     by : str, optional
         A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
-        ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
+        ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may be in any order.
     manifest : path, optional
         CSV or TOML with the columns file, lot, seal, repeat, operator, date, temperature, mass,
         hammer, hammer_temperature, machine.
@@ -177,19 +177,19 @@ def batch(
     joint : bool
         Fit a ramp and hold and its hammer together.
     jobs : int, optional
-        Processes side by side; by default as many as there are processors.
+        Number of parallel processes; by default as many as there are processors.
     scheduler : str, optional
         Address of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the
         rows: the same dashpot is installed there, and the files have the same paths.
     options, impact_options : ReadOptions, optional
-        What is known of the files of the tests, and of the hammer.
+        Reading options of the tests' files, and of the hammer's.
 
     Raises
     ------
     ReadError, DataError
         If a path names nothing, or a choice makes no sense. No file's contents raise.
     ExportError
-        If `output` holds something else, or polars is missing.
+        If `output` contains other files, or polars is missing.
     """
     choices = BatchOptions(
         arms,
@@ -337,8 +337,8 @@ def estimate_rate(
 ) -> float:
     """Return tests in a second, by how many were done, and after how many s, at two chunks.
 
-    Of the first round of chunks, `parallel_chunks` by side, those that are not there yet are as
-    good as done; after it, the start of the workers counts no more.
+    In the first round of `parallel_chunks` chunks, the unfinished ones are counted as nearly done;
+    after it, the start of the workers is not counted.
     """
     if chunks <= parallel_chunks:
         return progress[0] * parallel_chunks / chunks / progress[1]

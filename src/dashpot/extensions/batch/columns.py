@@ -20,7 +20,7 @@ TEXT_COLUMNS = (
 `RETRIED_OUTCOMES`.
 
 `part` is which of several specimens in its file a row is of, as ``--file-part`` takes it. `origin`
-is ``simulated`` where a file of the row says so.
+is ``simulated`` if a file of the row is marked so.
 """
 LEADING_COLUMNS = ("file", *LABELS, "kind", "outcome", "verdict", "reason")
 """The columns with which a written table begins."""
@@ -30,7 +30,7 @@ TRAILING_COLUMNS = (
 )  # fmt: skip
 """Last columns of a written table: metadata of the file."""
 REQUIRED_COLUMNS = ("file", "kind", "outcome", "verdict", "reason")
-"""The columns that are written even where they are empty."""
+"""The columns that are written even if empty."""
 RETRIED_OUTCOMES = ("died", "changed")
 """Outcomes that may change in another run: such a file is tried again."""
 COUNT_COLUMNS = ("bytes", "samples", "arms")
@@ -76,8 +76,8 @@ def build_requested_columns(
 ) -> dict[FrequencyAndCompression, tuple[str, ...]]:
     """Return the columns of each frequency, Hz, and compression, m, that was requested.
 
-    Without a frequency, that of the stiffness at the end of the hold; without a compression, those
-    at the depth of the test. A material (`unit` Pa) has no compression.
+    Without a frequency, the column of the stiffness at the end of the hold; without a compression,
+    those at the depth of the test. A material (`unit` Pa) has no compression.
     """
     compressions = choices.compression if unit == "N/m" else ()
     entries: dict[FrequencyAndCompression, tuple[str, ...]] = {

@@ -48,8 +48,8 @@ def control_picture(
 ) -> Picture:
     """Return seals in their order with the control limits of each lot, and the scatter inside.
 
-    Below the seals stand the standard deviations of their repeats, or, where no seal was tested
-    twice, the moving ranges of neighbours. Limits that are `requested`, SI, are drawn across.
+    Below the seals are the standard deviations of their repeats or, if no seal was tested twice,
+    the moving ranges. Limits that are `requested`, SI, are drawn across.
     """
     positions = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
     scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)

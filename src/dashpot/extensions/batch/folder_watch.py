@@ -39,7 +39,7 @@ def watch_batch(
 ) -> Lot | None:
     """Run a batch again and again on the files that are still, until it is interrupted.
 
-    The table is at any time that of a batch of what is there: a file that was replaced is fitted
+    The table is always that of a batch of the files present: a file that was replaced is fitted
     again, one that went loses its row, one that cannot be read yet gets another when it can.
 
     Parameters
@@ -118,7 +118,7 @@ class _Watched:
         return lot
 
     def _read_folder_states(self) -> tuple[object, ...] | None:
-        """Return the states of all that decides the rows, in one pass; None where one is unknown.
+        """Return the states of all that decides the rows, in one pass; None if one is unknown.
 
         It is read before a look: what changes during the look differs at the next one.
         """

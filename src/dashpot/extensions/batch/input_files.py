@@ -107,7 +107,7 @@ class Entry:
     operator : str
         Operator or rig; empty if not stated.
     hammer_temperature : float or None
-        Temperature of the seals under the hammer, K; None where it is the test's.
+        Temperature of the seals under the hammer, K; None if it is the same as the test's.
     date : str
         Date of the test as stated; empty if not stated.
     machine : str

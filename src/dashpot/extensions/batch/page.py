@@ -66,7 +66,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     lot : Lot
     title : str
     found : Summary, optional
-        What it says; by default of the stiffness at the end of the hold, without limits.
+        Values of the summary; by default of the stiffness at the end of the hold, without limits.
     """
     found = found or summary(lot)
     frame_values = frame()

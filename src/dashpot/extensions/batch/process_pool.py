@@ -64,7 +64,7 @@ def open_process_pool(jobs: int | None) -> Iterator[Executor]:
 def _compute_chunks(
     jobs: int, chunks: Sequence[Chunk], choices: BatchOptions
 ) -> Iterator[tuple[Chunk, Rows]]:
-    """Yield rows of chunks; a file whose worker processes die gets a row that says so."""
+    """Yield rows of chunks; a file whose worker process dies gets a row with that reason."""
     chunk_queue: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for chunk in chunks:
         chunk_queue.put(chunk)

@@ -91,7 +91,7 @@ class Quantity(NamedTuple):
         )
 
     def format_value(self, value: float | None, *, digits: int = 4) -> str:
-        """Return a value, SI, in that unit without its word; empty where there is none."""
+        """Return a value, SI, in that unit without its word; empty if there is none."""
         return format_cell(value, self.unit or "1", digits=digits)
 
     def read(self, value: float, *, digits: int = 4) -> str:

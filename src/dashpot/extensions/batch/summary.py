@@ -347,7 +347,7 @@ class Summary(HasChecks, Serialisable):
 
     @property
     def copies(self) -> tuple[ExcludedFile, ...]:
-        """Files with the same record as another one, which are left out of the statistics."""
+        """Files with the same record as another one, which are omitted from the statistics."""
         return tuple(ExcludedFile(*names) for names in self.lot.copies.items())
 
     @property

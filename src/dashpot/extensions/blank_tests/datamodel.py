@@ -42,7 +42,7 @@ class BlankTest(EqualByValue, HasSummary):
         Object that was pressed; by default it is detected from the record.
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------

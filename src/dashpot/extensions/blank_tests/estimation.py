@@ -120,7 +120,7 @@ class EmptyRun(NamedTuple):
     hum : RigEstimate
         Amplitude of the strongest line, N.
     hum_frequency : float
-        Hz; nan where no line stands out.
+        Hz; nan if no line is significant.
     motion_force : float
         Largest force that is correlated with the motion of the plate, N.
     motion_error : float
@@ -325,7 +325,7 @@ class PressHistory(NamedTuple):
 
 
 def read_press_history(record: BlankTest) -> PressHistory:
-    """Return where a record rests, touches, presses and holds.
+    """Return the samples of rest, contact, ramp and hold of a record.
 
     Raises
     ------

@@ -64,7 +64,7 @@ def fit_blank_tests(
     Raises
     ------
     DataError
-        If the role of a record is open, or a record does not hold what its role needs.
+        If the role of a record is unknown, or a record is incomplete for its role.
     """
     stiffness = convert_to_si(spring_stiffness, "stiffness")
     relative_error = convert_to_si(spring_error, "strain")
@@ -119,7 +119,7 @@ def estimate_blanks(records: Sequence[BlankTest], roles: Sequence[AssignedRole])
     Raises
     ------
     DataError
-        If one does not hold what its role needs; the sentence names it.
+        If a record is incomplete for its role; the sentence names it.
     """
     series = tuple(map(_estimate_record, records, roles))
     pairs = list(zip(series, roles, strict=True))

@@ -29,7 +29,7 @@ def read_blank_test(
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)

@@ -28,7 +28,7 @@ _BLOCKS = 400
 
 
 class AssignedRole(NamedTuple):
-    """Role of a record, and what shows it."""
+    """Role of a record, and the reason for it."""
 
     role: str
     reason: str

@@ -308,7 +308,7 @@ def limit_end_of_curve(
     level: float = 0.95,
     spectra: AdmissibleSpectra | None = None,
 ) -> EndOfHold:
-    """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
+    """Return the limits of a curve at its end, at 3 and 10 times that time, and of its plateau.
 
     The limits contain the fit.
 

@@ -104,8 +104,8 @@ def predict_stiffness(
 
     .. math:: K^*(\omega) = K' + iK'', \quad \eta = K''/K'
 
-    In the valid band the limits are those of the fit's standard errors, and no narrower than what
-    every spectrum that its test does not reject allows. Beyond it there are no limits, unless the
+    In the valid band the limits are those of the fit's standard errors, and at least as wide as
+    those of all spectra that its test does not reject. Beyond it there are no limits, unless the
     records are given.
 
     Parameters
@@ -114,7 +114,7 @@ def predict_stiffness(
     frequency : float or str, or sequence of them
         Hz, or ``"12.71Hz"``.
     seals : float
-        Number of seals side by side.
+        Number of seals in parallel.
     temperature : float or str, optional
         K, or ``"23degC"``; by default that of the fit.
     records : sequence of path
@@ -143,7 +143,7 @@ def predict_stiffness(
         )
     limits = None
     if records:
-        from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
+        from dashpot.workflow.bench_tests import prepared_files  # imports every kind of fit
 
         tests = prepared_files(records, machine=machine, options=options)
         unique = np.unique(hertz)
@@ -196,7 +196,8 @@ def _compute_limits_in_band(
 ) -> list[FloatArray]:
     """Return the limits of storage, loss and loss factor; nan outside the valid band.
 
-    They hold those of the covariance, and the band errors of size and loss factor as factors.
+    They contain the limits by the covariance and, as factors, by the band errors of size and loss
+    factor.
     """
     low, high = fit.band
     error = fit.evidence.band_error

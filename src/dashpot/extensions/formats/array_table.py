@@ -73,7 +73,7 @@ def gather(
 ) -> FileTable:
     """Return the arrays of the commonest length as one table; single numbers become hints.
 
-    What the file states of its sampling otherwise than a `rate` that is given becomes a caution.
+    A sampling rate in the file that differs from the given `rate` becomes a caution.
 
     A complex array becomes two columns, named after it: its real and its imaginary part.
 
@@ -191,7 +191,7 @@ def _full_scale_of(
 
 
 def _find_scaled_columns(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
-    """Return the columns that a factor is stated of, by its name and where it stands."""
+    """Return the columns to which a stated factor belongs, by its name and position."""
     words = select_channel_words(last)
     if words:
         return [

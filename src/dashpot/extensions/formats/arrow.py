@@ -41,8 +41,8 @@ _TEXT = {"String", "Categorical", "Enum"}
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the columns of numbers, instants and durations of a file.
 
-    What its metadata state of a factor, a fill value, a full scale or a clock is asked about,
-    applied or noted as in other formats; no rule of Parquet or Arrow applies a factor.
+    A factor, fill value, full scale or clock in its metadata is applied, noted or questioned as in
+    other formats; no rule of Parquet or Arrow applies a factor.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _number_labels(frame: Any, arrays: list[NamedArray]) -> list[str]:
-    """Add the labels of specimens as numbers to the arrays; return what each number is."""
+    """Add the labels of specimens as numbers to the arrays; return the label of each number."""
     lines = []
     for column in frame.iter_columns():
         if str(column.dtype).partition("(")[0] in _TEXT and names_specimen(column.name):
@@ -114,7 +114,7 @@ def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> 
     start = ", ".join(f"{key} = {value}" for key, value in metadata.items() if names_start(key))
     if kind.is_temporal():
         word = str(kind).partition("(")[0]
-        if word not in {"Datetime", "Duration"}:  # a day, or a time of an unknown day
+        if word not in {"Datetime", "Duration"}:  # a date, or a time without a date
             return None
         if word == "Datetime":
             column -= column.min()
@@ -130,7 +130,7 @@ def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> 
 
 
 def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
-    """Return what metadata state of the rate or the step of a clock, as single numbers."""
+    """Return the rate or the time step in metadata, as single numbers."""
     return [
         NamedArray(f"{owner}{key}", np.array(values[0]), stated_unit(value))
         for key, value in metadata.items()

@@ -40,7 +40,7 @@ def decode_parquet_schema(text: str) -> bytes:
 
 
 def _find_member(data: bytes, table: int, member_index: int) -> int:
-    """Return the position of a member of a table, 0 if it is left out."""
+    """Return the position of a member of a table, 0 if it is omitted."""
     members = table - struct.unpack_from("<i", data, table)[0]
     size = struct.unpack_from("<H", data, members)[0]
     entry = 4 + 2 * member_index

@@ -214,7 +214,7 @@ def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
 def remove_fill_values(
     name: str, values: FloatArray, attributes: Mapping[str, object]
 ) -> tuple[FloatArray, list[str]]:
-    """Return the numbers without those that are stated to be none, and notes of them.
+    """Return the numbers without the stated fill values, and notes on these.
 
     None is a fill value, and what lies outside the range that is stated to be valid.
     """

@@ -335,7 +335,7 @@ def _round_sampling_rate(rate: float) -> int:
 def _list_parts(
     loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
 ) -> Iterator[tuple[int, int, _LvmHead]]:
-    """First row, end and header of each part; what has no header of its own has the last."""
+    """First row, end and header of each part; a segment without a header has the last one."""
     segment_ends = (*loaded_columns.starts[1:], len(loaded_columns.values))
     for k, (start, stop) in enumerate(zip(loaded_columns.starts, segment_ends, strict=True)):
         yield start, stop, segments[min(k, len(segments) - 1)]
@@ -344,7 +344,7 @@ def _list_parts(
 def _split_stacked_records(
     loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
 ) -> LoadedColumns:
-    """Part each segment where it holds several records of ``Samples`` rows."""
+    """Split each segment that holds several records of ``Samples`` rows."""
     starts: list[int] = []
     notes = list(loaded_columns.notes)
     for start, stop, segment in _list_parts(loaded_columns, segments):

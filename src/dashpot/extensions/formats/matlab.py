@@ -135,7 +135,7 @@ def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -
 def check_elements(stream: BinaryIO) -> None:
     """Raise a ReadError if a tag is none that a MAT file can hold, or all arrays hold too much.
 
-    Files of another version than 5 to 7 are passed over; the stream is left at its start.
+    Files of another version than 5 to 7 are passed over; the stream is returned to its start.
     """
     header = stream.read(_HEADER)
     order = {b"IM": "<", b"MI": ">"}.get(header[126:128])

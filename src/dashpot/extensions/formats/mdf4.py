@@ -373,7 +373,7 @@ def _iterate_data(
 
 
 def _walk_lists(blocks: _Mdf4Blocks, block: _Mdf4Block) -> Iterator[int]:
-    """Yield where the data of a list, and of those that follow it, stand."""
+    """Yield the positions of the data of a list, and of the following lists."""
     while True:
         yield from filter(None, block.links[1:])
         if not block.link(0):

@@ -14,7 +14,7 @@ Conversion: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
 class NoNumbersError(Exception):
-    """Reason why a channel is passed over: it holds no numbers, or none that are understood."""
+    """Reason why a channel is passed over: it holds no numbers, or only unknown ones."""
 
 
 def keep_raw(raw: FloatArray) -> FloatArray:

@@ -37,7 +37,7 @@ class MdfChannel:
         Whether the first byte is the most significant.
     convert : callable
     invalid : int or None
-        Bit of the record, counted from its start, that is set where there is no number.
+        Bit of the record, counted from its start, that is set for an invalid number.
     clock : bool
         Whether it is the time of its group.
     """

@@ -15,7 +15,7 @@ _MAX_LISTED = 8
 
 
 def note_passed(skipped_channels: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
-    """Note the channels that are left out, by their content.
+    """Note the channels that are omitted, by their content.
 
     A caution where one is named for a role of a test as well as any channel that is kept: another
     may then have taken its place.

@@ -148,7 +148,7 @@ class _SpecimenLoader:
     Attributes
     ----------
     order : array or None
-        Which row stands where, by specimen; None leaves the rows as they are.
+        Row indices by specimen; None does not change the rows.
     """
 
     table: FileTable
@@ -236,7 +236,7 @@ class _SpecimenLoader:
     ) -> LoadedColumns:
         """Return the columns with a note where two channels hold the same numbers in a part of all.
 
-        Numbers that stand still are none: two channels may both rest at zero.
+        Constant numbers are not labels: two channels may both rest at zero.
         """
         if not other_indices:
             return loaded_columns
@@ -562,7 +562,7 @@ def _part_by_columns(
 
 
 def _leave_set(table: FileTable, sets: dict[str, list[int]], name: str) -> FileTable:
-    """Return the table with the columns of one specimen, and those of none."""
+    """Return the table with the columns of one specimen and the common columns."""
     others = {i for indexes in sets.values() for i in indexes} - set(sets[name])
     return replace(
         table,

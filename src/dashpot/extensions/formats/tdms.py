@@ -209,7 +209,7 @@ def _list_stated_rates(objects: Mapping[str, Any]) -> list[NamedArray]:
 
 
 def _list_factors(properties: Mapping[str, Any]) -> str:
-    """Return what properties state of a factor, without those that the format itself defines."""
+    """Return the factors stated in properties, without those that the format itself defines."""
     return factors_among(_list_foreign_properties(properties))
 
 

@@ -123,8 +123,8 @@ def _window_lines(
     r"""Header lines and questions for the exponential window that dataset 1858 states.
 
     Its damping factor has no stated unit: it may be the rate a in :math:`e^{-at}`, 1/s, the time
-    constant 1/a, s, or what the window leaves at the end of the `record`, s. One reading is taken
-    if it alone leaves what analysers leave, else the user is asked.
+    constant 1/a, s, or what the window leaves at the end of the `record`, s. An interpretation is
+    used if it is the only one with a remainder usual for analysers; otherwise the user must choose.
     """
     qualifiers = entry.get("qualifiers") or {}
     if int(qualifiers.get("window_type") or 0) not in _EXPONENTIAL:

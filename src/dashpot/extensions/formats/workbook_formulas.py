@@ -1,4 +1,4 @@
-"""Formulas and errors in the cells of a workbook, whose last results alone are read.
+"""Formulas and errors in the cells of a workbook; only their last results are read.
 
 Seen in xlsx files, whose cells keep a formula beside its result.
 """

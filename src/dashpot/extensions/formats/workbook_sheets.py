@@ -42,7 +42,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     """Return the sheet named, or every sheet, as lines of cells between tabs.
 
     Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is; under
-    :data:`FORMULAS` what its formulas and errors leave open.
+    :data:`FORMULAS` the doubts from its formulas and errors.
 
     Raises
     ------

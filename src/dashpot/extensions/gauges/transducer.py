@@ -82,7 +82,7 @@ class Daq:
         return abs(frequency - self.rate * round(frequency / self.rate))
 
     def filter_gain(self, frequency: float) -> float:
-        """Return what part of a line at `frequency`, Hz, the filter lets through."""
+        """Return the fraction of a line at `frequency`, Hz, that the filter passes."""
         return 1 / sqrt(1 + (frequency / self.filter) ** 4) if self.filter else 1.0
 
     def quantise(self, volts: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What to give for an argument of a Python function whose type is wrong.
+"""Advice for an argument of a Python function with the wrong type.
 
 Types are read from the annotations of the function, as text: nothing is imported for a check.
 """

@@ -19,7 +19,7 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import add_frf_checks, as_measured, refuse_choices_of_hits
 
 USUAL_SEGMENTS = 8
-"""Lengths of a segment in a record, if none is said."""
+"""Default number of segment lengths in a record."""
 MIN_SEGMENTS = 3
 OVERLAP_WEIGHT = 1 / (1 + 2 / 36)
 """Weight of a segment that shares half of its samples with either neighbour (Hann)."""
@@ -52,8 +52,8 @@ def estimate_transmissibility(
     estimator : {"H1", "H2", "Hv"}
         Noise on the mass, on the base, or on both.
     segment : float, optional
-        Length of a segment, s; by default an eighth of the longest record. A resonance is read
-        lower where it is hardly wider than the lines are apart.
+        Length of a segment, s; by default an eighth of the longest record. A resonance hardly wider
+        than the line spacing appears lower than it is.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from dashpot.reading.readers.frf import PAIRS, build_frf, determine_frf_columns,
 from dashpot.reading.table import SEGMENT, Column
 
 _NAMED = 1.5
-"""Least score of a column whose name says its role."""
+"""Smallest score of a column whose name gives its role."""
 
 
 def read_frfs(
@@ -42,7 +42,7 @@ def read_frfs(
     Raises
     ------
     ReadError
-        If there is no FRF in a file, its kind or unit is left open, or it is given twice.
+        If a file has no FRF, the kind or unit of an FRF is unknown, or an FRF is given twice.
     DataError
         If they are not on the same lines.
     """

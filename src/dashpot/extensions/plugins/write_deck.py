@@ -20,8 +20,8 @@ def make_writer(plugin: Plugin) -> Target:
     """Return what writes the decks of a plug-in.
 
     Its function gets ``{"k_inf", "b", "k", "tau", "temperature", "length", "band", "verdict"}``,
-    SI, the name of the unit system and its own name. What the deck is and whose it is, dashpot
-    writes over it.
+    SI, the name of the unit system and its own name. dashpot writes the kind and the origin of the
+    deck above it.
     """
 
     def write(

@@ -63,7 +63,7 @@ class PairTest(Serialisable):
     tested : bool
         The sweeps hold combinations that show it.
     chance : float or None
-        Probability of a departure as clear as this where there is none.
+        Probability of a departure as clear as this if there is none.
     departure, departure_limit : float or None
         Largest relative departure of the stiffness from a separable one over all lines, as
         estimated and at most at 95 %.
@@ -182,7 +182,7 @@ def estimate_scatter(
     Raises
     ------
     DataError
-        If too few lines are left to show any scatter.
+        If too few lines remain to estimate the scatter.
     """
     within_columns = np.hstack((layout.main, *layout.within.values()))
     sweeps = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)

@@ -41,7 +41,7 @@ class HistoryLine:
     Attributes
     ----------
     operation, time, user : str
-        What was done, when (UTC), by whom.
+        Command, time (UTC) and user.
     job : dict
         The document of the :class:`~dashpot.workflow.job.Job`.
     inputs, outputs : tuple of FileEntry

@@ -56,8 +56,8 @@ def calculix(
     ccx has no spring whose stiffness depends on frequency.
 
     With a mass the deck is complete and runs as it stands: the mass on the solid under a unit
-    force, its displacement printed as a real and an imaginary block at each frequency, that is,
-    the receptance. Without one it is the network alone, to be included.
+    force, its displacement printed as a real and an imaginary block at each frequency, that is, the
+    receptance. Without one, only the network, to be included in a model.
 
     Sliders are blocks of a perfectly plastic material in simple shear, for ``*STATIC`` and
     ``*DYNAMIC`` steps; ccx has no spring that slips. A mass is then refused: the steady-state

@@ -307,7 +307,7 @@ class System:
         ----------
         body : str
         modes : FreeModes
-            Its free elastic modes; rigid ones are left out, since the body has mass and inertia.
+            Its free elastic modes; rigid ones are omitted, since the body has mass and inertia.
         """
         if body not in [body.name for body in self.bodies]:
             names_text = ", ".join(body.name for body in self.bodies)
@@ -345,7 +345,7 @@ class System:
 
     @cached_property
     def springs(self) -> tuple[Mount | ModalSpring, ...]:
-        """The mounts, then what holds the modes of the bodies."""
+        """The mounts, then the springs of the modes of the bodies."""
         return (*self.mounts, *(spring for body in self.bodies for spring in body.springs))
 
     def spring_stiffness(self, s: npt.ArrayLike) -> ComplexArray:

@@ -311,7 +311,7 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     """Return every mode of a system by the eigenvalues of its exact first-order form.
 
     Oscillations first, by rising frequency, then relaxations, by falling rate. Rigid-body motions
-    of a system that nothing holds, double poles at 0, are left out.
+    of a system that nothing holds, double poles at 0, are omitted.
     """
     poles, vectors = np.linalg.eig(state_space(system).A)
     n = len(system.dofs)

@@ -52,8 +52,8 @@ class BandStiffness(Serialisable):
     level_difference : float or None
         The least of input over output, dB.
     indirect : float or None
-        Mean that the standard's formula for the indirect method gives, N/m; None where there is
-        no blocking mass.
+        Mean that the standard's formula for the indirect method gives, N/m; None without a blocking
+        mass.
     valid : bool
         Valid by ISO 10846: it has enough lines, and where it was measured the output is blocked
         at each.

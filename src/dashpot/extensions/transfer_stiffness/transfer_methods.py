@@ -47,7 +47,7 @@ RELATIVE_ERROR = 0.01
 PREDICTED_LINES = 11
 """Lines of a predicted third octave; with the limits of a record `LEAST_LINES`."""
 _USUAL_BAND = (1.0, 100.0)
-"""Hz that are predicted where no band is given."""
+"""Default predicted frequencies, Hz."""
 _MAX_GAIN, _MAX_PHASE = 0.5, 0.5
 """Relative gain error and phase error, rad, below which a measurement determines a stiffness."""
 

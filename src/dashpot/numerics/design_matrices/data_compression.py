@@ -375,7 +375,7 @@ class Kernels(NamedTuple):
         """Return the kernels of relaxation times in `window`, s.
 
         `per_fold` fixed times per factor e; directions weaker than `rank` of the strongest are
-        left out.
+        omitted.
         """
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
@@ -436,7 +436,7 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     exact : DataBlock
         Every sample as a row; its window's upper end is at least the record's span.
     tau_range : (float, float), optional
-        Relaxation times to be evaluated, s; those of the window, if left out.
+        Relaxation times to be evaluated, s; those of the window, if omitted.
     """
     kernels = Kernels.from_window(
         tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK_TOLERANCE

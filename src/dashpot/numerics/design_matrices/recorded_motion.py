@@ -82,7 +82,7 @@ def build_hold_block(
     k_inf, offset, drift : str or None
         Names of the fixed columns; an offset is a constant force, N, which on a hold alone only a
         prior distinguishes from k_inf, a drift a straight line of force in time, N/s. Both are
-        left out unless named.
+        omitted unless named.
     weights : array, shape (M,), optional
         1/sd of each sample.
     compress : bool
@@ -290,13 +290,13 @@ def build_recorded_block(
         The contiguous samples whose force is fitted; the displacement before it still acts.
         t_0 is the first time of all.
     k_inf, offset, drift : str
-        Names of the fixed columns; offset and drift are left out unless named.
+        Names of the fixed columns; offset and drift are omitted unless named.
     columns : mapping of str to array, shape (M,)
         Further fixed columns, a value at every sample.
     weights : array, shape (M,), optional
         1/sd of each sample.
     tau_range : (float, float), optional
-        Relaxation times to be evaluated, s; those of the window, if left out.
+        Relaxation times to be evaluated, s; those of the window, if omitted.
     """
     time = np.asarray(time, dtype=float)
     x = np.asarray(displacement, dtype=float)

@@ -47,7 +47,7 @@ class ProfileTarget:
         kappa s^2, the SSE of one unit of deviance.
     relative_gain : callable, optional
         How many times the noise at the optimum meets the way from there to linear parameters
-        and ln tau; once, if left out.
+        and ln tau; once, if omitted.
     """
 
     coordinate: Coordinate
@@ -560,7 +560,7 @@ class _SimultaneousProfiles:
 
 
 class _Normal:
-    """Normal equations of many design matrices (A, p, n), some columns left out of each."""
+    """Normal equations of many design matrices (A, p, n), some columns omitted from each."""
 
     def __init__(self, phi: FloatArray) -> None:
         gram = phi @ phi.swapaxes(1, 2)

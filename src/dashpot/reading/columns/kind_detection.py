@@ -484,7 +484,7 @@ def _load_role_values(table: FileTable, role: Role, options: ReadOptions) -> Flo
 
 
 def _find_role_columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
-    """Return the indices of the likeliest columns of roles; roles without one are left out."""
+    """Return the indices of the likeliest columns of roles; roles without one are omitted."""
     indices = []
     for role in roles:
         column_name = getattr(options, role, None)

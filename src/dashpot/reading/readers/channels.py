@@ -478,7 +478,7 @@ def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
 def load(
     table: FileTable, indexes: Sequence[int], segment: int | None, *, refuse_questions: bool = True
 ) -> LoadedColumns:
-    """Return the numbers of some columns: of the segment requested, overload marks left out.
+    """Return the numbers of some columns: of the segment requested, overload marks omitted.
 
     Raises
     ------
@@ -580,7 +580,7 @@ def fill_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedCol
 
 
 def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return the rows that lack no number, and notes: of loading, and how many are left out."""
+    """Return the rows that lack no number, and notes: of loading, and how many are omitted."""
     is_complete = np.isfinite(loaded_columns.values).all(axis=1)
     missing_indices = np.flatnonzero(~is_complete)
     if not missing_indices.size:

@@ -145,7 +145,7 @@ def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
 
 
 def drop_repeats(time: FloatArray, loaded_data: LoadedColumns) -> tuple[BoolArray, list[str]]:
-    """Return which samples to keep so that time rises, and a note on the repeats left out.
+    """Return which samples to keep so that time rises, and a note on the repeats omitted.
 
     Raises
     ------

@@ -47,7 +47,7 @@ def read_impact(
     Raises
     ------
     ReadError
-        If a file cannot be read or leaves open which column is what or in which unit, or if the
+        If a file cannot be read or does not determine its columns and units, or if the
         files do not hold the same channels.
     """
     return hits_in(paths, options or ReadOptions(), HITS)

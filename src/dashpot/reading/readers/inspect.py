@@ -63,7 +63,7 @@ class InspectedColumn:
     """Column: its name and unit, its role, and the reason.
 
     `first` holds the first few numbers as they stand, in the file's own unit; None
-    where there is none.
+    if there is none.
     """
 
     number: int

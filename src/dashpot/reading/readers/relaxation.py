@@ -39,12 +39,12 @@ def read_relaxation(
     options : ReadOptions
         Reading options of the file.
     specimen : Specimen or None
-        What was tested, kept with the record.
+        Tested specimen, kept with the record.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit; the
+        If the file cannot be read, or does not determine its columns and units; the
         sentence says which option answers it.
     """
     with channels.open_file(path, options) as file:
@@ -141,7 +141,7 @@ def signals(
     """Return two signals in SI units, as :func:`load_signals`, or row by row without a clock.
 
     With their columns, and that of the time unless there is none or a rate is given, and notes. A
-    clock that does not matter may be broken, or lack its unit: it is left out with a note.
+    clock that does not matter may be broken, or lack its unit: it is omitted with a note.
 
     Raises
     ------
@@ -312,12 +312,12 @@ def check_joined_segments(time: FloatArray, loaded_columns: LoadedColumns) -> st
 def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:
     """Return the motion in a record or in a list of set-points; ``-`` is stdin.
 
-    Rows without a number are left out, with a note in the source.
+    Rows without a number are omitted, with a note in the source.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         channels.refuse_other_rate(file)

@@ -1,12 +1,11 @@
 r"""Batched solver: least-squares fits of thousands of records with one sampling.
 
-What one record computes, a stack of them computes at once: compression is a matrix product, a start
-is the best of all sets of grid points (:class:`.GridSearch`), and every step of
-the descent is arithmetic on small matrices, one per record.
-Where a relaxation time is not known to 10 %, other peaks of the grid search are descended from too;
-whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
-is solved again one by one, so that the result is that of
-:func:`dashpot.numerics.exponential_fit.solve`.
+The computation of one record, for a stack of records at once: compression is a matrix product, a
+start is the best of all sets of grid points (:class:`.GridSearch`), and every step of the descent
+is arithmetic on small matrices, one per record. Where a relaxation time is not known to 10 %, other
+peaks of the grid search are descended from too; whatever leaves another doubt (an arm at the edge
+of the window, a coefficient that is not positive) is solved again one by one, so that the result is
+that of :func:`dashpot.numerics.exponential_fit.solve`.
 """
 
 from __future__ import annotations
@@ -111,7 +110,7 @@ def _refuse(samples: int, fixed_count: int, arms: int) -> None:
 
 
 def _select_usable_records(records: FloatArray) -> BoolArray:
-    """Return which records hold finite samples whose squares can be summed."""
+    """Return which records have finite samples whose squares do not overflow."""
     with np.errstate(over="ignore", invalid="ignore"):
         return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
 

@@ -94,7 +94,7 @@ def fit_many(
     r"""Fit every record of a stack that was taken on one clock under one displacement.
 
     The result of each is that of a single fit of the same record. Nothing is raised by one bad
-    record: it comes back as NaN with a status.
+    record: it is returned as NaN with a status.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def fit_many(
     DataError
         If the shapes do not fit together, or the history is missing or given twice.
     FitError
-        If the records are too short for so many arms.
+        If the records are too short for that number of arms.
 
     Examples
     --------
@@ -184,7 +184,7 @@ class _SharedMotion(NamedTuple):
     build_block : callable
         Makes the block of one record.
     build_sampling : callable or None
-        Returns the sampling that a stack of records shares; None if nothing can be shared.
+        Returns the common sampling of a stack of records; None if nothing can be shared.
     """
 
     x: FloatArray
@@ -194,7 +194,7 @@ class _SharedMotion(NamedTuple):
     build_sampling: Callable[[], SharedSampling] | None
 
     def solve_records(self, records: FloatArray, arms: int) -> ManySolutions:
-        """Fit every record, side by side where there are enough of them."""
+        """Fit every record, in parallel if there are enough of them."""
         values = records[:, self.samples]
         if self.build_sampling is None or len(values) < _STACK:
             return solve_separately(self.build_block, values, arms, fixed_count=1)

@@ -65,7 +65,7 @@ class GridSearch:
 
     @cached_property
     def neighbour_sets(self) -> IndexArray:
-        """The sets next to each set, shape (sets, 3^N); itself where there is none."""
+        """The sets next to each set, shape (sets, 3^N); itself if there is none."""
         size = len(self.log_tau) + 2
         shape = (size,) * self.sets.shape[1]
         row = np.full(size ** len(shape), -1)

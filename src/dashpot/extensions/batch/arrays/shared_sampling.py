@@ -57,7 +57,7 @@ class SharedSampling(ABC):
     build_block : callable
         Makes the block of one record, shape (M,).
     template : DataBlock
-        That of a record of zeros.
+        Data block of a record of zeros.
     rounding_floor : float
         Relative sum of squares that is rounding.
     """

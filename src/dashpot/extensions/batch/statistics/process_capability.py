@@ -33,7 +33,7 @@ class Capability:
     lower, upper : float or None
         The limits requested.
     cp, cpk : float or None
-        None where the values do not scatter; ``cp`` also where there is one limit.
+        None without scatter of the values; ``cp`` also where there is one limit.
     cp_interval, cpk_interval : (float, float) or None
         95 %, of normal values.
     outside : int

@@ -50,8 +50,8 @@ class Component:
     share : float
         Share of the sum of all variances.
     normal : float or None
-        Probability of such values if they were normal (Shapiro and Wilk 1965); None of fewer than
-        six, of pairs, or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.
+        p-value of a normal distribution (Shapiro and Wilk 1965); None of fewer than six, of pairs,
+        or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.
     """
 
     source: str

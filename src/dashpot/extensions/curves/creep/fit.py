@@ -529,7 +529,7 @@ def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
 
 
 def _run_plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
-    """Return whether a part that is said to come to rest has done so, where that was asked."""
+    """Return whether a part stated to come to rest has done so; None if not checked."""
     return [] if end is None or creep.flow > 0 else [plateau_determined(end, unit)]
 
 

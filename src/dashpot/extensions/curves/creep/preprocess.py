@@ -50,8 +50,8 @@ def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     """Find the load and its hold, and give both signals a rising sign; change nothing else.
 
     The load is read from the force alone. A record that begins under load is a step at its first
-    sample. What follows the hold, such as a recovery, stays part of the record: the recorded
-    force is the input of the fit, whatever it does.
+    sample. Samples after the hold, such as a recovery, remain in the record: the recorded force is
+    the input of the fit, whatever it does.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def _get_displacement_sign(test: CreepTest, held_load: _HeldLoad, file_name: str
 
 
 def _estimate_force_noise(time: FloatArray, force: FloatArray, held_load: _HeldLoad) -> float:
-    """The scatter of the force late in its hold, where no curve of the load looks like one."""
+    """The scatter of the force late in its hold, where the load is constant."""
     second_half = (time >= (held_load.ramp_end + held_load.hold_end) / 2) & (
         time <= held_load.hold_end
     )

@@ -101,7 +101,7 @@ GLASS, FLOW = "glass", "flow"
 
 
 def get_spectrum(solution: Solution) -> CreepSpectrum:
-    """Return the compliances of a solution; a retardation that it does not show is left out."""
+    """Return the compliances of a solution; a retardation that it does not show is omitted."""
     d = solution.arms[0] if solution.order else np.zeros(0)
     flow = solution.coefficient(FLOW) if FLOW in solution.fixed_names else 0.0
     return CreepSpectrum(

@@ -60,7 +60,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -131,7 +131,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     temperature : array, shape (n,), or None
         K, where the curve was measured at several; to be shifted together.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -177,7 +177,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
     @property
     def several_temperatures(self) -> bool:
-        """Whether the samples are too far apart in temperature to be of one solid."""
+        """Whether the samples differ too much in temperature for one solid."""
         return has_several_temperatures(self.temperature)
 
     @property
@@ -354,7 +354,7 @@ Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 
 
 def _determine_stiffness_unit(motion_dimension: Dimension, load_dimension: Dimension) -> str:
-    """Return the unit of a stiffness, by what moves and what pushes."""
+    """Return the unit of a stiffness from those of motion and force."""
     pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
     if (motion_dimension, load_dimension) not in pairs:
         raise DataError(

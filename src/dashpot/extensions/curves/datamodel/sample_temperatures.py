@@ -54,7 +54,7 @@ def find_near_samples(temperature: FloatArray | None, kelvin: float) -> BoolArra
 
 
 def has_several_temperatures(temperature: FloatArray | None) -> bool:
-    """Return whether samples are too far apart in temperature, K, to be of one solid."""
+    """Return whether samples differ too much in temperature, K, for one solid."""
     values = np.zeros(0) if temperature is None else np.asarray(temperature)
     return bool(values.size and np.ptp(values) > ONE_TEMPERATURE)
 

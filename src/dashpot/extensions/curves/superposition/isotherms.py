@@ -114,7 +114,7 @@ class Isotherm:
 def join_tests(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
     """Return several tests as the samples of one, each at its specimen's temperature if need be.
 
-    Rows that repeat another to the last digit are left out.
+    Rows that repeat another to the last digit are omitted.
 
     Raises
     ------

@@ -156,7 +156,7 @@ class _SeparateSpectra(NamedTuple):
         return self.sse / max(self.dof, 1)
 
     def compare_with_joint(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
-        """Return mean square of the joint fit over this, and what that reaches by chance."""
+        """Return mean square of the joint fit over this, and its upper limit by chance."""
         if self.dof < _MIN_DOF or self.sse <= 0:
             return None, 1.0
         extra_parameters = best.values - best.parameters - self.dof
@@ -319,7 +319,7 @@ def _solid(
 def _master(
     test: Measured, isotherms: Sequence[Isotherm], best: ShiftedSpectrum, reference: float
 ) -> tuple[Measured, FloatArray]:
-    """Return every sample where it lies at the reference, and where it was measured, K."""
+    """Return every sample shifted to the reference temperature, and its measured temperature, K."""
     counts = [len(isotherm.at) for isotherm in isotherms]
     temperature = np.repeat([isotherm.temperature for isotherm in isotherms], counts)
     a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)

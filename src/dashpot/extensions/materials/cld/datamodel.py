@@ -54,7 +54,7 @@ class CLDTest(EqualByValue, HasSummary):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -142,7 +142,7 @@ class Cycle(EqualByValue, Serialisable):
         Speed of the loading, m/s; None without a clock.
     contact : float or None
         Compression at which the loading met the seal again, m: the set that is left of the cycles
-        before it. 0 of the first cycle; None where no air was crossed.
+        before it. 0 of the first cycle; None if the plate never moved through air.
     peak : float
         Force at `depth`, N.
     common : float
@@ -284,7 +284,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     preload : float
         Force at the first sample where the record begins in contact under a load, N; else 0.
     drift : float
-        Change of the load cell's zero over the record, N, taken off; 0 where no air shows it.
+        Change of the load cell's zero over the record, N, taken off; 0 if it is not visible in air.
     noise : float
         Scatter of the force from sample to sample, N.
     common : float
@@ -453,7 +453,7 @@ class RelaxedLaw(Serialisable):
         The relaxation function that was removed, with k_inf = 1: its k are parts of the relaxed
         force.
     residual : float
-        Rms of what relaxed loading and unloading leave of the law, N.
+        Rms residual of the relaxed loading and unloading, N.
     hysteresis, left : float
         Part of the energy that the cycle lost, and that its relaxed forces still lose: friction.
     softening : float
@@ -590,7 +590,7 @@ class ProcessCapability(Protocol):
     lower, upper : float or None
         The limits.
     cpk : float or None
-        None where the forces do not scatter.
+        None without scatter of the forces.
     cpk_interval : (float, float) or None
         95 %.
     summary : str

@@ -137,11 +137,11 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     capability : ProcessCapability or None
         Capability of the force at the nominal compression between its limits.
     checks : tuple of Check
-        Those of every specimen, each at its worst, and of the specimens together.
+        The worst check of each name over the specimens, and checks of the specimens together.
     relaxed : RelaxedLaw or None
         The elastic law of the first specimen, where a relaxation test determined its arms.
     fit : Fit or None
-        That of the relaxation test with this law; or, of records at several speeds, theirs.
+        Fit of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
         For records at several speeds: a spring and a dashpot that depend on compression.
 

@@ -290,7 +290,7 @@ def _fit_next_arm(
     window: tuple[float, float],
     previous_arms: FloatArray | None,
 ) -> Optimum:
-    """Return the best fit of so many arms, from that of one fewer and one arm at three places."""
+    """Return the best fit with one arm more, started with that arm at three times."""
     low, high = np.log(window).tolist()
     problem = Problem(
         partial(_compute_rows, records),

@@ -94,7 +94,7 @@ def cld(
     Raises
     ------
     DataError
-        If nothing was pressed, there is no such cycle, or none reaches `at`.
+        If there is no compression, no such cycle, or no cycle reaches `at`.
     """
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="load deflection")

@@ -35,12 +35,12 @@ def read_cld(
     options : ReadOptions
         Reading options of the file.
     specimen : Specimen or None
-        What was tested; its length makes forces those of 100 mm.
+        Tested specimen; its length makes forces those of 100 mm.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         return read_cld_in(file, specimen or Specimen())

@@ -43,7 +43,7 @@ USUAL_LAW = AgingLaw(
 )  # fmt: skip
 """Supposed where no fit is given: 3 % a decade, 2500 h at 125 degC, 90 kJ/mol."""
 USUAL_SCATTER = 0.01
-"""Scatter of a reading, in parts of F0, where none is given."""
+"""Default scatter of a reading, as a fraction of F0."""
 _MIN_SPECIMENS, _MAX_SPECIMENS = 2, 60
 """Specimens in an oven, and in all ovens, of a plan."""
 _TEMPERATURE_STEP, _MIN_DISTANCE = 5.0, 10.0
@@ -333,7 +333,7 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
 
 
 def _list_oven_sets(kelvin: float, hottest: float, count: int) -> Iterator[tuple[float, ...]]:
-    """Iterate over oven temperatures: the hottest is given, the coldest is near that of use."""
+    """Iterate over oven temperatures: the hottest is given, the coldest is near service."""
     max_distance = max(checks.MAX_EXTRAPOLATION, 0.25 * (hottest - kelvin))
     inner = np.arange(hottest - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):

@@ -45,7 +45,7 @@ class CSRTest(EqualByValue, HasSummary):
         ``"A"``, read in the oven, ``"B"``, read cold, or ``""`` (ISO 3384-1).
     source : Source or None
     units : str
-        Units of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Within they are in SI.
+        Units of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------

@@ -75,7 +75,8 @@ def collect_readings(tests: Sequence[CSRTest]) -> Readings:
     Raises
     ------
     DataError
-        If methods A and B are mixed, or a specimen was read too soon, too seldom, or in two ovens.
+        If methods A and B are mixed, or a specimen was measured too soon, too seldom, or in two
+        ovens.
     """
     methods = set("".join(test.method for test in tests))
     if len(methods) > 1:
@@ -114,7 +115,7 @@ def _refuse(
     cells: IndexArray,
     first: IndexArray,
 ) -> None:
-    """Refuse specimens that were read too seldom, or too soon after their compression."""
+    """Refuse specimens with too few readings, or with one too soon after their compression."""
     for begins, count in zip(first, np.diff((*first, len(time))), strict=True):
         _, lot, number = cells[:, begins].tolist()
         source = tests[lot].source

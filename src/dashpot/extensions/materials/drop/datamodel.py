@@ -37,7 +37,7 @@ class DropTest(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------

@@ -2,8 +2,8 @@ r"""Elastic law of a drop test: a known one or none, and an added cubic spring.
 
 .. math:: F_e(x) = F_0(x) + c_1 x + c_2 x^2 + c_3 x^3, \qquad P\,c \sim N(0, 1)
 
-with :math:`F_0` the law of a load deflection test and P the weights of its errors; where no such
-test was given, both are zero.
+with :math:`F_0` the law of a load deflection test and P the weights of its errors; without such a
+test both are zero.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class ElasticLawPrior(EqualByValue):
     Attributes
     ----------
     law : ElasticLaw or None
-        None where the law is fitted alone.
+        None if only the law is fitted.
     precision : array, shape (m, 3)
         Rows whose products with c, N/m, N/m^2 and N/m^3, are normal of standard deviation 1.
     """

@@ -335,7 +335,7 @@ class DropProblem:
         )
 
     def find_optimum(self) -> Optimum | None:
-        """Return the best fit from several starting arms, fixed at first so that none goes to 0."""
+        """Return the best fit from several starting arms, fixed at first to keep them from 0."""
         problem = Problem(self.compute_rows, self.parameters, priors=len(self.priors[0]))
         arm = slice(self.shared_parameter_count - 2, self.shared_parameter_count)
         candidates = []

@@ -53,9 +53,9 @@ class StressStrainTest(EqualByValue, HasSummary):
     source : Source or None
     poisson : float or None
         Poisson's ratio that the strain sideways shows, of a uniaxial test: 0 to 0.6, where 0.5
-        keeps the volume; None where it was not measured.
+        keeps the volume; None if not measured.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------

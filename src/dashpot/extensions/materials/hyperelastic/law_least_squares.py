@@ -120,7 +120,7 @@ def fit_power_law(
 ) -> HyperelasticOptimum:
     """Return the law of at most this number of power terms, without useless ones.
 
-    Poisson's ratio of a foam is sought where it is None.
+    Poisson's ratio of a foam is fitted if it is None.
     """
     starts = _find_starting_points(rows, terms, poisson)
     best = require_optimum(build_power_problem(rows, terms, poisson), starts, max_steps=_STEPS)

@@ -163,7 +163,7 @@ def export_law(
     temperature: float | None,
     **choices: Any,
 ) -> DeckText:
-    """Return the material card of a hyperelastic law with what `dashpot export` asks for."""
+    """Return the material card of a hyperelastic law with the options of `dashpot export`."""
     refuse_unused_options(target, hyperelastic_card, choices, outside=False)
     if seals != 1 or compression is not None:
         raise ExportError("a material card takes no --seals and no --compression")

@@ -148,7 +148,7 @@ def refuse_sizes(
     channels_chosen : sequence of Channel
         The last two are those of strain or stretch, and of stress.
     strain : array, shape (n,), or None
-        None where none is too small.
+        None if all are large enough.
     stress : array, shape (n,)
         Pa.
 

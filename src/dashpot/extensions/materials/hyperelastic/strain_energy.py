@@ -127,7 +127,7 @@ class Hyperelastic:
     kind : str
         ``"neo-hooke"``, ``"mooney-rivlin"``, ``"yeoh"``, ``"ogden"`` or ``"hyperfoam"``.
     constants : tuple of float
-        Pa: C10; C10, C01; C10, C20, C30; or every mu, whose sum is the shear modulus at rest.
+        Pa: C10; C10, C01; C10, C20, C30; or every mu; their sum is the shear modulus at rest.
     exponents : tuple of float
         Every alpha of ``"ogden"`` and ``"hyperfoam"``.
     poisson : float

@@ -52,7 +52,7 @@ class IndentationTest(EqualByValue, HasSummary):
         Recorded beside a motion, N.
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------

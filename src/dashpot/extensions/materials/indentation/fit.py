@@ -59,7 +59,7 @@ _AT_TOUCH = 0.29
 _CONTACT_SHIFTS = (0.0, -2.0, -1.0, 1.0, 2.0)
 """Shifts at which the contact time is searched, in samples."""
 _MIN_CLIPPED_SAMPLES = 3
-"""Samples at one and the same extreme that a sensor at its limit leaves."""
+"""Smallest number of samples at the same extreme of a saturated sensor."""
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})

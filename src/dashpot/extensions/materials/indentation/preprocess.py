@@ -87,7 +87,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
 
 
 def _compute_push(test: IndentationTest) -> tuple[FloatArray, int]:
-    """The record, or its derivative, smoothed over as few samples as let the contact stand out."""
+    """The record, or its derivative, smoothed over the fewest samples that show the contact."""
     best, clearest = (test.signal, 1), 0.0
     for power in range(max(int(np.log2(len(test.time) / 8)), 1)):
         width = 2**power

@@ -36,7 +36,7 @@ def read_indentation(
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         assignment, notes = channels.find_optional_column(file, "force")

@@ -30,8 +30,7 @@ def read_ansys_cards(text: str) -> tuple[ViscoelasticCard, ...]:
     Raises
     ------
     ReadError
-        If a table has an odd number of constants, another number of pairs than it says, or names
-        of parameters.
+        If a table has an odd number of constants, a wrong count of pairs, or names of parameters.
     """
     materials: dict[str, _Material] = {}
     table: list[float] | None = None

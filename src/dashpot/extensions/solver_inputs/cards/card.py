@@ -158,7 +158,7 @@ def parse_number(text: str, location: str) -> float:
     Raises
     ------
     ReadError
-        If it is none, such as the name of a parameter.
+        If it is not a number, such as the name of a parameter.
 
     >>> parse_number("1.5-3", "card"), parse_number("2.D1", "card")
     (0.0015, 20.0)

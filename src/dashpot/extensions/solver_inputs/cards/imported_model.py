@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
 METHOD = "card"
-"""Method of a fit whose model is that of a card."""
+"""Method of a fit whose model comes from a card."""
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ def _fit_table(table: FrequencyTable, name: str) -> tuple[GeneralizedMaxwell, fl
     Raises
     ------
     ReadError
-        If too few rows, or none with damping, are there.
+        If there are too few rows, or none with damping.
     """
     task = "fit complex modulus"
     fit_modulus = require_handler(task, next(iter(list_names(task)), ""))

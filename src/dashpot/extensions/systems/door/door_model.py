@@ -126,7 +126,7 @@ class ModesChoice:
     damping : float or None
         Damping ratio of every mode, in place of the value in the file.
     most : float
-        Modes above this frequency are left out, Hz.
+        Modes above this frequency are omitted, Hz.
     is_hung : bool
         The modes belong to the hung door, without rigid motions.
     """

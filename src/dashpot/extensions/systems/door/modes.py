@@ -36,7 +36,7 @@ class DoorMode(Serialisable):
     shares : tuple of EnergyShare
         Shares of each hinge, the latch, the bumpers, the seal, and the door itself.
     without_seal : float or None
-        Frequency of the same motion without the seal, Hz; None if none is like it.
+        Frequency of the same motion without the seal, Hz; None if no mode is similar.
     """
 
     _keys = (

@@ -50,13 +50,13 @@ _MODES = frozenset(
 )
 _CLOSING = frozenset({"closing_in_valid_band", "faster_closings_latch"})
 _MIN_ENERGY_SHARE = 0.01
-"""Share of the energy from which the seal is said to hold a mode."""
+"""Smallest share of the energy in the seal of a mode that the seal holds."""
 _ROWS = 12
 """Modes in the table; all stand in the document."""
 _REMARKED_SHARE = 0.05
 """Share of doors beyond the limit that is remarked."""
 _HINGES = ("edge", "soft", "ref", "hottest")
-"""Colours of what holds a door beside seal and latch."""
+"""Colours of the supports of a door other than seal and latch."""
 _SIDE, _THIRD = 290.0, 376.0
 """Widths of the line, and of the three figures below, px."""
 
@@ -137,7 +137,7 @@ def _combine_verdicts(
 
 
 def format_door_summary(result: DoorResult | ClosingResult) -> str:
-    """Return the mass, what holds it, and the seal."""
+    """Return the mass, its mounts, and the seal."""
     door = result.door
     sentences = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
     if door.line is not None:
@@ -294,7 +294,7 @@ def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
 
 
 def _make_share_bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
-    """Return what each part has, side by side, of all of it."""
+    """Return the share of each part in the total."""
     total, bar_start, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
         width = 100 * shares.get(name, 0.0) / total if total > 0 else 0.0

@@ -213,7 +213,7 @@ class DoorQuantity(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class DoorPopulation(HasVerdict, Serialisable):
-    """Doors of many cars, whose seals scatter.
+    """Doors of many cars with scattered seals.
 
     Attributes
     ----------
@@ -336,7 +336,7 @@ def predict_population(
     band: tuple[float, float] | None = None,
     temperature: float | None = None,
 ) -> DoorPopulation:
-    """Predict modes and closing speed of many cars, whose seals scatter as those of a lot.
+    """Predict modes and closing speed of many cars with seals scattered as in a lot.
 
     Parameters
     ----------
@@ -344,7 +344,7 @@ def predict_population(
         As :func:`~dashpot.extensions.systems.door.analyse_file.door_file` takes it.
     lot : path or lot, optional
         The seals that were tested, as ``dashpot batch`` wrote them. The mean stiffness of the cars
-        is that of the lot, not that of the one seal of the door's fit.
+        is the lot's mean, not that of the seal in the door's fit.
     spread : float or str, optional
         Standard deviation of the stiffness between seals instead, 0.04 or ``"4%"``; the mean is
         that of the door's fit, with its error.

@@ -32,7 +32,7 @@ class BaseResponse(Serialisable):
     name : str
     sealed : RandomResponse
     bare : RandomResponse or None
-        Response without the seal; None if nothing else damps it.
+        Response without the seal; None if there is no other damping.
     """
 
     _keys = (Key("point", "name"), "sealed", "bare")
