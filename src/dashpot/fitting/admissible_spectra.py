@@ -203,7 +203,7 @@ class AdmissibleSpectra:
         Parameters
         ----------
         misfit : float
-            Sum of squares that the fit leaves of every sample.
+            Residual sum of squares of the fit over every sample.
         fixed_misfit : float
             What of it no spectrum can remove, and the rows do not hold.
 

@@ -91,7 +91,7 @@ def build_record_block(
     weights : array, shape (n,), optional
         Weights of those samples by the error of the motion; 1 where the motion is known.
     tau_range : (float, float), optional
-        Relaxation times that are asked about, s, where the window of the record is not enough.
+        Relaxation times of interest, s, if wider than the window of the record.
     """
     suffix = "" if index is None else f"@{index}"
     offset, drift = (f"{name}{suffix}" if name in terms else None for name in ("offset", "drift"))
@@ -262,7 +262,7 @@ def regularise_clock(time: FloatArray) -> FloatArray:
 
 
 def build_solid(solution: Solution) -> GeneralizedMaxwell:
-    """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
+    """Return the solid with its arms and, if any, its parallel dashpot."""
     k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
         max(solution.coefficient("k_inf"), 0.0),
@@ -297,7 +297,7 @@ class FitData:
         Makes the priors of nuisance terms from the standard deviation of one independent residual
         of each record, N; from None by what the records show before a fit.
     priors : tuple of DataBlock
-        What was known of fixed coefficients before the data.
+        Priors of fixed coefficients.
     """
 
     blocks: Sequence[DataBlock]
@@ -364,7 +364,7 @@ class InitialFit(NamedTuple):
         Residual of the last one for each record, N, before its priors were weighted.
     noises : tuple of Noise
     noise_solution : Solution
-        The one that left the series.
+        The selected one of the series.
     """
 
     data: FitData

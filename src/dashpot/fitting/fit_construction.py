@@ -95,7 +95,7 @@ def build_fit(
     ----------
     estimate : SolidEstimate
     evidence : Evidence
-        Its checks in the order in which they are shown, those of the records first.
+        Its checks in display order, those of the records first.
     provenance : Provenance
     unit, elastic_law, temperatures
         As `Fit` holds them.
@@ -121,7 +121,7 @@ def build_fit(
 def _restrict_to_loss_band(fit: Fit) -> Fit:
     """Return a fit whose errors are those of its covariance, its band where they are small enough.
 
-    Where they are so at no line, a check says it; where no error is known nothing is claimed.
+    Where they are so at no line, a check says it; without a known error there is no band.
     """
     if not MAX_LOSS_FACTOR_ERROR < fit._error_in_band[1] < np.inf:
         return fit
@@ -175,11 +175,11 @@ def list_nuisances(
     Parameters
     ----------
     names : sequence of str
-        Names of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
+        Names of columns, ``"offset@0"`` of the first test; those of the solid are skipped.
     value, error : callable
         Coefficient and standard error of a column.
     unit : str
-        Unit of what was measured.
+        Unit of the measured stiffness.
     prior_sds : mapping of str to float, optional
         Standard deviations that were known before the fit.
     """

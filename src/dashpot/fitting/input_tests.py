@@ -31,7 +31,7 @@ DEFAULT_STEP = Step("by_default", (), "prepared by default: the fit was given th
 
 
 def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
-    """Return one or several tests, prepared; what was done to a record as read is in its steps.
+    """Return one or several tests, prepared; the changes of a record as read are in its steps.
 
     Raises
     ------
@@ -216,7 +216,7 @@ class EndStiffness(NamedTuple):
 
 
 def refuse_copies(records: Sequence[RampHold]) -> None:
-    """Refuse a record that is given twice, as it is or resampled.
+    """Refuse a record given twice, unchanged or resampled.
 
     Raises
     ------

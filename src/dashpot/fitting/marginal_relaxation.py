@@ -48,7 +48,7 @@ class ThermalShift(NamedTuple):
     slope : float
         How much further each decade of tau shifts.
     shift_sd, slope_sd : float
-        What is not known of ln a_T and of the slope; 0 at the reference.
+        Uncertainty of ln a_T and of the slope; 0 at the reference.
     """
 
     log_a: float = 0.0
@@ -142,7 +142,7 @@ class RelaxationData:
     kappa : float
         :math:`S/s^2`: so many samples say the same thing.
     terms : NuisanceTerms
-        What is known of private columns; the others are free.
+        Priors of private columns; the others are free.
     model : GeneralizedMaxwell
         The solid whose force is late, and whose size the depth decides.
     delay, size : float
@@ -150,7 +150,7 @@ class RelaxationData:
     certain : DataBlock
         The test without the columns for errors of the motion.
     misfit : float
-        Sum of squares that the fit leaves of every sample, in units of the noise.
+        Residual sum of squares of the fit over every sample, in units of the noise.
     thermal_shift : ThermalShift or None
         Shift of the sought solid to the temperature of the test.
     unmeasured_effects : UnmeasuredEffects or None
@@ -271,9 +271,9 @@ class RelaxationData:
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
         r"""Return the gradient of each uncertainty of the rig on a solid, J'c, shape (p + 1, d).
 
-        Of data that are claimed, each doubt with a column c; J is free of what the fit knew of
-        offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
-        those of a fractional solid, then b; N/m, s and N s/m.
+        Of data that are claimed, each doubt with a column c; J excludes the fit's priors of offset,
+        drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or those
+        of a fractional solid, then b; N/m, s and N s/m.
         """
         model, priors, fitted_drift = solid.maxwell, dict(self.terms.priors), self.drift
         # a seal that warms is sought where several temperatures were fitted

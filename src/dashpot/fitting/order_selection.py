@@ -252,7 +252,7 @@ class SelectedModel:
 
     @cached_property
     def shortage(self) -> Shortage | None:
-        """The arms that the rules take, where fewer were requested; None if those are enough.
+        """The arms that the rules take, where fewer were requested; None if these are enough.
 
         Of a number that the rules chose the same, where it is the most that they tried and the
         residual is still correlated: the spectrum is wider than those arms.
@@ -278,7 +278,7 @@ class SelectedModel:
 
     @property
     def _is_wider_than_tried(self) -> bool:
-        """Whether the most arms that were tried were taken, and leave a correlated residual."""
+        """Whether the largest tried number of arms was selected and its residual is correlated."""
         choice, kappa = self.choice, self.estimate.kappa
         return choice is not None and choice.is_largest_tried and kappa > MIN_CORRELATED_KAPPA
 
@@ -375,7 +375,7 @@ def select_order(
     ----------
     data : FitData
     options : FitOptions
-        ``"auto"`` arms chooses by BIC and significance; of a number the data may bear fewer.
+        ``"auto"`` arms chooses by BIC and significance; a requested number may exceed the data.
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """

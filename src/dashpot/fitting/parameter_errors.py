@@ -71,7 +71,7 @@ class Encoder(NamedTuple):
     step : float
         Step q of the readings, m; 0 if they show none.
     onset, contact_error : float
-        First contact, s, and the standard deviation of the position where it was found, m.
+        First contact, s, and the standard deviation of its position, m.
     """
 
     time: FloatArray

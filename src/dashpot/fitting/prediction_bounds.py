@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 _MIN_SHARE = 0.02
-"""Part of a stiffness that is left of it, however far it is moved."""
+"""Smallest fraction of a stiffness after a change."""
 
 
 class SolidParameters(NamedTuple):
@@ -237,7 +237,7 @@ def frf_band(
     fit : Fit
         Fit of one seal.
     tests : RampHold, RelaxationTest or sequence of them
-        What it was fitted to.
+        Fitted tests.
     mass : float
         kg.
     frequency : array_like, shape (n,)
@@ -444,7 +444,7 @@ def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float
 
 
 def _widen_to_contain(limits: FloatArray, values: FloatArray) -> FloatArray:
-    """Limits, shape (2, n), that hold the fit itself."""
+    """Limits, shape (2, n), that contain the fit itself."""
     return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
 
 

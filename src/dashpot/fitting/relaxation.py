@@ -161,7 +161,7 @@ def _compute_filter_changes(
 
 
 def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, float]:
-    """Return every parameter of the model with so many arms by its name."""
+    """Return every parameter of the model with a number of arms by its name."""
     refusal = eq5_obstacle(record) if method == "hold" else None
     if refusal is not None:
         raise FitError(refusal)
@@ -251,8 +251,8 @@ def fit(
         and says where the two differ. A ramp that is not linear is explained by arms alone.
     intervals : bool
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
-        first look, or where a computation asks for many fits. A number of arms left to choose,
-        another family than arms, and a bent elastic law need their errors all the same.
+        first look, or for computations with many fits. A number of arms left to choose, another
+        family than arms, and a bent elastic law need their errors all the same.
     vertical : "free", "T/T_r" or "1"
         What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
     shift_law : "auto", "wlf", "arrhenius" or "free"
@@ -362,7 +362,7 @@ def _record_law_option(fit: Fit, law: RampLawOption) -> Fit:
 
 
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
-    """Return the fit of a linear model, or of a nonlinear ramp where no linear model fits."""
+    """Return the fit of a linear model, or of a nonlinear ramp if no linear model fits."""
     motion = DelayedMotion.from_records(records, setup)
     initial_fit = None
     fractional_fit = None

@@ -90,10 +90,10 @@ def build_relaxation_data(
 ) -> RelaxationData:
     r"""Weight a test by its residual, and include the uncertainty of all rig effects on the force.
 
-    What is before first contact only shows offset and drift, and is spent on their priors. A
+    Samples before first contact determine only offset and drift, and are used in their priors. A
     reading that stands, such as the first and that of the hold, is uniform within a count q of the
-    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts
-    and noise makes the samples worth less. Either looks like an arm faster than the ramp.
+    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts and
+    noise makes the samples worth less. Either looks like an arm faster than the ramp.
 
     Parameters
     ----------
@@ -108,8 +108,8 @@ def build_relaxation_data(
         (:func:`compute_unmeasured_effects`). A fit of several tests is a point, and not of the
         doubtful rig: what could be moved by so much would hide that the tests disagree.
     shift : ThermalShift, optional
-        How the solid that is asked about lies at the temperature of the test and of `fit`: the
-        seal may then have warmed while it was recorded.
+        Shift of the solid of interest at the temperature of the test and of `fit`: the seal may
+        then have warmed while it was recorded.
     shift_slopes : (float, float)
         Slopes of ln a_T and ln b_T there, 1/K.
 
@@ -528,7 +528,7 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
 
 
 def _select_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
-    """Return the first and the last reading that stand, and the longest of those between them."""
+    """Return the first and the last constant reading, and the longest between them."""
     all_rests = find_rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first_rest, last_rest = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(all_rests) > 1:

@@ -230,7 +230,7 @@ def find_hold_band(
     Parameters
     ----------
     spectra : AdmissibleSpectra
-        Every spectrum that the holds do not reject.
+        Spectra that the holds do not reject.
     solid : Solid
         The fit.
     band : (float, float)

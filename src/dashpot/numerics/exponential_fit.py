@@ -461,7 +461,7 @@ def solve(
     arms : int
         How many relaxation times, >= 0.
     log_tau_start : array, shape (arms,), optional
-        One start of your own; without it the engine finds the starts.
+        One start of your own; by default the engine finds the starts.
     near_log_tau : array, shape (arms,), optional
         Where an optimum may be: next to it no other start is tried, if no positive spectrum with
         any number of arms would gain `negligible` noise variances on what is there.
@@ -664,7 +664,7 @@ class OptimalityCertificate:
         :math:`\max_\tau D(\tau)/|r|`, the cosine between the residual and the best further
         column, what is already fitted swept out; <= 0 proves that the gap is zero.
     tau : float or None
-        Where that maximum lies, s; None if no further arm would gain anything.
+        Time of that maximum, s; None if no further arm would gain anything.
     """
 
     optimal: bool

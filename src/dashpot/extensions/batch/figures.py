@@ -217,7 +217,7 @@ def lots_picture(
 ) -> Picture:
     """Return each lot as a dot, the middle 90 % and all of its seals, and the scatter of repeats.
 
-    Control limits are those of the means of lots; what breaks a rule has a ring.
+    Control limits are those of the means of lots; points that break a rule have a ring.
     """
     entries = {
         name: quantity.scale * average_seals(seal)

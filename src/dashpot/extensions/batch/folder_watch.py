@@ -48,12 +48,12 @@ def watch_batch(
     on_refresh : callable
         Takes the lot, each time that its rows are others.
     wait, clock : callable
-        Waits for so many seconds; tells the seconds.
+        Waits for a number of seconds; returns the time, s.
 
     Returns
     -------
     Lot or None
-        As it was last; None if there never was one.
+        The last lot; None if there never was one.
 
     Raises
     ------
@@ -87,7 +87,7 @@ class _Watched:
         self._idle_state: tuple[Any, str] | None = None
 
     def look(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
-        """Make the rows of what has become still since the last look, if anything has."""
+        """Make the rows of files that have not changed since the last check, if any."""
         states, idle_state = self._read_folder_states(), self._idle_state
         if idle_state is not None and idle_state[0] == states:
             send_progress(idle_state[1])
@@ -120,7 +120,7 @@ class _Watched:
     def _read_folder_states(self) -> tuple[object, ...] | None:
         """Return the states of all that decides the rows, in one pass; None if one is unknown.
 
-        It is read before a look: what changes during the look differs at the next one.
+        It is read before a look: a file that changes during the check differs at the next one.
         """
         job = self._job
         if job.manifest is not None or not _is_beside(job.pair):  # it may name files anywhere

@@ -84,9 +84,9 @@ _DOCUMENT_SUFFIXES = frozenset(
         ".yml",
     ]
 )
-"""Endings of files that hold texts and pictures."""
+"""Suffixes of files of text or pictures."""
 _TEXT_SUFFIXES = frozenset(("", ".log", ".text", ".txt"))
-"""Endings of files that hold texts, or tables."""
+"""Suffixes of files of text or tables."""
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?")
 
 
@@ -135,14 +135,14 @@ class Entry:
         return Entry(**{**values, "hammer": tuple(values["hammer"])})
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
-        """SHA-256 of its file and of its hammer's; none of files that are not read."""
+        """SHA-256 of its file and of its hammer's; empty for files that are not read."""
         return (
             ("",) if self.aside else tuple(map(by or compute_file_hash, (self.file, *self.hammer)))
         )
 
 
 def compute_file_hash(path: str) -> str:
-    """Return the SHA-256 of a file's contents; empty where they cannot be read."""
+    """Return the SHA-256 of a file's contents; empty if they cannot be read."""
     try:
         if not Path(path).is_file():
             return ""
@@ -168,7 +168,7 @@ def find_entries(
     paths : sequence of path
         Files; from a folder every file is taken, at any depth, but for hidden ones and for results
         that dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not
-        read: it is read where it is named itself.
+        read: it is read if named explicitly.
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over
         `label_pattern`.
@@ -238,7 +238,7 @@ def _validate_path_encoding(path: str) -> str:
 
 
 def refuse_invalid_patterns(label_pattern: str | None, pair: str | None) -> None:
-    """Refuse an expression and a pattern that are none, before there are files to try them on.
+    """Refuse an invalid regular expression or pattern before files are searched.
 
     Raises
     ------
@@ -358,8 +358,8 @@ def _get_skip_reason(path: Path, folder: Path) -> str:
 def _is_prose(path: Path) -> bool:
     """Return whether a file of a folder is a text or a picture, by its ending and its lines.
 
-    A line of three cells, or one that is numbers for the most part, may be that of a table, which
-    a reader then refuses for what it lacks. What was named itself is never a text.
+    A line of three cells, or one that is numbers for the most part, may be that of a table, which a
+    reader then refuses for what it lacks. A file named explicitly is never taken for text.
     """
     suffix = path.suffix.lower()
     if suffix in _DOCUMENT_SUFFIXES:
@@ -397,7 +397,7 @@ def _refuse_unreadable_folder(error: OSError) -> None:
 def _is_dashpot_result(path: Path) -> bool:
     """Return whether dashpot wrote it as a result, not as a simulated record.
 
-    Parts and logs of a batch bear no byline; tests may lie beside them.
+    Parts and logs of a batch have no byline; tests may lie beside them.
     """
     if _PART_NAME.fullmatch(path.name):
         return True

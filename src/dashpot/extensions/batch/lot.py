@@ -64,7 +64,7 @@ DEGREES = 3.0
 
 
 def _list_levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
-    """Return lot and seal of every test, each level only where it repeats."""
+    """Return lot and seal of every test, each level only if it repeats."""
     tests = [seal for seal in seals for _ in seal.files]
     lots = {seal.lot for seal in seals}
     levels = [("lot", [test.lot for test in tests])] if len(lots) > 1 else []
@@ -79,7 +79,7 @@ class Lot:
 
     A quantity is named as a column of the table, with its unit (``"k_end_N_per_m"``) or without
     (``"k_end"``). Statistics are of the rows in `rows_in_statistics`, and their replicates are
-    seals: the mean of its tests stands for a seal.
+    seals: a seal is represented by the mean of its tests.
 
     Attributes
     ----------

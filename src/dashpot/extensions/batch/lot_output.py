@@ -97,7 +97,7 @@ class LotOutput(Serialisable):
 
     @property
     def outliers(self) -> tuple[Outlier, ...] | None:
-        """The tests that stand out."""
+        """Outliers."""
         if self.summary is None:
             return None
         outliers = self.summary.lot.outliers(self.quantity)

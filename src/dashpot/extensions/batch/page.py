@@ -171,7 +171,7 @@ def _read_page_part(name: str) -> str:
 
 
 def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
-    """Return the picture for a screen, a phone and, where it is wider than a sheet, paper."""
+    """Return the picture for a screen, a phone and, if it is wider than a sheet, paper."""
     total_height = sum(panel.height for panel in picture.panels)
     return render_figure(picture, width=width, low=total_height if width > PAPER_WIDTH else None)
 
@@ -200,7 +200,7 @@ def _make_histogram(main: QuantitySummary) -> RenderedFigure | None:
 
 
 def _format_cpks(main: QuantitySummary) -> RenderedFigure | None:
-    """Return the sentence on lots beyond those of the table."""
+    """Return the sentence on lots that the table omits."""
     if len(main.capabilities) <= FEW_LOTS:
         return None
     cpk = None if main.limits is None else main.limits.cpk
@@ -318,7 +318,7 @@ def _make_gauge_rows(main: QuantitySummary) -> dict[str, Any] | None:
 
 
 def _make_signal_rows(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
-    """Lot, seal and rule, and the lots that stand out of all."""
+    """Lot, seal and rule of outliers, and the outlying lots."""
     for name, charts in main.charts.items():
         for index, rule in charts.means.signals:
             yield name, charts.seals[index].name, rule
@@ -455,7 +455,7 @@ def _format_range(main: QuantitySummary, values: FloatArray) -> str:
 def _list_findings(summary: Summary) -> Iterator[dict[str, Any]]:
     """Findings by severity: the failed checks, causes of alarms, then single seals and files.
 
-    Each may name what finds its tests.
+    Each may have a search text that finds its tests.
     """
     failed_checks = [check for check in summary.checks if check.failed]
     for check in sorted(failed_checks, key=lambda check: -GRADES.index(check.grade)):
@@ -479,7 +479,7 @@ def _list_findings(summary: Summary) -> Iterator[dict[str, Any]]:
 def _encode_test_rows(
     tests: Sequence[Mapping[str, Any]], labels: Sequence[str], summary: Summary
 ) -> str:
-    """Return all rows for the script: no markup can end the element that holds them."""
+    """Return all rows for the script: no markup can end their element."""
     decided = {(decision.lot, decision.seal): decision.decision for decision in summary.main.judged}
     heads = ["file", *labels, "value", "verdict", "why", "mark"]
     rows = [

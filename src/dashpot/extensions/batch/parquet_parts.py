@@ -226,7 +226,7 @@ def _extract_missing_rows(
 
 
 def _gather(folder: Path) -> None:
-    """Merge many small parts, which tests that arrive one by one leave."""
+    """Merge many small parts, as written for tests that arrive one by one."""
     small = {path for path, frame in read_parts(folder) if frame.height < SMALL_PART}
     if len(small) >= SMALL_PART:
         parts = (frame for path, frame in read_parts(folder) if path in small)

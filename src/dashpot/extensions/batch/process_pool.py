@@ -22,7 +22,7 @@ Chunk: TypeAlias = tuple[Task, ...]
 Rows: TypeAlias = list[dict[str, Any]]
 
 MAX_LOST_WORKERS = 3
-"""Workers that a file may cost before it is given up."""
+"""Workers that may die on a file before it is skipped."""
 
 
 def count_processors() -> int:
@@ -38,7 +38,7 @@ class Executor(NamedTuple):
     Attributes
     ----------
     parallel_chunks : int
-        Chunks that are made side by side.
+        Number of chunks computed in parallel.
     processor_count : int
         How many of them have a processor of their own.
     compute_chunks : callable

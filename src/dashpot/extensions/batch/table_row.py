@@ -59,7 +59,7 @@ def make_row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict
     ----------
     entry : Entry
     hashes : sequence of str
-        What the contents of its file, and of its hammer's, hashed to when the batch began.
+        Hashes of its file and of its hammer's at the start of the batch.
     choices : BatchOptions
     """
     entries = make_empty_row(entry, "", choices)
@@ -360,7 +360,7 @@ def _compute_requested_columns(
 
 
 def _compute_mode_under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
-    """Return the mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
+    """Return the mode of the mass at rest on the seals, as in ``dashpot predict``."""
     if mass is None or fit.unit != "N/m":
         return {}
     tangent_stiffness = find_static_equilibrium(fit, MassOnSeals(mass, seals)).tangent

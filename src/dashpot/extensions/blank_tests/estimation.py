@@ -163,7 +163,7 @@ class Blanks(NamedTuple):
 
 
 class Regression(NamedTuple):
-    """Linear fit with errors that hold for correlated noise."""
+    """Linear fit with errors valid for correlated noise."""
 
     values: FloatArray
     errors: FloatArray
@@ -200,7 +200,7 @@ def solve_regression(
     values : array, shape (n,)
     weights : array, shape (n,), optional
     noisy : int, optional
-        The column that is read with noise, where it is not 0.
+        The column with noise of its own, if not 0.
     noise : float
         Standard deviation of that.
 
@@ -405,7 +405,7 @@ def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -
 
 
 def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
-    """Return the speed over `half_span` samples either way, m/s; 0 where it is within noise."""
+    """Return the speed over `half_span` samples either way, m/s; 0 if it is within noise."""
     padded_values = np.pad(x, half_span, mode="edge")
     clock = np.pad(time, half_span, mode="reflect", reflect_type="odd")
     span = clock[2 * half_span :] - clock[: -2 * half_span]

@@ -6,7 +6,7 @@ than
 .. math:: s_\delta = \sigma \Big/ k\,v\,\sqrt{n}, \qquad v = x/t_r
 
 on the n samples of its ramp; after a gap it gives it to twice that. The gain is that of the spring,
-and a creep repeats to a tenth.
+and creep repeats within 10 %.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Figure of blank tests: what was measured, and the machine's model."""
+"""Figure of blank tests: measured values, and the machine's model."""
 
 from __future__ import annotations
 

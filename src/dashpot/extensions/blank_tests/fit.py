@@ -43,7 +43,7 @@ def fit_blank_tests(
     spring_stiffness: Quantity | None = None,
     spring_error: float | str | None = None,
 ) -> MachineFit:
-    r"""Return what blank tests determine of a testing machine.
+    r"""Return the properties of a testing machine from blank tests.
 
     A rigid stop gives the compliance :math:`C` and the creep, a spring of stiffness k in a machine
     that reads :math:`K` the gain
@@ -146,7 +146,7 @@ def _estimate_record(record: BlankTest, role: AssignedRole) -> Press | EmptyRun:
 def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
     r"""Return the weighted mean of repeats; None if there are none.
 
-    Its error is wider by :math:`\sqrt{\chi^2/(n - 1)}` where they scatter by more than theirs.
+    Its error is scaled by :math:`\sqrt{\chi^2/(n - 1)}` if they scatter more than their errors.
     """
     if not estimates:
         return None

@@ -21,7 +21,7 @@ def fit_blank_files(
     roles: Sequence[tuple[str, Role]] = (),
     options: ReadOptions | None = None,
 ) -> MachineFit:
-    """Return what files of blank tests determine of a testing machine.
+    """Return the properties of a testing machine from files of blank tests.
 
     Parameters
     ----------

@@ -179,7 +179,7 @@ def _complete_errors(
 ) -> None:
     """Add the default error of a compliance without one; refuse an error without its value.
 
-    What is corrected without an error would count as exact.
+    A correction without an error would count as exact.
     """
     if calibration.get("gain", 1.0) != 1 and "gain_error" not in calibration:
         raise ReadError(

@@ -24,7 +24,7 @@ def read_blank_test(
     options : ReadOptions, optional
         Reading options of the file.
     role : "stop", "spring", "empty" or ""
-        What was pressed; by default the record shows it.
+        Pressed object; by default the record shows it.
 
     Raises
     ------

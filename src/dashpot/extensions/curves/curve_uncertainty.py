@@ -396,7 +396,7 @@ class SingleTestFit(NamedTuple):
         Spread of one independent residual (rms times root kappa) of each record, for the freedom
         that the fit took; never below the rounding of the data.
     record_dof : tuple of float
-        Degrees of freedom that the fit left of each record.
+        Degrees of freedom of each record after the fit.
     """
 
     model: GeneralizedMaxwell

@@ -86,12 +86,12 @@ def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
 
 
 def _name_file(name: str) -> AbstractContextManager[None]:
-    """Return what puts the name of a file before an error."""
+    """Return a context manager that puts the name of a file before an error."""
     return add_name_to_errors(name) if name else nullcontext()
 
 
 def _refuse_beside_modulus(options: BenchFitOptions, *, other_count: int) -> None:
-    """Refuse what belongs to a ramp, and tests that are no moduli."""
+    """Refuse options of a ramp, and tests other than moduli."""
     require_test_for_machine(options.machine, tests=0, add="a ramp and hold")
     options.time_limits.refuse_several(0)
     if other_count:

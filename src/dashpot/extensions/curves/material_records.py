@@ -52,8 +52,8 @@ def recognise_material_record(
 ) -> tuple[str, str] | None:
     """Return the kind of test that strain and stress show, and why; None of an elastic curve.
 
-    Harmonic cycles are loops. A stress that is held while the strain goes on is creep. A strain
-    that is held, once or in several steps, for half of the record is a relaxation.
+    Harmonic cycles are loops. A constant stress with a changing strain is creep. A strain that is
+    held, once or in several steps, for half of the record is a relaxation.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, An
 def refuse_creep_sizes(
     file: OpenedFile, channels_chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
 ) -> None:
-    """Ask as :func:`refuse_material_sizes` does, of a strain that may count from any zero."""
+    """As :func:`refuse_material_sizes`, for a strain with an arbitrary zero."""
     refuse_material_sizes(file, channels_chosen, strain, stress, zero_known=False)
 
 
@@ -137,7 +137,7 @@ def refuse_material_sizes(
     *,
     zero_known: bool = True,
 ) -> None:
-    """Ask for the units again that make a strain, a stress or a modulus no test of rubber has.
+    """Ask again for units that give an implausible strain, stress or modulus of rubber.
 
     Parameters
     ----------

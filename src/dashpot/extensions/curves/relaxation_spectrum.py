@@ -47,7 +47,7 @@ class Misfit:
     rms, largest : float
         Root mean square and largest |model/data - 1|.
     at : float
-        Where the largest stands: s for a modulus over time, else Hz.
+        Position of the largest: s for a modulus over time, else Hz.
     """
 
     curve: str
@@ -275,7 +275,7 @@ def dense_spectrum_if_needed(
     *,
     find_band: FindBand | None = None,
 ) -> Fit:
-    """Return the fit, or the dense spectrum where no small number of arms follows the curves.
+    """Return the fit, or the dense spectrum if no small number of arms fits the curves.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def dense_spectrum_if_needed(
     spectrum : callable
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check
-        Those of the fit's checks that do not speak of its arms.
+        Checks of the fit that do not concern its arms.
     find_band : callable, optional
         Finds the valid band of a model, Hz, and its errors there.
     """

@@ -165,7 +165,7 @@ def fit_shift_law(
         T_r, K.
     law : str
         ``"auto"`` takes WLF or Arrhenius by BIC, the simpler within 2; the shifts themselves at
-        fewer than three temperatures or where neither law follows them. Else the law to be taken.
+        fewer than three temperatures or where neither law follows them. Else the law to use.
 
     Raises
     ------

@@ -82,7 +82,7 @@ def fit_depths(
     tests : sequence of RampHold or RelaxationTest
         At different depths.
     arms : int or "auto"
-        ``"auto"`` takes as many as the holds support by BIC, up to `max_arms`.
+        ``"auto"`` selects the number by BIC of the holds, up to `max_arms`.
 
     Raises
     ------

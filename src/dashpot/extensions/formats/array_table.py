@@ -44,7 +44,7 @@ _STARTS = {
 }  # fmt: skip
 """Attributes that say when a signal begins, without signs."""
 _OTHER_RATE = 0.01
-"""Part by which a rate that is given may differ from the one that is stated."""
+"""Largest relative difference between the given and the stated rate."""
 _MAX_CALIBRATION_NUMBERS = 64
 """Numbers of a calibration, at most: more are a signal."""
 _WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
@@ -58,7 +58,7 @@ class NamedArray:
     values: FloatArray | ComplexArray
     unit: str | None = None
     stated_factor: str = ""
-    """Factor stated beside the numbers and not applied, such as "gain = 10"."""
+    """Stated factor that is not applied, such as "gain = 10"."""
     stated_start: str = ""
     """Stated start, such as "t0 = 0.1"."""
 
@@ -298,7 +298,7 @@ def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:
 
 
 def _read_rate(array: NamedArray) -> float:
-    """The sampling rate, Hz, that a single number of this name states, 0 if it states none."""
+    """The sampling rate, Hz, stated by a single number of this name, 0 if none."""
     if np.size(array.values) != 1 or np.iscomplexobj(array.values):
         return 0.0
     return stated_rate(array.name.rpartition(".")[2], float(np.squeeze(array.values)), array.unit)
@@ -306,9 +306,9 @@ def _read_rate(array: NamedArray) -> float:
 
 @lru_cache(maxsize=4096)
 def stated_rate(name: str, value: float, unit: str | None = None) -> float:
-    """Return the sampling rate, Hz, that a number of this name states, 0 if it states none.
+    """Return the sampling rate, Hz, stated by a number of this name, 0 if none.
 
-    Its unit stands behind the name, as in ``dt_ms``, or beside it; by default it is SI.
+    Its unit is a suffix of the name, as in ``dt_ms``, or separate; by default it is SI.
 
     >>> stated_rate("sample_rate_kHz", 2.0), stated_rate("dt", 0.01), stated_rate("mass", 1.0)
     (2000.0, 100.0, 0.0)

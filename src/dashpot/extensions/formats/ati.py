@@ -23,7 +23,7 @@ _LOW_RANGE_SHARE = 0.05
 _MAX_SIZE = 1 << 20
 _GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
 _UNLOADED_SHARE = 0.02
-"""Share of the record, from its start, whose median is taken as the unloaded voltages."""
+"""Fraction of the record, from its start, whose median is the unloaded voltages."""
 
 
 @dataclass(frozen=True, eq=False)

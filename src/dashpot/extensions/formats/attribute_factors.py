@@ -157,7 +157,7 @@ def changes_numbers(name: str, value: object) -> bool:
 
 
 def stated_numbers(value: object) -> tuple[float, ...]:
-    """Return the numbers that an attribute holds, be it as text with a unit; none of other text."""
+    """Return the numbers of an attribute, also of a text with a unit; none of other text."""
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
     if isinstance(value, str):
@@ -234,7 +234,7 @@ def remove_fill_values(
 
 
 def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
-    """Return the ends of the range that is stated to be valid, infinite where none is."""
+    """Return the stated valid range, infinite without one."""
     low, high = -np.inf, np.inf
     for name, value in attributes.items():
         bound_positions = _VALID.get(_remove_signs(name.rpartition(".")[2]), (None, None))

@@ -35,7 +35,7 @@ _UNITS_OPTION = re.compile(r'--units "?([^"\s();]+=[^"\s();]+)')
 _COLUMN_OPTION = re.compile(r'--column ([\w-]+)="([^"]+)"')
 _FILE_PART_OPTION = re.compile(r'--file-part (\w+)="?([^"\s;,()]+)')
 _RATE_OPTION = re.compile(r"--rate (\d\w+)")
-"""Options of the command line as messages show them, with what they say."""
+"""Options of the command line as shown in messages, with their values."""
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
 _PART_ROLES, _MATERIAL_ROLES = ("time", "displacement", "force"), ("time", "strain", "stress")
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
@@ -45,7 +45,7 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
     """Return the record in a table in memory, read as a text file of its columns would be.
 
     Units stand in names (``"force [N]"``), in ``attrs`` of variables of xarray, or in
-    ``frame.attrs["units"]`` of pandas; two that contradict are asked about. Instants become seconds
+    ``frame.attrs["units"]`` of pandas; contradictory ones raise a question. Instants become seconds
     since the first.
 
     Raises
@@ -60,7 +60,7 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
 
 
 def inspect_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> InspectedFile:
-    """Return how a table in memory would be read, as :func:`dashpot.inspect` says of a file.
+    """Return how a table in memory would be read, as :func:`dashpot.inspect` does for a file.
 
     Raises
     ------
@@ -208,7 +208,7 @@ def _convert_list(value: Any) -> Any:
 
 
 def _make_record(arrays: list[Any], units: Any) -> Any:
-    """Return the test that three arrays are, by the units of them and by what moves in them."""
+    """Return the test of three arrays, detected by their units and their motion."""
     words = _list_stated_units(units)
     is_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
     if not is_material:
@@ -253,7 +253,7 @@ def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, An
 
 
 def _convert_objects(values: np.ndarray) -> np.ndarray:
-    """Return objects that are all numbers, or all instants with their zone, as such."""
+    """Convert objects that are all numbers, or all instants with a time zone."""
     if values.dtype.kind != "O":
         return values
     present_values = [value for value in values.ravel() if not _is_missing(value)]

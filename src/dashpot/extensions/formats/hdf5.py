@@ -243,7 +243,7 @@ def _decode_cf_values(
 
 
 def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
-    """The numbers of an attribute of the CF conventions, also where they are written as text.
+    """Return the numbers of an attribute of the CF conventions, also of a text.
 
     Raises
     ------

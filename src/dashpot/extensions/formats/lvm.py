@@ -264,7 +264,7 @@ def _get_half_digit(text: str) -> float:
 
 
 def _has_different_steps(segment: _LvmHead, columns: int) -> bool:
-    """Return whether the channels that hold samples differ in their step."""
+    """Return whether the channels with samples differ in their time step."""
     steps_with_samples = {
         step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0
     }
@@ -295,7 +295,7 @@ def _classify_columns(
 def _make_columns(
     names: Sequence[str], clocks: Sequence[int], segment: _LvmHead, contents: Sequence[Content]
 ) -> list[Column]:
-    """Names, and the unit labels, which stand over the channels."""
+    """Names, and the unit labels above the channels."""
     columns = []
     for i, name in enumerate(names):
         if i in clocks:

@@ -117,7 +117,7 @@ def _flatten(
 
 
 def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -> NamedArray | None:
-    """Return the array of a struct that holds numbers and their unit."""
+    """Return the array of a struct of numbers and their unit."""
     by_lower_case = {str(key).casefold(): value for key, value in fields.items()}
     data = next((by_lower_case[key] for key in _DATA if key in by_lower_case), None)
     unit = next((by_lower_case[key] for key in _UNITS if key in by_lower_case), None)
@@ -190,7 +190,7 @@ def _read_element(
 def _read_tag(
     take: Take, file: _MatFile, space: int, kinds: frozenset[int]
 ) -> tuple[int, int, bytes | None]:
-    """Kind and size of the next element, and its data if they stand in the tag."""
+    """Type and size of the next element, and its data if they are in the tag."""
     if space < _TAG:
         raise _Damaged(f"an element where {max(space, 0)} bytes are left")
     word: int = struct.unpack(file.byte_order + "I", _read_exactly(take, 4))[0]
@@ -217,7 +217,7 @@ def _read_content(
 
 
 def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
-    """The elements of an array: class, dimensions, name, then as many as its class holds."""
+    """The elements of an array: class, dimensions, name, then the elements of its class."""
     if not size:
         return
     if depth > _MAX_DEPTH:

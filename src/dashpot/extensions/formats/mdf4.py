@@ -137,7 +137,7 @@ class _Mdf4Blocks:
         return words.strip()
 
     def chain(self, address: int, kind: bytes) -> Iterator[_Mdf4Block]:
-        """Yield a block and those that follow it by its first link."""
+        """Yield a block and its successors by the first link."""
         while address:
             block = self.read_block(address, kind)
             yield block
@@ -218,7 +218,7 @@ def _iterate_channels(
     skipped_channels: dict[str, str],
     depth: int = 0,
 ) -> Iterator[MdfChannel]:
-    """Yield the channels of a group that hold numbers; name the others in `skipped_channels`."""
+    """Yield the numeric channels of a group; name the others in `skipped_channels`."""
     for block in blocks.chain(address, b"##CN"):
         name = blocks.text(block.link(2))
         inner = block.link(1)
@@ -340,7 +340,7 @@ def _convert_state(
 
 
 def _iterate_bytes(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
-    """Return what yields the bytes of the data at an address."""
+    """Return an iterator over the bytes of the data at an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         if address:

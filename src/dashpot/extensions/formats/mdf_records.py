@@ -143,7 +143,7 @@ def read_channels(
 
 
 def _iterate_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
-    """Yield the records of a group as rows of bytes, as many as a piece of the file holds."""
+    """Yield the records of a group as rows of bytes, one chunk of the file at a time."""
     if group.sizes:
         yield from _iterate_group_records(stream, group)
         return

@@ -201,7 +201,7 @@ class MdfTable:
         return True
 
     def _note_dropped(self, group: MdfGroup, note: str) -> None:
-        """Note a group that is passed over: a caution where it may be a part of the test."""
+        """Note a group that is passed over: a caution if it may be a part of the test."""
         lost_names, kept_names = (
             [c.name for c in channel_group.channels if not c.clock]
             for channel_group in (group, self._base)
@@ -211,9 +211,9 @@ class MdfTable:
     def _find_base(self) -> int:
         """Return which group gives the clock.
 
-        One with load and motion, and most roles of a test. If they stand in several groups, the
-        slowest of those: between its samples nothing is known, and straight lines there would be
-        taken for what was measured.
+        One with load and motion, and most roles of a test. If they are in several groups, the
+        slowest of those: between its samples nothing is known, and interpolated values would look
+        measured.
         """
         role_scores = [_list_roles(group, _LIKELY_SCORE) for group in self._groups]
         if not any(roles & _LOADS and roles & _MOTIONS for roles in role_scores):
@@ -242,7 +242,7 @@ class MdfTable:
             return ticks * (unit.factor if unit else 1.0)
 
     def load(self, indexes: Sequence[int]) -> LoadedColumns:
-        """Return the numbers of some columns, NaN where the file says that they are invalid."""
+        """Return the numbers of some columns, NaN where they are marked as invalid."""
         check_value_count(self.rows * len(indexes), "the channels hold")
         values = np.empty((self.rows, len(indexes)))
         notes: list[str] = []

@@ -35,7 +35,7 @@ def note_passed(skipped_channels: Mapping[str, str], kept_names: Iterable[str]) 
 
 
 def names_role_as_well(skipped_names: Iterable[str], names: Iterable[str]) -> bool:
-    """Return whether a channel is named for a role of a test as well as any of those kept.
+    """Return whether a channel's name fits a role of a test as well as that of a kept one.
 
     >>> names_role_as_well(["Force"], ["t", "Ch 3"]), names_role_as_well(["Temp"], ["t", "Force"])
     (True, False)
@@ -48,6 +48,6 @@ def names_role_as_well(skipped_names: Iterable[str], names: Iterable[str]) -> bo
 
 
 def _score_roles(names: Iterable[str]) -> dict[Role, Sequence[float]]:
-    """Return how well each name says each role."""
+    """Return the score of each name for each role."""
     matched = [vocabulary.matches(split_unit(name)[0]) for name in names]
     return {role: [scores.get(role, 0.0) for scores in matched] for role in _ROLES}

@@ -1,4 +1,4 @@
-"""Specimens that share one file: in blocks, under a column of labels, or in columns side by side.
+"""Specimens that share one file: in blocks, under a column of labels, or in parallel columns.
 
 Each is a segment, which ``--file-part segment=N`` chooses. Which one is meant is a question.
 """
@@ -40,11 +40,11 @@ _NAME = compile_on_use(
     rf"(?:{_WORDS})[ _.\-]*(?:id|no\.?|nr\.?|n°|#|number|nummer|name|label|code|bezeichnung)?",
     re.IGNORECASE,
 )
-"""The name of a column that says of which specimen a row is."""
+"""The name of a column with the specimen of each row."""
 _LETTER = compile_on_use(r"(?:([A-W])[ _\-](\w.*)|(.*\w)[ _\-]([A-W]))")
 """A signal whose specimen is a letter before or behind it; X, Y and Z are axes."""
 _LINE = compile_on_use(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
-"""A line over a block that says of which specimen it is."""
+"""A line above a block that names its specimen."""
 _MAX_SPECIMENS = 256
 """Specimens of one file, at most; a column of more labels counts rows."""
 _MIN_ROWS = 8
@@ -211,7 +211,7 @@ class _SpecimenLoader:
         return self.cache["roles"]
 
     def _find_other_forces(self, roles: Sequence[int]) -> list[int]:
-        """Return the columns that are as much a force, or a stress, as that of the test."""
+        """Return the columns that may be the force or stress of the test as well."""
         columns, force_column = self.table.columns, roles[-1]
         role = next(pair[1] for pair in _PAIRS if self._has_pair(pair, roles))
         return [
@@ -349,9 +349,9 @@ def _list_runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tupl
 
 
 def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> bool:
-    """Return whether clock and signals fall back to where they began, as where records follow.
+    """Return whether clock and signals return to their start, as in a series of records.
 
-    Where one test continues, as after a counter overflow, its signals have no jump back.
+    If one test continues, as after a counter overflow, its signals do not return to their start.
     """
     firsts, last_times = time[starts], time[starts - 1]
     if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (last_times[0] - time[0])):

@@ -49,7 +49,7 @@ _KNOWN_SCALES = {
 _UNSET = -2 * 10**18
 """Start, ns since 1970, up to which it counts as unset: LabVIEW's zero is in 1904."""
 _NUMBERS = "iuf"
-"""The kinds of arrays that hold numbers."""
+"""The kinds of numeric arrays."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
 """Path of a channel: the names of its group and of the channel."""
 _NONE = np.empty(0)
@@ -130,7 +130,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _choose_groups(new_channels: _Groups, sheet: str | None) -> _Groups:
-    """Return the groups that hold numbers, or the one named; all with the same channels."""
+    """Return the groups with numbers, or the one named; all with the same channels."""
     groups = {name: channels for name, channels in new_channels.items() if channels}
     if sheet is not None:
         if sheet not in groups:
@@ -316,7 +316,7 @@ def _start(start: Any) -> int | None:
 def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
     """Return the channels, each later by as much as its stated start is after the first one's.
 
-    One that states none began with the first.
+    A channel without a start time began with the first.
     """
     if len({channel.stated_start for channel in channels}) > 1:
         starts_text = ", ".join(

@@ -36,7 +36,7 @@ _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 _REAL = (2, 4)
 """Ordinate data types without an imaginary part."""
 _EXPONENTIAL = (4, 6)
-"""Window types of dataset 1858: exponential alone, and beside the impact window."""
+"""Window types of dataset 1858: exponential only, and with the impact window."""
 _WINDOW_REMAINDERS = (3e-4, 0.2)
 """Remainder of exponential windows of analysers at the end of a record."""
 _DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
@@ -251,7 +251,7 @@ def _turned_notes(records: Sequence[_Set]) -> list[str]:
 
 
 def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
-    """Ask which one of several."""
+    """Ask for one of several."""
     if len(frfs) == 1:
         return ()
     curves_text = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))

@@ -1,4 +1,4 @@
-"""Formats that are known by their first bytes and not read, with the export that keeps units."""
+"""Formats recognised by their first bytes but not read, with an export that keeps units."""
 
 from __future__ import annotations
 

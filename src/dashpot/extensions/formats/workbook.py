@@ -25,7 +25,7 @@ _NO_TEST = {"unclear", "not-a-test"}
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table of the sheet that holds a test, or of the sheet named.
+    """Return the table of the sheet with a test, or of the named sheet.
 
     Which of several could be meant is a question.
 
@@ -69,7 +69,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table of a sheet, with a note on hidden cells, which are read, too."""
+    """Return the table of a sheet, with a note on hidden cells, which are read as well."""
     content = entries.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
@@ -101,9 +101,9 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
 def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
     """Return the cells of a sheet, text with decimal commas as numbers with points, and how many.
 
-    Numeric cells have a decimal point here, so a cell with a comma is text. ``1,234`` is taken for
-    one and a bit beside others in its column that cannot be thousands, or where the user says so;
-    else it is left, and requested.
+    Numeric cells have a decimal point here, so a cell with a comma is text. ``1,234`` has a decimal
+    comma if others in its column cannot be thousands, or if the user states it; else it is left,
+    and requested.
     """
     rows = [line.split("\t") for line in content.split("\n")]
     columns: dict[int, list[list[str]]] = {}

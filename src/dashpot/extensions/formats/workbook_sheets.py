@@ -113,7 +113,7 @@ def _lines(rows: list[list[Any]]) -> Iterator[str]:
 
 
 def _columns_of_days(rows: list[list[Any]]) -> set[int]:
-    """Return the columns that count days, some of whose cells calamine takes for dates."""
+    """Return the columns of day counts, in which calamine takes some cells for dates."""
     kinds: dict[int, set[str]] = {}
     for row in rows:
         for j, value in enumerate(row):

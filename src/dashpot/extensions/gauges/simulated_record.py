@@ -50,7 +50,7 @@ def list_calibration_files(output: str, choices: Mapping[str, Any]) -> list[str]
 def serialise_record(
     record: Any, choices: Mapping[str, Any]
 ) -> tuple[str, str, str, tuple[str, ...]]:
-    """Return record and truth as text, then the calibration, and what limits the record's use.
+    """Return record and truth as text, then the calibration, and limits of the record's use.
 
     Parameters
     ----------

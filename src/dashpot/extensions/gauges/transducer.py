@@ -86,7 +86,7 @@ class Daq:
         return 1 / sqrt(1 + (frequency / self.filter) ** 4) if self.filter else 1.0
 
     def quantise(self, volts: FloatArray) -> FloatArray:
-        """Return voltages in whole counts; what lies beyond the span reads as its end."""
+        """Return voltages in whole counts; values beyond the span are clipped."""
         top = 2 ** (self.bits - 1)
         return np.asarray(np.clip(np.round(volts / self.lsb), -top, top - 1) * self.lsb)
 
@@ -252,7 +252,7 @@ class Instrument:
         time : array, shape (n,)
             Samples of the card, s.
         force : array, shape (n,)
-            What the seal pushes with, along the plate's normal, N.
+            Force of the seal along the plate's normal, N.
         rig : Rig
             Whose offset, drifts, hum and noise are in F_z.
         seed : int

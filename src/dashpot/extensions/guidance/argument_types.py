@@ -111,7 +111,7 @@ class _Type(NamedTuple):
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is one finite real number; of NumPy, too."""
+    """Whether a value is one finite real number; also those of NumPy."""
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -193,7 +193,7 @@ _ALIASES: Mapping[str, str] = MappingProxyType(
         "Geometry": "Disc | Block | Bush | Bulb",
     }
 )
-"""Annotations that stand for several types, as `dashpot.api` defines them."""
+"""Annotations of several types, as defined by `dashpot.api`."""
 _CLASS_NAMES: Mapping[str, str] = MappingProxyType(
     {"Solid": "a solid", "HasVerdict": "another result"}
 )

@@ -14,7 +14,7 @@ _EXTRA = re.compile(r"extra\s*==\s*[\"']([^\"']+)[\"']")
 
 
 def format_install_command(extras: str) -> str:
-    """Return the command that brings what some extras need, as it works in this installation.
+    """Return the command that installs the packages of some extras in this environment.
 
     pipx and uv install a tool in a separate environment, to which they add packages; an environment
     of uv has no pip.

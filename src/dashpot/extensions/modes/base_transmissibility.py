@@ -24,13 +24,13 @@ MIN_SEGMENTS = 3
 OVERLAP_WEIGHT = 1 / (1 + 2 / 36)
 """Weight of a segment that shares half of its samples with either neighbour (Hann)."""
 HIGHEST_OF_RATE = 0.4
-"""Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
+"""Part of the sampling rate up to which lines are kept: above are filters and aliases."""
 BASE_MOVES = 1e-3
 """Part of the base's strongest line below which it is not moved."""
 COHERENT_BY_CHANCE = 1e-3
 """Probability that the coherence of mere noise exceeds the limit."""
 _KEPT_COHERENCE = 0.5
-"""A coherence that is kept however few segments there are."""
+"""Coherence above which lines are kept for any number of segments."""
 _MEDIAN_LINES = 5
 """Neighbouring lines whose median coherence decides."""
 

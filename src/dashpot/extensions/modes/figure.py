@@ -33,13 +33,13 @@ MARKERS = {
 }
 """Words, colour, size and whether hollow."""
 BAND_RATIO = 2.0
-"""Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
+"""Times the lowest and the highest mode: the shown FRFs under several masses."""
 MAX_LABELS = 4
 """Number of modes that have a label."""
 
 
 def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: str = "") -> Picture:
-    """Poles of every order over frequency, by what of each stayed from the order before.
+    """Poles of every order over frequency, by the properties kept from the previous order.
 
     Above them, and pale behind them, the root mean square of the points' accelerances; dashed the
     modes that were found without the chart.
@@ -151,7 +151,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
 
 
 def draw_masses(modes: MassSeriesModes) -> Picture:
-    """Return the figure of modes under several masses, of what was fitted."""
+    """Return the figure of modes under several masses."""
     return several_masses(modes.joint_modes, [test.frf for test in modes.tests])
 
 

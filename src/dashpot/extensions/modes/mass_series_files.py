@@ -198,7 +198,7 @@ def fit_modes_by_mass(
 def _refuse_same(
     names: Sequence[str], masses: Sequence[float], tests: Sequence[MeasuredModes]
 ) -> None:
-    """Refuse an FRF that is given under two masses."""
+    """Refuse an FRF given under two masses."""
     entries = list(zip(names, masses, tests, strict=True))
     for (name, mass, modes), (other, other_mass, two) in combinations(entries, 2):
         if np.array_equal(modes.frf.value, two.frf.value):

@@ -108,9 +108,9 @@ class MeasuredModes(Modes):
     modes : tuple of MeasuredMode
         The one that moves most first; empty if nothing rings in the band.
     band : (float, float)
-        Where they were sought, Hz.
+        Searched band, Hz.
     points : tuple of str
-        What the points are called; empty of a single one.
+        Names of the points; empty of a single one.
     highest_order : int
         Highest order of the stabilisation chart.
     mac : tuple of tuple of float
@@ -170,7 +170,7 @@ def modes_files(
     polarity : sequence of +1 and -1, optional
         Sign of each FRF.
     against : sequence of path
-        The same points, tested once more, whose modes are held against these.
+        A second test of the same points, whose modes are compared with these.
 
     Raises
     ------
@@ -260,7 +260,7 @@ def _check_modes(
     *,
     search_band: tuple[float, float],
 ) -> Iterator[Check]:
-    """Yield the checks of the modes, and of the FRF of the point that stands for the first."""
+    """Yield the checks of the modes, and of the FRF of the representative point."""
     main = shapes[0].mode
     yield modes_within_band([shape.mode for shape in shapes], search_band)
     yield lines_in_half_power_band(band_frfs.frfs[point_index], main)

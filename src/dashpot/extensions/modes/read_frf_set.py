@@ -110,7 +110,7 @@ def _group_columns(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
 def _group_repeated_pairs(
     columns: Sequence[Column], indices_by_name: Mapping[str, list[int]], pair: tuple[Role, Role]
 ) -> list[tuple[str, dict[int, str]]]:
-    """Return the groups of a pair of parts that stands there several times."""
+    """Return the groups of a repeated pair of parts."""
     first = indices_by_name[pair[0]]
     # what does not stand there once for each is of none
     roles = [
@@ -153,7 +153,7 @@ def _build_subset_frf(file: OpenedFile, role_by_column: dict[int, str]) -> FRF:
 
 
 def _select_columns(file: OpenedFile, role_by_column: dict[int, str]) -> OpenedFile:
-    """Return a file as if it held some of its columns alone, named for their roles."""
+    """Return a file reduced to some of its columns, named by their roles."""
     indexes = list(role_by_column)
     columns = [replace(file.table.columns[i], name=role_by_column[i]) for i in indexes]
     table = replace(

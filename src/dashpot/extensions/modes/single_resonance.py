@@ -104,7 +104,7 @@ def _find_half_power_width(
     Raises
     ------
     FitError
-        If fewer than 5 lines lie in that width: the peak would be what falls between them.
+        If fewer than 5 lines lie in that width: the peak would lie between them.
     """
     top = _find_highest_line(accelerance)
     omega = s.imag

@@ -32,7 +32,7 @@ MAX_POLE_ANGLE = 1.5 * np.pi
 NOTHING_NEW = 1e-11
 """Share of a numerator's columns below which they follow the noise."""
 SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
-"""Relative, relative, and by the modal assurance criterion: what stays from order to order."""
+"""Relative, relative, and by the modal assurance criterion: properties kept from order to order."""
 NEW, FREQUENCY, DAMPING, SHAPE = range(4)
 """States of a pole compared with the order before."""
 

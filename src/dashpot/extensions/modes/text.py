@@ -73,7 +73,7 @@ def _format_macs(measured_modes: MeasuredModes) -> list[str]:
 
 
 def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
-    """Return the modes that another test has too."""
+    """Return the modes common with another test."""
     rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
     for mode in measured_modes.against:
         change = mode.frequency_hz / measured_modes.modes[mode.mode - 1].frequency_hz - 1

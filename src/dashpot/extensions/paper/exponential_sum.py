@@ -76,7 +76,7 @@ def exponential_sum(
     constant : bool
         Fit c, of either sign.
     signed : bool
-        Let amplitudes have either sign; else a_j > 0.
+        Allow amplitudes of either sign; else a_j > 0.
     weights : array_like, shape (M,), optional
         1/sd of each y.
 

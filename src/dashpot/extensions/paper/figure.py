@@ -77,7 +77,7 @@ def figure_4(
     contact : float
         Contact with the seal, s on the clock of the record.
     fits : sequence of (str, array, array)
-        What each is called, its time from contact, s, and its force, N; the best one last.
+        Name, time from contact, s, and force, N, of each; the best one last.
     stamp : str
         Origin of the data, printed below the figure.
     """

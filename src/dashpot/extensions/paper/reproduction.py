@@ -1,8 +1,8 @@
 """Reproduction of the paper: each computed or printed statement beside dashpot's result.
 
-Two solvers stand against each other: the paper's equations as printed (:mod:`.equations`), and
-dashpot's own solids, fits and predictions. The paper has no data; the seal is that of its Table 1,
-on the ideal ramp of eq. (1), on that with the steps of its load cell, and on the virtual rig.
+Two solvers are compared: the paper's equations as printed (:mod:`.equations`), and dashpot's own
+solids, fits and predictions. The paper has no data; the seal is that of its Table 1, on the ideal
+ramp of eq. (1), on that with the steps of its load cell, and on the virtual rig.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ class PluggedColumn(EqualByValue):
     name, role : str
         Name in the file; role such as ``"force"``, empty if not known.
     unit : str
-        Unit of SI; empty where the file names none that dashpot knows.
+        Unit of SI; empty if the file names none known to dashpot.
     values : array, shape (n,)
     """
 

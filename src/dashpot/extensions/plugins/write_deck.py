@@ -17,7 +17,7 @@ _COMMENT = "$"
 
 
 def make_writer(plugin: Plugin) -> Target:
-    """Return what writes the decks of a plug-in.
+    """Return the function that writes the decks of a plug-in.
 
     Its function gets ``{"k_inf", "b", "k", "tau", "temperature", "length", "band", "verdict"}``,
     SI, the name of the unit system and its own name. dashpot writes the kind and the origin of the

@@ -227,7 +227,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         Raises
         ------
         DataError
-            If one lies outside what was measured: a map is not extrapolated.
+            If one lies outside the measured range: a map is not extrapolated.
         """
         f = (
             np.array([convert_to_si(frequency, "frequency")])

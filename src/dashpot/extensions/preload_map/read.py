@@ -297,10 +297,10 @@ def read_sweeps(
     files : sequence of path
     options : ReadOptions, optional
     compressions, amplitudes : sequence of (str, float)
-        Pattern of a file's name, empty for all, and what is stated of it, m.
+        Pattern of a file's name, empty for all, and its stated value, m.
     mass, seals : float, optional
-        kg and number: FRFs of motion over force are of this mass on so many parts, and its inertia
-        is taken off.
+        kg and number: FRFs of motion over force are of this mass on `seals` parts, and its inertia
+        is subtracted.
 
     Raises
     ------

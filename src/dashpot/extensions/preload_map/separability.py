@@ -41,7 +41,7 @@ _SHAPES = 2
 """Degree of the polynomial in ln f by which levels may differ."""
 _RANK = 1e-9
 _ZERO_VARIANCE = 1e-24
-"""Sum of squares that rounding leaves."""
+"""Sum of squares due to rounding."""
 _DEGREES = range(1, 9)
 """Degrees over ln f of sweeps that share no frequencies."""
 _MIN_DOF = 4
@@ -252,7 +252,7 @@ def _test_pair(
 def _compute_probabilities(
     pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
 ) -> list[float]:
-    """Return the probability by chance of what a pair adds within sweeps and between them."""
+    """Return the p-values of the terms of a pair within sweeps and between them."""
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
@@ -332,7 +332,7 @@ def _make_orthonormal_basis(A: FloatArray) -> FloatArray:
 
 
 def _fit(A: FloatArray, y: FloatArray, weight: FloatArray) -> tuple[float, int]:
-    """Return the sum of squares that columns leave, and how many are independent."""
+    """Return the residual sum of squares of columns, and the number of independent ones."""
     basis = _make_orthonormal_basis(A * weight[:, None])
     residual = y * weight - basis @ (basis.T @ (y * weight))
     return float(residual @ residual), basis.shape[1]

@@ -51,7 +51,7 @@ class StiffnessLines(NamedTuple):
 
     @property
     def shares_tones(self) -> bool:
-        """Whether most lines have a frequency that another sweep has, too."""
+        """Whether most frequencies occur in another sweep as well."""
         sweeps = [
             len(set(self.sweep[self.frequency_index == i].tolist()))
             for i in range(len(self.shared_frequencies))

@@ -1,4 +1,4 @@
-"""Removal of partial files that interrupted runs left behind."""
+"""Removal of partial files of interrupted runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def is_partial_file(name: str) -> bool:
 
 
 def find_partial_files(folder: str | Path) -> list[Path]:
-    """Return the files that runs which were killed left in a folder and below it."""
+    """Return the partial files of killed runs in a folder and below it."""
     paths = (path for path in Path(folder).rglob(f".*{PART}") if is_partial_file(path.name))
     newest_time = time.time() - _ABANDONED_AFTER
     return sorted(path for path in paths if path.is_file() and path.lstat().st_mtime < newest_time)

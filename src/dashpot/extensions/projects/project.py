@@ -13,8 +13,8 @@
       history.head      how many lines that are, and the hash of the last
       .lock             held while dashpot writes here
 
-A file is written beside its place and moved there; the line of history comes last, in one write.
-So dashpot may be killed at any point: what has no line of history has not happened.
+A file is written beside its place and moved there; the line of history comes last, in one write. So
+dashpot may be killed at any point: only runs with a line of history count.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Project:
 
 
 def create(folder: str | Path) -> Project:
-    """Return the project in `folder`, made if there is none.
+    """Return the project in `folder`, created if there is none.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def open_project(folder: str | Path) -> Project:
 
 
 def open_last_job(folder: str | Path) -> tuple[Job, Callable[[str], Path]]:
-    """Return the job of the last line of a project's history, and what finds the files it names.
+    """Return the job of the last line of a project's history, and a function that finds its files.
 
     Raises
     ------

@@ -381,7 +381,7 @@ def is_same_page(content: bytes, other_content: bytes) -> bool:
 
 
 def _decode_embedded_files(page: str) -> str:
-    """Return a page with the files that its links hold as text."""
+    """Return a page with the files embedded in its links as text."""
     return re.sub(
         r"(?<=;base64,)[A-Za-z0-9+/=]+",
         lambda link: base64.b64decode(link[0]).decode(errors="backslashreplace"),

@@ -30,7 +30,7 @@ def adams(
     r"""K(s)/k_inf as a transfer function, or a bushing property file at one frequency.
 
     ``"bus"`` is a property file of a bushing along x: a force curve of the slope K' and the damping
-    K''/omega at the frequency `nominal`. It is right at that frequency alone.
+    K''/omega at the frequency `nominal`. It is exact only at that frequency.
 
     ``"transfer-function"`` is for frequency-dependent bushings. Such a bushing takes a linear
     stiffness times a displacement transfer function:

@@ -55,7 +55,7 @@ def calculix(
     ``*FREQUENCY`` and ``*STATIC``: one at the origin, or up to three at each station of a line.
     ccx has no spring whose stiffness depends on frequency.
 
-    With a mass the deck is complete and runs as it stands: the mass on the solid under a unit
+    With a mass the deck is complete and runs without changes: the mass on the solid under a unit
     force, its displacement printed as a real and an imaginary block at each frequency, that is, the
     receptance. Without one, only the network, to be included in a model.
 

@@ -36,7 +36,7 @@ def fmu(
 
     The returned text is ``sources/model.h``, and ``file_content`` the archive, with binaries where
     the package ziglang is installed (``pip install dashpot[fmu]``). Parameters have units and
-    limits; their intervals of 95 % stand in their descriptions.
+    limits; their 95 % intervals are in their descriptions.
 
     Parameters
     ----------

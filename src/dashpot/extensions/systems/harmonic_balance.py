@@ -27,7 +27,7 @@ _SEARCH_GRID = np.log(10) * np.linspace(-7, 7, 1401)
 _SAMPLES = 256
 """Samples of a cycle in time; half as many are wrong by 0.03 %."""
 _MAX_CYCLES, _CLOSURE_TOLERANCE = 200, 1e-8
-"""Cycles at most until a loop closes, and what it may then still move, relatively."""
+"""Largest number of cycles until a loop closes, and its relative tolerance."""
 
 
 def with_friction(system: System) -> list[int]:

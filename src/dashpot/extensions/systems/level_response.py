@@ -144,7 +144,7 @@ def response_at_level(
 def sweep_mass_at_level(
     solid: Solid, friction: AmplitudeDependent, *, mass: float, level: float, frequency: FloatArray
 ) -> LevelResponse:
-    """Return what an upward sweep shows of a mass, kg, on a solid under a force, N."""
+    """Return the response in an upward sweep of a mass, kg, on a solid under a force, N."""
     return response_at_level(
         System((point_mass("mass", mass),), (Mount(solid, ("mass", "ground"), friction=friction),)),
         response="mass.z",
@@ -165,8 +165,8 @@ def find_all_responses(
 ) -> LevelResponse:
     """Return every steady answer of one harmonic at a frequency and a level, the smallest first.
 
-    More than one where a resonance folds: then those that are not stable are never seen.
-    Parameters as for :func:`response_at_level`; for one mount with friction.
+    More than one where a resonance folds: then unstable ones are skipped. Parameters as for
+    :func:`response_at_level`; for one mount with friction.
     """
     size = convert_to_si(level, "force" if force is not None else "length")
     hz = convert_to_si(frequency, "frequency")
@@ -225,7 +225,7 @@ def backbone(
     mode : int
         From 1, by rising frequency.
     mount : int
-        Which mount's stretch; the first that has friction where none is named.
+        Which mount's stretch; by default the first with friction.
     """
     without_friction = with_friction(system)
     mount = without_friction[0] if mount is None else mount

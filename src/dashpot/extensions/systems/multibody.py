@@ -125,7 +125,7 @@ class Mount:
     between : (str, str)
         Names of two bodies, or of a body and a ground.
     at : (float, float, float)
-        Where it is attached, m.
+        Attachment point, m.
     along : (float, float, float)
         The direction in which it acts; need not have length 1.
     rotary : bool
@@ -301,7 +301,7 @@ class System:
         return tuple(f"{ground}.{motion}" for ground in self.grounds for motion in MOTIONS)
 
     def with_modes(self, body: str, modes: FreeModes) -> System:
-        """Return the system with a body that bends, too.
+        """Return the system with an elastic body.
 
         Parameters
         ----------

@@ -406,7 +406,7 @@ def _compute_derivative(system: System, s: complex, slopes: ComplexArray) -> Com
 def _normalise_shape(
     system: System, s: complex, vector: ComplexArray, slopes: ComplexArray
 ) -> ComplexArray:
-    """Return the shape; 0 of a relaxation so near that of its arm that nothing moves."""
+    """Return the shape; 0 of a relaxation too close to that of its arm for any motion."""
     with np.errstate(all="ignore"):
         size = complex(vector @ _compute_derivative(system, s, slopes) @ vector)
         shape = np.asarray(vector / np.sqrt(size))

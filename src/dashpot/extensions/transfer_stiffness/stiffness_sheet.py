@@ -1,4 +1,4 @@
-"""Transfer stiffness of a mount: lines, third octaves, limits, and where they are valid."""
+"""Transfer stiffness of a mount: lines, third octaves, limits, and their valid range."""
 
 from __future__ import annotations
 
@@ -52,8 +52,7 @@ class BandStiffness(Serialisable):
     level_difference : float or None
         The least of input over output, dB.
     indirect : float or None
-        Mean that the standard's formula for the indirect method gives, N/m; None without a blocking
-        mass.
+        Mean by the standard's formula of the indirect method, N/m; None without a blocking mass.
     valid : bool
         Valid by ISO 10846: it has enough lines, and where it was measured the output is blocked
         at each.

@@ -139,7 +139,7 @@ def compute_transfer_stiffness(
     seals : float
         For a fit: how many in parallel.
     record : RelaxationTest, RampHold or sequence of them
-        Behind the fit: the limits then hold every arm that it does not exclude.
+        Behind the fit: the limits then include every arm that it does not exclude.
 
     Returns
     -------
@@ -148,8 +148,8 @@ def compute_transfer_stiffness(
     Raises
     ------
     DataError
-        If an option does not suit what was measured, a value is missing or impossible, or no
-        third octave lies in the band.
+        If an option does not suit the measurement, a value is missing or impossible, or no third
+        octave lies in the band.
     """
     request = _Request(
         convert_to_si(mass, "mass"),

@@ -86,7 +86,7 @@ class ArmColumns:
         )
 
     def weights(self, element: FloatArray) -> Weights:
-        """Return weights of the arms that stand for an element."""
+        """Return weights of the equivalent arms of an element."""
         return compute_arm_weights(self.log_tau - element[0], float(element[1]))
 
     @cached_property
@@ -128,7 +128,7 @@ class ArmColumns:
         return optima
 
     def solution(self, best: Optimum) -> Solution:
-        """Return an element as the arms that stand for it, in the engine's own terms."""
+        """Return an element as its equivalent arms, in the parameters of the engine."""
         arms = best.beta[-1] * self.weights(best.theta).value
         low, high = self.bounds
         # an edge of tau or of alpha is one of all its arms
@@ -222,7 +222,7 @@ class FractionalFit(SelectedModel):
 
     @cached_property
     def model(self) -> GeneralizedMaxwell:
-        """The arms that stand for it."""
+        """Equivalent arms."""
         return self.solid.maxwell
 
     @property
@@ -335,7 +335,7 @@ class FamilySelection:
     def alternative(
         self, band: tuple[float, float], extra: str = FAMILY_ADVICE
     ) -> Alternative | None:
-        """Return the other family, as a fit keeps it; `band` is what the data inform, Hz."""
+        """Return the other family, as a fit keeps it; `band` is the valid band of the data, Hz."""
         if self.other_family is None:
             return None
         solid, _, bic_difference, explains = self.other_family
@@ -374,7 +374,7 @@ def select_family(
 ) -> FamilySelection:
     """Return the requested family, or with ``"auto"`` the one that BIC prefers, and the other one.
 
-    `fit` is the fractional solid of the same data, where it is known already.
+    `fit` is the fractional solid of the same data, if already known.
     """
     if family == "maxwell":
         return FamilySelection(arms, arms)
@@ -561,11 +561,11 @@ def build_alternative(
     bic_difference : float
         BIC of the other, less that of the fit's own.
     band : (float, float)
-        What the data inform, Hz.
+        Valid band of the data, Hz.
     is_sufficient : bool
         The data do not reject the other.
     extra : str
-        What would distinguish the two.
+        Test that would distinguish the two.
     """
     frequency = divergence_frequency(own_solid, other_solid, band)
     if isinstance(other_solid, FractionalZener):

@@ -278,14 +278,15 @@ def select_elastic_law(
         ``"auto"`` keeps the linear law where it is sound, where no other lowers BIC by 10, or
         where none moves the path by .05 % of the depth.
     arms : int, optional
-        By default as many as the holds support by BIC, and one faster one if the ramps do.
+        By default the number supported by the holds by BIC, and a faster one if supported by the
+        ramps.
     max_arms : int
         The most that are tried by default.
 
     Raises
     ------
     FitError
-        If a record has no samples on its ramp or in its hold to speak of.
+        If a record has too few samples on its ramp or in its hold.
     """
     require_choice("law", law, RampLawOption, FitError)
     rows = downsample_tests(tests)
@@ -320,7 +321,7 @@ def select_elastic_law(
 
 
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
-    """Return the arms that the holds of some tests support, where a fit to them has fewer.
+    """Return the arms supported by the holds of some tests, if their fit has fewer.
 
     More than a fit chooses by itself are tried, too.
 

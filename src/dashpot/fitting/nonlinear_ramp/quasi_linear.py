@@ -101,7 +101,7 @@ def downsample_tests(tests: Sequence[RampHold]) -> DownsampledRows:
     Raises
     ------
     FitError
-        If a test has no ramp or no hold to speak of.
+        If a test has no sufficient ramp or hold.
     """
     parts, cell_priors = [], []
     for number, test in enumerate(tests):
@@ -322,7 +322,7 @@ class Bounds(NamedTuple):
 
 
 def tau_bounds(rows: DownsampledRows) -> Bounds:
-    """Return the relaxation times that ramp and hold could show, ln s."""
+    """Return the range of relaxation times visible in ramp and hold, ln s."""
     shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
     holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ramp_ends)]
     return Bounds(float(np.log(shortest)), float(np.log(max(holds))))
@@ -373,7 +373,7 @@ class Weighted:
         return np.asarray(np.sum(columns * self._expand_by_row(self.stiffnesses(best)), axis=1))
 
     def problem(self, arms: int) -> Problem:
-        """Return the problem of so many arms, their ln tau inside the window of the rows."""
+        """Return the problem of a number of arms, their ln tau inside the window of the rows."""
         solid, stiffness_count = self.solid, self.sets * (1 + arms)
         bend_weights = solid.weights[solid.bends]
 

@@ -288,7 +288,7 @@ class DataBlock:
     add_delayed_column : callable, optional
         Adds the column of a delayed force, where that is cheaper than a general column.
     variance : float or None
-        Variance of every row, where it is known: the rows are what was known before the data.
+        Variance of every row, where it is known: the rows are priors.
     """
 
     rows: Rows
@@ -411,7 +411,7 @@ class DataBlock:
 
 
 def design_rows(target: FloatArray, fixed: FloatArray, columns: Columns) -> Rows:
-    """Return rows of a design matrix whose arms' columns come from a function of tau.
+    """Return rows of a design matrix with columns of arms from a function of tau.
 
     The columns are returned in the coordinates of `target`: weighted, and projected if the
     data were.
@@ -453,7 +453,7 @@ def prior_block(
     *,
     unit: float,
 ) -> DataBlock:
-    r"""Return priors of fixed coefficients as rows beside those of a block.
+    r"""Return priors of fixed coefficients as additional rows of a block.
 
     .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
 

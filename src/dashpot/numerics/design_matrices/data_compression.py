@@ -121,7 +121,7 @@ class DataCompression:
 def project_values(
     plans: Sequence[DataCompression], values: FloatArray
 ) -> tuple[FloatArray, FloatArray | float]:
-    """Compress values, shape (..., M), that stand one plan after the other."""
+    """Compress values, shape (..., M), of several plans in sequence."""
     projections, first_sample = [], 0
     remainder_sse: FloatArray | float = 0.0
     for plan in plans:
@@ -205,7 +205,7 @@ def make_identity_plan(
 
 
 def uniform_step(position: FloatArray) -> float | None:
-    """Return the sample interval if the samples stand on a uniform grid up to rounding."""
+    """Return the sample interval if the samples are uniform up to rounding."""
     if len(position) < 2:
         return None
     step = float(position[-1] - position[0]) / (len(position) - 1)

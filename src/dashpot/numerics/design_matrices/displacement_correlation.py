@@ -72,7 +72,7 @@ class ConvolvedMotion(EqualByValue):
     energy : float
         Sum of squared steps in the window.
     rounding : float
-        What is rounding of the energy of an arm without decay: a part of all steps' energy.
+        Rounding error of the energy of an arm without decay: a part of all steps' energy.
     start, count, step
         First sample of the window, samples up to its end, sample interval in s.
     steps : MotionSteps or None
@@ -387,7 +387,7 @@ def correlate_displacement(
 
 
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
-    """The steps of a motion from zero, and where they end: what it still moves by is rounding."""
+    """The steps of a motion from zero, and their ends: what it still moves by is rounding."""
     end_distance = np.abs(x - x[-1])
     moving = int(np.flatnonzero(end_distance > REST_SHARE * end_distance.max())[-1:].sum()) + 2
     d = x.copy()

@@ -78,7 +78,7 @@ def build_hold_block(
     depth, ramp_time : float
         x_h and c > 0; c = 0 is a step.
     ramp : bool
-        The record has the ramp, too.
+        Whether the record includes the ramp.
     k_inf, offset, drift : str or None
         Names of the fixed columns; an offset is a constant force, N, which on a hold alone only a
         prior distinguishes from k_inf, a drift a straight line of force in time, N/s. Both are
@@ -130,7 +130,7 @@ def build_hold_block(
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
     """Relaxation times that a sampling could show: twice its finest step to ten times its span.
 
-    The finest step is the 2 % quantile of all steps: one jittered pair says nothing.
+    The finest step is the 2 % quantile of all steps: one jittered pair is not representative.
     """
     if step is not None:
         return 2 * step, 10 * float(time[-1] - time[0])
@@ -435,9 +435,9 @@ def compute_arm_columns(
 def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
     r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N, ...).
 
-    A decay may serve several increments, as arrays broadcast. Many stretches run side by side, one
-    step of all at a time; then each one's end is passed on, damped by the product of the decays
-    since.
+    A decay may serve several increments, as arrays broadcast. Many stretches are computed
+    simultaneously, one step of all at a time; then each one's end is passed on, damped by the
+    product of the decays since.
     """
     total = len(increments) + 1
     length = int(np.ceil(np.sqrt(total)))

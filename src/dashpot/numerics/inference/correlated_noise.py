@@ -90,7 +90,7 @@ class Noise:
 
     @property
     def power(self) -> float:
-        """Sum of the autocovariance over all lags: what means over very many samples scatter by."""
+        """Sum of the autocovariance over all lags: the scatter of means over very many samples."""
         return float(self.autocovariance[0] * self.kappa)
 
 
@@ -189,7 +189,8 @@ def estimate_noise(
     though a sum of many lags of it is what the slow arms meet. So means over many samples, which
     scatter less, are asked as well.
 
-    Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
+    Residuals of rms below `rounding` are rounding errors, not noise: their pattern has no
+    information.
     """
     series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
     columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian

@@ -129,7 +129,7 @@ def gauge(
     values : array, shape (n,)
     parts : sequence of str, n
     operators : sequence of str, n, optional
-        Who, or which rig, tested. Parts that not every operator tested are omitted, and tests
+        Operator or rig of each test. Parts that not every operator tested are omitted, and tests
         beyond the fewest of any operator and part; without operators no test is.
     level : float
 

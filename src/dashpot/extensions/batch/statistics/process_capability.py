@@ -59,7 +59,7 @@ class Capability:
 
     @property
     def cells(self) -> tuple[str, str, str]:
-        """Cpk and both ends of its interval; empty where it is not known."""
+        """Cpk and both ends of its interval; empty if unknown."""
         if self.cpk is None or self.cpk_interval is None:
             return "", "", ""
         return f"{self.cpk:.2f}", f"{self.cpk_interval[0]:.2f}", f"{self.cpk_interval[1]:.2f}"

@@ -63,7 +63,7 @@ class Component:
 
     @property
     def is_corrected_for_kurtosis(self) -> bool:
-        """Whether its interval is that of values that are not normal."""
+        """Whether its interval is that for non-normal values."""
         return self.normal is not None and self.normal < NOT_NORMAL
 
 
@@ -124,20 +124,20 @@ def components(
 ) -> tuple[Component, ...]:
     r"""Return the components of variance of a nested design, the outermost first.
 
-    The analysis of variance of the nested classification; where it is unbalanced, by the mean
-    squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
-    Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
-    named `innermost_name`, is what is left inside the innermost level, less the mean
-    square of the fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
-    its mean square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are
-    those of Ting et al. (1990) for a difference of mean squares with such limits.
+    The analysis of variance of the nested classification; unbalanced data use the mean squares of
+    unweighted means: each lot counts as one, each seal as one of its lot (Burdick and Graybill,
+    Confidence Intervals on Variance Components, 1992, chapter 5). The last component, named
+    `innermost_name`, is what is left inside the innermost level, less the mean square of the fits'
+    own errors, ``"fit"``, if those are given. The innermost interval is that of its mean square, of
+    :math:`\chi^2`, or of Bonett where the values are not normal; the others are those of Ting et
+    al. (1990) for a difference of mean squares with such limits.
 
     Parameters
     ----------
     values : array, shape (n,)
     levels : sequence of (str, sequence of str)
-        Name of each level and the label of every value in it, outermost first; a label inside
-        another is that of another thing.
+        Name of each level and the label of every value in it, outermost first; the same label in
+        another group is another specimen.
     innermost_name : str
     errors : array, shape (n,), optional
         Standard errors of the values.
@@ -241,7 +241,7 @@ def _compute_difference_limits(
 
 
 def _split(component: Component, fit: float) -> tuple[Component, Component]:
-    """Return the variance between repeats beyond that of their fits, and the latter."""
+    """Return the variance between repeats less that of their fits, and the latter."""
     assert component.interval is not None  # noqa: S101
     low, high = (max(end - fit, 0.0) for end in component.interval)
     remainder = max(component.variance - fit, 0.0)
@@ -265,7 +265,7 @@ def robust_distance(values: FloatArray) -> FloatArray:
 
 
 def find_outlier_distances(values: FloatArray) -> FloatArray:
-    """Return the robust distances that are too large for chance, and 0 for the others.
+    """Return the significant robust distances, and 0 for the others.
 
     The limit is 3.5 for many values, and for few the quantile of Student's t that is as rare: the
     deviation is then known badly, and 3.5 would accuse one of 20 of five good values.

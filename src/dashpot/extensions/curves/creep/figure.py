@@ -28,7 +28,7 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
     ----------
     fit : Fit
     data : LoadHold or CreepCompliance
-        What it was fitted to.
+        Fitted record.
     stamp : str
         Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """

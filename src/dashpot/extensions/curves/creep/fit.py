@@ -120,10 +120,9 @@ def fit_creep(
     r"""Fit a generalized Maxwell solid to a creep test, or to a creep compliance.
 
     The recorded force, freed of its noise, is the input, whatever it does: ramps, overshoot, a
-    controller that hunts, several levels, a recovery. Offset (the position before the load),
-    drift of the displacement and a delay are nuisance terms, bound by what the record shows
-    before the load. Whether the part comes to rest or flows, BIC decides. No starting guess is
-    needed.
+    controller that hunts, several levels, a recovery. Offset (the position before the load), drift
+    of the displacement and a delay are nuisance terms, bound by what the record shows before the
+    load. BIC decides whether the part comes to rest or flows. No starting guess is needed.
 
     Parameters
     ----------
@@ -262,7 +261,7 @@ class _PreloadBaseline(NamedTuple):
 def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> _PreloadBaseline:
     """Return the priors of zero, drift and delay from the samples before the load.
 
-    `for_limits` for limits, which bear all that a rig may drift without a trace.
+    `for_limits` for limits, which include every undetected drift of a rig.
     """
     time, x = record.time - record.time[0], record.displacement
     delay_prior = build_delay_prior(record)
@@ -356,7 +355,7 @@ def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
 
 
 def _is_flow_significant(selection: SelectedModel) -> bool:
-    """False if there is a flow and it is not significant, whatever BIC says."""
+    """False if there is an insignificant flow, regardless of BIC."""
     if FLOW not in selection.solution.fixed_names:
         return True
     error = selection.estimate.standard_error(FLOW)
@@ -516,7 +515,7 @@ def _run_flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
 
 
 def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
-    """Return whether a drift may be a flow, where none was taken."""
+    """Return whether a drift may be a flow, if the solid has none."""
     if retardation.flows:
         return []
     baseline = estimate_preload_baseline(record)

@@ -49,15 +49,15 @@ class _HeldLoad(NamedTuple):
 def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
     """Find the load and its hold, and give both signals a rising sign; change nothing else.
 
-    The load is read from the force alone. A record that begins under load is a step at its first
-    sample. Samples after the hold, such as a recovery, remain in the record: the recorded force is
-    the input of the fit, whatever it does.
+    The load is read from the force alone. A record that begins under load is treated as a step at
+    its first sample. Samples after the hold, such as a recovery, remain in the record: the recorded
+    force is the input of the fit, whatever it does.
 
     Parameters
     ----------
     test : CreepTest
     machine : Machine, optional
-        What is known of the machine: of a creep test its `sync`.
+        Known properties of the machine: of a creep test its `sync`.
 
     Raises
     ------

@@ -97,7 +97,7 @@ def compute_relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -
 
 
 GLASS, FLOW = "glass", "flow"
-"""Names of the columns of what a part gives at once, and of its flow."""
+"""Names of the columns of instantaneous compliance and flow."""
 
 
 def get_spectrum(solution: Solution) -> CreepSpectrum:
@@ -172,7 +172,7 @@ class Retarded(SelectedModel):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the solid's parameters; k_inf is none of a part that flows."""
+        """Names of the solid's parameters; a part that flows has no k_inf."""
         return tuple(self._gradient)
 
     @cached_property

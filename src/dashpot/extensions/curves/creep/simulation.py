@@ -72,7 +72,7 @@ def simulate_creep(
     ramp_time, hold_time : float
         s.
     recovery_time : float
-        How long the record goes on after the load was taken off, s; 0 leaves it on.
+        Time of the record after unloading, s; 0 leaves it on.
     rig : Rig, optional
         ``Rig()`` if not given.
     seed : int

@@ -232,7 +232,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     heights : tuple of float
         The load at the corners, N.
     machine : Machine
-        What is known of the machine that made the test.
+        Known properties of the testing machine.
     lead : float
         By how much `load` comes before `force`, s: 0 as recorded.
     """

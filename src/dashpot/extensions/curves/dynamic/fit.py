@@ -319,7 +319,7 @@ def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Resid
 class _Set(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record.
 
-    And the degrees of freedom that its own fit left of each.
+    And the degrees of freedom of each after its own fit.
     """
 
     block: DataBlock
@@ -556,7 +556,7 @@ def _run_checks(
 def _find_band(
     data: DynamicTest, records: Sequence[RampHold], sets: Sequence[_Set], k_0: float
 ) -> tuple[tuple[float, float], tuple[Check, ...]]:
-    """Return the frequencies that the tests inform, and whether they leave a gap."""
+    """Return the frequencies of the tests' valid bands, and whether there is a gap."""
     sweep = (float(data.frequency.min()), float(data.frequency.max()))
     if not records:
         return sweep, ()

@@ -42,7 +42,7 @@ def fit_stress_relaxation(test: StressRelaxationTest, time_limits: Any, **choice
     ----------
     test : StressRelaxationTest
     time_limits : mapping
-        What `prepare` takes: filter, machine, onset, hold end, cycle.
+        Arguments of `prepare`: filter, machine, onset, hold end, cycle.
     choices
         Of :func:`~dashpot.fitting.relaxation.fit`.
 
@@ -102,7 +102,7 @@ def _convert_nuisance(nuisance: Nuisance) -> Nuisance:
 
 
 def _convert_check(check: Check) -> Check:
-    """Return a check whose sentences speak of strain and stress, and name no force of a machine."""
+    """Return a check with sentences on strain and stress instead of a machine's force."""
     remedy = check.remedy
     if remedy and remedy.option == _MACHINE:
         remedy = Remedy(remedy.words)

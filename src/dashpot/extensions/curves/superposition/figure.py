@@ -40,7 +40,7 @@ from dashpot.solids.maxwell import Solid
 
 _DOT = 4.5
 _THIN_PEN = Pen("measured", 1.3)
-"""The fit beneath the samples, whose colours say more."""
+"""The fit is drawn below the samples, whose colours show the temperature."""
 
 
 def draw_fit(fit: Fit, data: Superposition) -> Picture:

@@ -57,7 +57,7 @@ class Isotherm:
     value : array, shape (m,)
         Storage, then loss (m = 2 n), or the modulus or compliance (m = n), over `size`.
     size : array, shape (m,)
-        What errors are relative to, in the unit of the data.
+        Reference values of relative errors, in the unit of the data.
     """
 
     temperature: float

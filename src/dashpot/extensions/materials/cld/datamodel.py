@@ -141,8 +141,8 @@ class Cycle(EqualByValue, Serialisable):
     speed : float or None
         Speed of the loading, m/s; None without a clock.
     contact : float or None
-        Compression at which the loading met the seal again, m: the set that is left of the cycles
-        before it. 0 of the first cycle; None if the plate never moved through air.
+        Compression at which the loading met the seal again, m: the set by the earlier cycles. 0 of
+        the first cycle; None if the plate never moved through air.
     peak : float
         Force at `depth`, N.
     common : float
@@ -187,7 +187,7 @@ class Cycle(EqualByValue, Serialisable):
 
     @property
     def hysteresis(self) -> float | None:
-        """Part of the energy that was not given back."""
+        """Fraction of the energy that was dissipated."""
         returned = self.recovered_energy
         return None if returned is None else 1 - returned / self.energy
 
@@ -385,7 +385,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def per(self) -> float:
-        """Factor from a force, N, to N per 100 mm; 1 where no length is known."""
+        """Factor from a force, N, to N per 100 mm; 1 if no length is known."""
         return 1.0 if self.specimen.length is None else PER / self.specimen.length
 
     @property
@@ -460,7 +460,7 @@ class RelaxedLaw(Serialisable):
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
     others : tuple of ElasticLaw
-        The elastic law where one of its inputs is one standard error off: the relaxation function,
+        The elastic law with one of its inputs changed by a standard error: the relaxation function,
         along each axis of its covariance, first contact, and the zero of the force.
     """
 

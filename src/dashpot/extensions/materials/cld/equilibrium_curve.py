@@ -101,7 +101,7 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
 
 
 def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
-    """Return the fit whose test was held nearest to the nominal compression."""
+    """Return the fit of the test held nearest to the nominal compression."""
     if not fits:
         raise FitError("no fit of a relaxation test was given: its relaxation function is needed")
     return min(fits, key=lambda fit: abs(get_depth(fit) - cld.nominal.compression))
@@ -128,7 +128,7 @@ def _compare_relaxations(fits: Sequence[Fit], stroke: float | None) -> float | N
 
 
 def get_length_ratio(cld: CLD, fit: Fit) -> float:
-    """Return the length of the specimen over that of the fit's; 1 where one is not known."""
+    """Return the length of the specimen over that of the fit's; 1 if one is unknown."""
     lengths = cld.specimen.length, fit.specimen.length
     return lengths[0] / lengths[1] if lengths[0] and lengths[1] else 1.0
 

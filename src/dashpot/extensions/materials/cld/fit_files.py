@@ -52,9 +52,9 @@ def apply_elastic_law(
 ) -> Fit:
     """Return the fit with the shape of another measured elastic law.
 
-    Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
-    one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,
-    the fit is of the part that the law is of, and only its memory is taken.
+    Its stiffnesses do not change at the held depth; the solid is then the secant one at the law's
+    deepest compression. With `stiffness`, N/m, the relaxed secant one there, the fit is of the part
+    that the law is of, and only its memory is taken.
 
     Raises
     ------
@@ -253,7 +253,7 @@ def cld_files(
     specimen : Specimen, optional
         Data that all specimens share, such as their length.
     machine : Machine, optional
-        What is known of the machine: its `sync`.
+        Known properties of the machine: its `sync`.
     options : ReadOptions, optional
         Reading options of the files; `cycle` is the cycle that the figures are of.
 

@@ -72,8 +72,8 @@ def cld(
     """Find the cycles of a compression load deflection test, and the figures of one of them.
 
     Compression is counted from first contact of the first cycle; the load cell's zero is its
-    reading in air, if the plate comes through air. What a delay of the force makes of a figure,
-    which no cycle distinguishes from loss, is in its error.
+    reading in air, if the plate comes through air. The effect of a delay of the force,
+    indistinguishable from loss, is in the error of each value.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def cld(
     cycle : int, optional
         Which cycle, from 1; by default the last that was unloaded and reaches `at`.
     machine : Machine, optional
-        What is known of the machine: its `sync`.
+        Known properties of the machine: its `sync`.
 
     Returns
     -------
@@ -283,7 +283,7 @@ def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
 
 
 def _pair_strokes(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
-    """Return every way in, with the way back after it where it was recorded."""
+    """Return every loading, with the unloading after it if recorded."""
     stroke_pairs = zip(strokes, [*strokes[1:], None], strict=True)
     pairs = [
         (stroke, following_stroke) for stroke, following_stroke in stroke_pairs if stroke.inward

@@ -35,15 +35,15 @@ class Zero(NamedTuple):
     comes_through_air : bool
         Whether the record shows the plate in air before contact.
     force : array, shape (n,)
-        What is to be taken off the force, N.
+        Offset to subtract from the force, N.
     force_se : float
         Standard error of that, N.
     drift : float
         Change of the zero over the record, N.
     preload : float
-        Force that the first samples carry and that is left, N.
+        Preload of the first samples, which is not removed, N.
     initial_force_ratio : float
-        Force at the first samples over the rise, where no air was crossed.
+        Force at the first samples over the rise, without a motion through air.
     noise : float
         N.
     """
@@ -66,7 +66,7 @@ def find_zero(
 
     The zero is a line through its means from one stay in air to the next. A record that begins in
     contact has its zero at its first samples, unless they carry more than a twentieth of the rise:
-    that is a preload, and is left.
+    this is a preload, which is not removed.
     """
     noise = max(estimate_robust_scatter(clock, force), find_quantum(force) / 12**0.5)
     has_rest = first.first + 1 >= _MIN_REST_SAMPLES

@@ -345,7 +345,7 @@ def _list_oven_sets(kelvin: float, hottest: float, count: int) -> Iterator[tuple
 def _allocate(
     ovens: PlannedOvens, gradient: FloatArray, target: float, max_specimens: int
 ) -> _Design:
-    """Return the specimens added one by one, each where it lowers the variance most."""
+    """Return the specimens added one by one, each in the oven that lowers the variance most."""
     specimens = [_MIN_SPECIMENS] * len(ovens.temperatures)
     sd = ovens.compute_life_sd(specimens, gradient)
     while sd > target and sum(specimens) < max_specimens:

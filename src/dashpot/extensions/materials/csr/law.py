@@ -62,7 +62,7 @@ class AgingLaw(EqualByValue):
     reference : float
         K.
     covariance : array, shape (4, 4)
-        Covariance of physical, chemical, activation and ln exponent; infinite of what is not known.
+        Covariance of physical, chemical, activation and ln exponent; infinite if unknown.
     quantile : float
         Standard errors to either end of a 95 % interval.
     bound_alone : bool

@@ -470,9 +470,9 @@ def scale_for_aging(
     Parameters
     ----------
     factor : ReportedValue
-        The part that is left after aging, and its standard error.
+        The retained fraction after aging, and its standard error.
     condition : str
-        After what.
+        Duration of aging as text.
     checks : sequence of Check
         Checks of the factor.
 

@@ -36,7 +36,7 @@ from dashpot.report.result_page import (
 from dashpot.report.tables import TextTable
 
 USUAL_RETAINED_FORCE = 0.5
-"""F/F0 at the end of a life where nobody says another."""
+"""Default F/F0 at the end of life."""
 _ROWS = 20.0
 """Distance of the temperatures in the first table, K: those of every second row."""
 _OVENS = Topic(

@@ -64,7 +64,7 @@ def fit_drop_tests(
         kg, or ``"200g"``.
     drop : sequence of float or str
         Impact speed, ``"0.6m/s"``, or drop height, ``"18mm"``, of each impact in its order. Speeds
-        that are not given are fitted.
+        that are not stated are fitted.
     relaxation : Fit, optional
         Fit of a relaxation test, or of a load deflection test fitted with one: prior of the arms,
         with their covariance, and of the elastic law where it is nonlinear, with its errors.
@@ -76,7 +76,7 @@ def fit_drop_tests(
     Raises
     ------
     DataError, FitError
-        If the mass is missing, no impact stands out of the noise, or no motion fits.
+        If the mass is missing, no impact exceeds the noise, or no motion fits.
     """
     if mass is None:
         raise DataError("impacts need the mass of what moves. Add it: --mass 200g")

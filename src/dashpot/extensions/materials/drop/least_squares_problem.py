@@ -97,7 +97,7 @@ class DropProblem:
     gravity_accelerations : array, shape (impacts,)
         m/s^2.
     stated_speeds : array, shape (impacts,)
-        Speeds that were given, m/s; nan where none was.
+        Stated speeds, m/s; nan where none was.
     speed_sd : float
         Standard deviation of each, as a part of it.
     law : ElasticLawPrior

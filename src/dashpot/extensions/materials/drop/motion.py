@@ -33,7 +33,7 @@ _LONGEST_CONTACT = 40.0
 
 
 class Masses(NamedTuple):
-    """Masses on specimens, integrated side by side.
+    """Masses on specimens, integrated simultaneously.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ _MIN_SIGNAL_TO_NOISE = 6.0
 _MIN_SAMPLES = 12
 """Least number of samples of an impact."""
 _MARGIN = 0.6
-"""Time before and after a contact that is fitted too, in contact times."""
+"""Fitted time before and after a contact, in contact times."""
 _INTEGRATION_ERROR = 1e-4
 """Error of an integrated motion, over the largest force."""
 _THIRD_DIFFERENCE_GAIN = 20**0.5

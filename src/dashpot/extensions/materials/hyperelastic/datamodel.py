@@ -41,10 +41,9 @@ class StressStrainTest(EqualByValue, HasSummary):
         ``"uniaxial"`` (tension and compression), ``"equibiaxial"``, ``"planar"`` or
         ``"volumetric"``.
     stretch : array, shape (n,)
-        Length over length at rest in the direction of the force; the volume over that at rest
-        where the mode is volumetric.
+        Length over length at rest in the direction of the force; the volume ratio if volumetric.
     stress : array, shape (n,)
-        Force over area at rest, Pa, tension > 0; minus the pressure where it is volumetric.
+        Force over area at rest, Pa, tension > 0; minus the pressure if volumetric.
     time : array, shape (n,), or None
         s.
     stated : bool
@@ -181,7 +180,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     ----------
     law : Hyperelastic
     found : tuple of ReportedValue
-        Its constants and what follows of them, with their 95 % intervals.
+        Its constants and derived values, with their 95 % intervals.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
     curves : tuple of ElasticCurve

@@ -140,7 +140,7 @@ def refuse_sizes(
     strain: FloatArray | None,
     stress: FloatArray,
 ) -> None:
-    """Ask for the units again that make a size no test of a rubber has.
+    """Ask again for units that give an implausible size for a test of rubber.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def _read_lateral_strain(
 
 
 def _require_stress_strain_file(file: OpenedFile, strain_role: Role) -> None:
-    """Refuse another kind of file, unless both columns stand there."""
+    """Refuse another kind of file, unless it has both columns."""
     if not (file.column(strain_role) and file.column("stress")):
         signal_names = ("stress", *_ELONGATED)
         channels.expect(
@@ -234,7 +234,7 @@ _ELONGATED: tuple[Role, Role] = ("strain", "stretch")
 
 
 def _is_true(file: OpenedFile, channel: Channel, text: str) -> tuple[bool, bool, str]:
-    """Return whether a stress or strain is true or nominal; whether the file says so; and why."""
+    """Return whether a stress or strain is true or nominal; whether the file states it; and why."""
     column = file.table.columns[channel.index]
     name = format_column(file.table.columns, channel.index)
     if text != "auto":

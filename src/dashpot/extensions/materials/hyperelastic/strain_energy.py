@@ -66,7 +66,7 @@ class Path(NamedTuple):
 
 
 def path(mode: Mode, stretch: npt.ArrayLike, poisson: float) -> Path:
-    """Return the path of a mode; its `stretch` is the volume ratio where it is volumetric."""
+    """Return the path of a mode; its `stretch` is the volume ratio if volumetric."""
     x = np.asarray(stretch, dtype=float)
     e, v = np.log(x), poisson
     if mode == "volumetric":

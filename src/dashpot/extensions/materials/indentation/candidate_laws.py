@@ -1,9 +1,9 @@
 """Candidate contact laws: their parameters, starts, and simulated sensor signals.
 
-A fit's parameters are what a record shows: the logarithms of how long the contact lasts and of what
-it changes of the speed, and the time of the touch, s; between them numbers of the law's own, a loss
-and a time. Nothing pulls in these: what does, makes the contact of the same law somewhat longer.
-The motion is marched again for the law's own numbers alone.
+A fit's parameters are visible in a record: the logarithms of contact time and of speed change, and
+the time of first contact, s; between them numbers of the law's own, a loss and a time. Nothing
+pulls in these: what does, makes the contact of the same law somewhat longer. The motion is marched
+again for the law's own numbers alone.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ class Recorded(NamedTuple):
 def simulate_sensor_signal(
     hit: Collision, motion: Motion, time_since_touch: FloatArray, step: float
 ) -> Recorded:
-    """Return what a sensor would record, positive for a push, at times since the touch, s.
+    """Return the signal of a sensor, positive for a push, at times since first contact, s.
 
     An acceleration is the specific force F/m, zero in free fall. A force that jumps at the touch is
     averaged over a sample, as every recorder does.

@@ -32,7 +32,7 @@ _SAMPLES_PER_STEP = 6
 _MAX_ROUNDS = 30
 """Iterations in the search for the end of a contact."""
 _CACHE_SIZE = 1024
-"""Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
+"""Shapes: fits reuse it at other speeds and times of contact."""
 _MAX_CONTACT_TIME = 300.0
 """Longest contact, in lengths of a Hertzian one."""
 
@@ -106,7 +106,7 @@ def collide(
     velocity : float
         Velocity of approach, m/s, > 0.
     acceleration : float
-        Acceleration that acts besides the contact, m/s^2: 9.81 for a fall, 0 across.
+        Additional acceleration, m/s^2: 9.81 for a fall, 0 across.
 
     Raises
     ------

@@ -49,7 +49,7 @@ class IndentationTest(EqualByValue, HasSummary):
         ``"acceleration"``, ``"velocity"``, ``"displacement"`` or ``"force"``.
     indenter : Indenter
     force : array, shape (n,), or None
-        Recorded beside a motion, N.
+        Force recorded with a motion, N.
     source : Source or None
     units : str
         Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
@@ -132,7 +132,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         BIC of each law that was tried; the smallest is best.
     indenter : Indenter
     of : str
-        What was recorded.
+        Recorded quantity.
     time, measured, modelled : array, shape (n,)
         Time from first contact, s; the record around the contact, positive for a push from the
         surface, without offset and drift; and the fitted curve.

@@ -61,7 +61,7 @@ _CONTACT_SHIFTS = (0.0, -2.0, -1.0, 1.0, 2.0)
 _MIN_CLIPPED_SAMPLES = 3
 """Smallest number of samples at the same extreme of a saturated sensor."""
 _ROUNDING = 1e-5
-"""Part of the record that integration and interpolation leave."""
+"""Numerical error of integration and interpolation, as a fraction of the record."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})
 _OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
 """Values in proportion to the root of the tip radius."""
@@ -184,8 +184,8 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     Raises
     ------
     DataError
-        If the mass is missing, no contact stands out, or mass and radius make a modulus or a
-        pressure of it that no rubber has.
+        If the mass is missing, there is no clear contact, or mass and radius give an implausible
+        modulus or pressure.
     FitError
         If no law can follow the record.
     """
@@ -400,7 +400,7 @@ def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray
 
 
 def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
-    """Return the law's parameters and what follows from them, each with its interval."""
+    """Return the law's parameters and derived values, each with its interval."""
     derived_values = _compute_numbers(window, optimum.law, optimum.optimum.theta)
 
     def numbers(values: FloatArray) -> FloatArray:

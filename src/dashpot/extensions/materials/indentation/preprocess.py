@@ -13,7 +13,7 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationTest
 _DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
 """Number of differentiations that turn a record into the push."""
 _CONTACT_RATIO = 25.0
-"""Peak over scatter at which a contact stands out."""
+"""Smallest ratio of peak to scatter of a contact."""
 _OTHER_CONTACT_SHARE = 0.1
 """Part of the largest push that makes another contact."""
 _WIDTH_LEVEL = 0.25

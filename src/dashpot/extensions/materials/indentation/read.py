@@ -30,8 +30,8 @@ def read_indentation(
 ) -> IndentationTest:
     """Return the motion of an indenter in a file, in SI units.
 
-    An acceleration is taken before a velocity, that before a displacement, and any before a force
-    alone; a force beside a motion is kept to hold the motion to.
+    An acceleration is preferred to a velocity, that to a displacement, and any motion to a force
+    only; a force beside a motion is kept to hold the motion to.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def _find_acceleration(file: OpenedFile) -> RoleAssignment | None:
 def _refuse_sizes(
     file: OpenedFile, channels_chosen: list[Channel], time: np.ndarray, largest: float
 ) -> None:
-    """Ask for the units again that make a size no indenter has."""
+    """Ask again for units that give an implausible size for an indenter."""
     failed_checks = []
     for channel in channels_chosen:
         word = channel.unit.word

@@ -55,8 +55,8 @@ class RodModulus(EqualByValue):
         Square of the wave number times the length, :math:`z^2`.
     by_gain, by_phase, by_mass, by_length, by_area, by_density, by_poisson, by_glue : complex array
         :math:`d\ln E^*` for each relative change of these, for each rad of phase, for 1 of
-        Poisson's ratio, for a glue that gives as much as the rod; shape (n,). What that does to
-        storage and loss factor is :meth:`changes`.
+        Poisson's ratio, for a glue that gives as much as the rod; shape (n,). :meth:`changes` gives
+        its effect on storage and loss factor.
     storage_sd, loss_factor_sd : array, shape (n,)
         All errors together, random ones too: Pa, and absolute.
     band : (float, float)

@@ -198,7 +198,7 @@ def rod_under(
     mass_sd : float, optional
         Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
     poisson : float, optional
-        Poisson's ratio of the rod, which its bonded ends ask; by default that of a rubber.
+        Poisson's ratio of the rod, for its bonded ends; by default that of a rubber.
     specimen : Specimen, optional
     """
     part, errors, bonded = (

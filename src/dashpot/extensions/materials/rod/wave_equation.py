@@ -11,8 +11,8 @@ the resonance, where a spring with a third of the rod's mass is near, outwards; 
 one that continues it. E* is that of the rod: bonded between plates a short cylinder is stiffer than
 its material, :func:`~dashpot.solids.part_geometry.bonded_cylinder`, which is taken off. A phase
 between the sensors looks like loss, and no law of physics distinguishes the two; but far below the
-resonance both sensors see one motion. What gain and phase they show there is taken out.
-Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two accelerometers).
+resonance both sensors see one motion. Their gain and phase there are removed. Source: V. M. Kulik
+et al., Exp. Mech. (2009) (base excitation, two accelerometers).
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def rod_modulus(
     density : float
         Density of the rod, kg/m^3.
     bonded : bool
-        To its plates: what that stiffens is taken off.
+        To its plates: the resulting stiffening is removed.
     errors : RodErrors, optional
     band : (float, float), optional
         Lines to use, Hz.
@@ -126,7 +126,7 @@ def rod_modulus(
 
 @dataclass(frozen=True)
 class _Setup:
-    """A rod as it stands: `ratio` of the mass on it to its own, kg; kg/m^3."""
+    """Rod with its mass and ends: `ratio` of the mass on it to its own, kg; kg/m^3."""
 
     part: Disc | Block
     ratio: float
@@ -254,7 +254,7 @@ def _invert_lines(
 def _compute_glue_sensitivity(
     w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool
 ) -> ComplexArray:
-    r"""Return d ln E* for a glue that gives as much as the rod's storage modulus lets it.
+    r"""Return d ln E* due to the compliance of the glue at the rod's storage modulus.
 
     Between base and rod it gives under the force there, so that
 

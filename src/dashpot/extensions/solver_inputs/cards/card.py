@@ -1,4 +1,4 @@
-"""Viscoelastic card of a solver, as its numbers stand, and the model that it means."""
+"""Viscoelastic card of a solver with its numbers, and the equivalent model."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ViscoelasticCard:
     name : str
         Name of the material, or the number of the property.
     keyword : str
-        The card that holds the relaxation.
+        Name of the card of the relaxation.
     relative : tuple of (float, float)
         Relative moduli of shear g_j and times tau_j, of the instantaneous modulus.
     bulk : tuple of (float, float)

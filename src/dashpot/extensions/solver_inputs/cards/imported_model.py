@@ -52,7 +52,7 @@ class ImportedModel(Serialisable):
         The planned ramp and hold.
     arms : tuple of TestableArm
     testable_band : (float, float) or None
-        Where that test would know |K| to 10 % and the loss factor to 30 %, Hz.
+        Band in which that test would determine |K| to 10 % and the loss factor to 30 %, Hz.
     notes : tuple of str
         Unread parts of the card, and assumptions.
     """
@@ -122,8 +122,7 @@ def import_card(
     modulus : float, optional
         Instantaneous Young's modulus, Pa, of a card that has none.
     stated_modulus : float, optional
-        The instantaneous modulus in the comments of the file, Pa, which is taken where there is no
-        other.
+        The instantaneous modulus in the comments of the file, Pa, used if there is no other.
     specimen : Specimen, optional
 
     Raises

@@ -30,7 +30,7 @@ READ = (
 
 
 def read_stated_units(text: str, name: str, units: str | None) -> UnitSystem:
-    """Return the unit system of a file: that which is given, or which dashpot wrote into it.
+    """Return the unit system of a file: the given one, or the one written by dashpot.
 
     Raises
     ------

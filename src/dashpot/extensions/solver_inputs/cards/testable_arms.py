@@ -5,8 +5,8 @@ The Cramer-Rao bound of white noise, with offset and drift of the load cell foun
 .. math:: C = \sigma^2 (J^T J)^{-1}, \qquad J = \partial F / \partial (k_\infty, k_j, \ln\tau_j, o,
     \dot o)
 
-with J over a baseline, the ramp and the hold. No unbiased fit does better. What the machine adds is
-not in it: ``dashpot plan`` has that.
+with J over a baseline, the ramp and the hold. No unbiased fit does better. It does not include
+effects of the machine: ``dashpot plan`` has that.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _BAND_MARGIN = 100.0
 
 @dataclass(frozen=True)
 class TestableArm(Serialisable):
-    """Arm with the relative standard deviations that a test could have given it.
+    """Arm with the relative standard deviations by a possible test.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from dashpot.cli._param_types import File
 
 
 def list_groups() -> list[list[CommandOption]]:
-    """Return the options that ask for draws from the uncertainty of a fit."""
+    """Return the options of draws from the uncertainty of a fit."""
     return [
         group(
             "Uncertainty",

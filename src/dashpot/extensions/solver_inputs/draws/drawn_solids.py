@@ -43,12 +43,12 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _MIN_SHARE = 0.02
-"""Share of a stiffness that is left of it in every draw."""
+"""Smallest fraction of a stiffness in a draw."""
 _FASTEST_ARM_RATIO = 3.0
 """The fastest unresolved arm has its loss at so many times the frequency of the peak."""
 _MAX_ITERATIONS = 40
 _MIN_COLUMN_SHARE = 1e-9
-"""A column of which no more is left than this share is not seen at all."""
+"""A column with no more than this fraction left is invisible."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ class Run(NamedTuple):
     procedure : str
         Step and integrator.
     case : str
-        What was done to the seal.
+        Procedure applied to the seal.
     deviation : float
         Largest difference to the model over the peak.
     """

@@ -31,12 +31,12 @@ _CONVERGENCE_TOLERANCE = 1e-9
 
 
 def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
-    """Flow out of a chamber per area of jet, kg/(s m^2); below 0 where it flows in.
+    """Flow out of a chamber per area of jet, kg/(s m^2); negative for inflow.
 
     Parameters
     ----------
     pressure, density : array_like
-        In the chamber, Pa and kg/m^3; outside they are those of the ambient.
+        In the chamber, Pa and kg/m^3; outside they are those of the environment.
     """
     log_pressure = np.log(np.asarray(pressure, dtype=float) / AMBIENT_PRESSURE)
     return _compute_log_flux(log_pressure, np.log(np.asarray(density, dtype=float) / AIR_DENSITY))

@@ -3,10 +3,10 @@ r"""Closing motion of a door onto its seal.
 .. math:: I\ddot\theta = -\sum_i M_i, \qquad \delta_s = (\delta_{c,s} - \ell_s\theta)_+
 
 The angle falls from where the door has its speed to closed, in steps: over each the kinetic energy
-loses the work of every term, so that energy balances by construction and the time follows as
-step over mean speed, to second order. The arms of the seal answer a compression that is straight
-within a step exactly, whatever their times; air leaves by
-:mod:`dashpot.extensions.systems.door.air_flow`. Any number of doors close side by side.
+loses the work of every term, so that energy balances by construction and the time follows as step
+over mean speed, to second order. The arms of the seal answer a compression that is straight within
+a step exactly, whatever their times; air leaves by :mod:`dashpot.extensions.systems.door.air_flow`.
+Any number of doors are computed simultaneously.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class ClosingDoor:
         )
 
     def resisting(self, angle: FloatArray) -> dict[str, FloatArray]:
-        """Moments against closing that the angle alone decides, N m."""
+        """Moments against closing that depend only on the angle, N m."""
         setup, entries = self.setup, {}
         if setup.friction:
             entries[HINGE] = np.full_like(angle, setup.friction)
@@ -142,7 +142,7 @@ class ClosingHistory:
     pressure : mapping of str to array, shape (n + 1, doors)
         Highest gauge pressure in the chambers, Pa.
     returned : float
-        For the first door, if it stopped: kinetic energy with which it comes back, J.
+        For the first door, if it stopped: kinetic energy of its rebound, J.
     """
 
     angle: FloatArray
@@ -166,7 +166,7 @@ class ClosingHistory:
 
 @dataclass
 class _Doors:
-    """Doors as they stand in the middle of a march."""
+    """State of the doors during time integration."""
 
     door: ClosingDoor
     seal: PressedSeal
@@ -203,7 +203,7 @@ class _Doors:
         )
 
     def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Return what every term would give back of its work in all the steps, J."""
+        """Return the recoverable work of every term in all steps, J."""
         stored_energy = {
             name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work
         }

@@ -44,7 +44,7 @@ class Share(Serialisable):
     ----------
     name : str
     work : float
-        J; below 0 where it helped.
+        J; negative if it helped.
     stored : float
         The part of the work that it would give back, J; nan of a door that stopped.
     peak_moment : float
@@ -101,7 +101,7 @@ class Scatter(Serialisable):
     least_contact_force: FloatArray
 
     def quantile(self, part: float) -> float:
-        """Return the speed that closes so many of the doors, m/s."""
+        """Return the speed that closes a fraction of the doors, m/s."""
         return float(np.quantile(self.least_speed, part, method="higher"))
 
     @property
@@ -192,7 +192,7 @@ class ClosingAnalysis:
     ----------
     door : ClosingDoor
     speed : float
-        At the edge where it began, m/s.
+        Initial speed at the edge, m/s.
     march : ClosingHistory
         Every step of it.
     terms : tuple of Share
@@ -201,7 +201,7 @@ class ClosingAnalysis:
     interval : (float, float) or None
         Between which limits the uncertainty of the seal leaves that; None where it is not known.
     monotone : bool
-        Whether every faster door that was tried closes too.
+        Whether every faster computed door closes as well.
     scatter : Scatter or None
     """
 
@@ -221,7 +221,7 @@ class ClosingAnalysis:
 
     @property
     def energy(self) -> float:
-        """Kinetic, where it began, J."""
+        """Initial kinetic energy, J."""
         return float(self.march.kinetic[0, 0])
 
     @property
@@ -239,7 +239,7 @@ class ClosingAnalysis:
 
     @property
     def rebound(self) -> float:
-        """Speed of the edge of a door that comes back, m/s."""
+        """Rebound speed of the edge, m/s."""
         return self.door.edge * float(np.sqrt(2 * self.march.returned / self.door.inertia))
 
     @property
@@ -281,16 +281,16 @@ def close_door(
     line : SealLine, optional
         With its section and compression; by default the door's own.
     speed : str or float
-        At the edge where it begins, m/s.
+        Initial speed at the edge, m/s.
     seal_uncertainty : SealDoubt, optional
-        What of the seal is not known.
+        Uncertainty of the seal.
     steps : int
         Steps of the angle over which the seal is pressed.
 
     Raises
     ------
     DataError
-        If the door lacks what closing needs, or the speed is not > 0.
+        If the door lacks values for closing, or the speed is not > 0.
     """
     v = convert_to_si(speed, "velocity")
     if not 0 < v <= FASTEST:

@@ -51,7 +51,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
 
 
 def make_energy_waterfall(closing: ClosingAnalysis) -> Panel:
-    """Return the energy that each term takes, the largest first, and the rest."""
+    """Return the energy absorbed by each term, the largest first, and the rest."""
     rows = [("door", 0.0, closing.energy)]
     at = closing.energy
     for energy_term in sorted(closing.terms, key=lambda term: -abs(term.work)):

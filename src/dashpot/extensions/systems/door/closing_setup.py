@@ -76,7 +76,7 @@ class Vents(Air):
     Attributes
     ----------
     width : float
-        Width of the bulb where it is pressed, m.
+        Width of the compressed bulb, m.
     section : float
         Area of the free bulb's hollow, m^2.
     opening : float
@@ -163,7 +163,7 @@ class Cabin(Air):
         require_nonnegative("the cabin: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """Return the cabin with what the door still encloses, and its vents with the open gap."""
+        """Return the cabin with the volume behind the door, and its vents with the open gap."""
         volume = self.volume + self.area * self.lever * door.angle
         opening = self.opening + (door.gap @ door.length)[:, None]
         return np.full_like(opening, volume), opening
@@ -206,7 +206,7 @@ class CheckStrap:
     Attributes
     ----------
     angle, moment : tuple of float
-        From closed, rad, rising; N m against closing, below 0 where it helps.
+        From closed, rad, rising; N m against closing, negative if it helps.
     """
 
     angle: tuple[float, ...]
@@ -236,7 +236,7 @@ class Tolerances:
         Doors drawn.
     seed : int
     limit : float or None
-        Speed that a door may need, m/s.
+        Largest allowed closing speed, m/s.
     """
 
     gap: float = 0.0

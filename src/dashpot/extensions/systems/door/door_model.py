@@ -120,9 +120,9 @@ class ModesChoice:
     ----------
     path : str
     unit : str or None
-        Unit of the coordinates, where the file does not say.
+        Default unit of the coordinates.
     modal_mass : float or None
-        Modal mass of every mode, where the file does not say, kg.
+        Default modal mass of every mode, kg.
     damping : float or None
         Damping ratio of every mode, in place of the value in the file.
     most : float

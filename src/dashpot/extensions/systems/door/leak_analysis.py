@@ -108,7 +108,7 @@ def compute_contact_force(
     ----------
     section : SealSection
     compression : array
-        Where it relaxed, m.
+        Compression at which it relaxed, m.
     gap : float
         g, m.
     time : float

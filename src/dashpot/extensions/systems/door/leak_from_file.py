@@ -49,7 +49,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
     ReadError
         If a file cannot be read, or holds an impossible value.
     DataError
-        If the file lacks what a leak speed needs.
+        If the file lacks values for a leak speed.
     """
     assembly, fit = open_door(path, temperature=temperature)
     door = assembly.door

@@ -96,7 +96,7 @@ def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
 
 
 def estimate_station_error(assembly: Assembly, max_hz: float) -> float:
-    """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
+    """Largest relative change of a frequency up to one, Hz, with twice as many stations."""
     line, pitch = assembly.door.line, assembly.door.pitch
     # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
     half_pitch = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
@@ -142,7 +142,7 @@ def count_free_motions(system: System) -> int:
 
 
 def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
-    r"""Motions that nothing holds unless the seal answers sideways, and the slowest of them, Hz.
+    r"""Motions restrained only by the seal's lateral stiffness, and the slowest of them, Hz.
 
     Those by whose shapes the springs of the door are at rest less than a tenth of what they were
     with a seal as stiff sideways as normal to its line: :math:`K\phi = \rho K_1\phi`, with

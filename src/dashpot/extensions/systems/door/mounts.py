@@ -39,7 +39,7 @@ def make_line_mounts(
     line : SealLine
         With its section.
     body, ground : str
-        What it lies between.
+        Bodies that it connects.
     pitch : str or float
         Wanted distance of the mounts, m.
     friction_sticks : bool

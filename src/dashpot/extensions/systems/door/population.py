@@ -89,12 +89,12 @@ class SpecimenSpread(Serialisable):
     mean_sd : float
         Standard deviation of its error, which all cars share.
     specimens : int or None
-        That were tested; None where the scatter is stated.
+        Number of tested seals; None where the scatter is stated.
     between_square, within_square : float
         Variance of the means of the specimens, and that part of it which repeated tests or the
         fits' own errors explain.
     within_freedom : int
-        Degrees of freedom of the second; 0 where it is known.
+        Degrees of freedom of the second; 0 if it is known.
     """
 
     _keys = (EVERY_FIELD,)
@@ -522,7 +522,7 @@ def _follow_modes(
 def _follow_closing(
     assembly: Assembly, u: FloatArray, *, is_wanted: bool
 ) -> list[tuple[str, FloatArray, float | None]]:
-    """Return the lowest closing speed for the factors e^u; None for a door that does not close."""
+    """Return the lowest closing speed for the factors e^u; None if a door does not close."""
     if assembly.door.closing in (None, ClosingSetup()) and not is_wanted:
         return []
     speed = find_least_speed(make_closing_door(assembly.door), load=np.exp(u))

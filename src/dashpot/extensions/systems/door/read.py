@@ -34,15 +34,15 @@ from dashpot.reading.toml import Section, Vector, read_tables
 MAX_SIZE = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
 LIGHTEST, HEAVIEST = 0.05, 500.0
-"""kg, of a door: from that of a glove box to a gate's."""
+"""kg, of a door: from a glove box lid to a gate."""
 _Z = (0.0, 0.0, 1.0)
 
 
 def read_door(path: str | Path) -> Door:
     """Return the door that a TOML file describes.
 
-    Each table is read by its own function; a key that none knows is refused. Other files that it
-    names lie beside it.
+    Each table is read by its own function; an unknown key is refused. Other files that it names lie
+    beside it.
 
     Raises
     ------
@@ -117,7 +117,7 @@ _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
 
 
 def _read_rigid_body(section: Section) -> RigidPart:
-    """Mass and inertia, or those of an even plate of that width and height."""
+    """Mass and inertia, or those of a uniform plate of that width and height."""
     section.require_keys("mass", "centre")
     mass = section.quantity("mass", "mass") or 0.0
     inertia = section.vector("inertia", "moment of inertia")

@@ -54,14 +54,14 @@ class SealLine(EqualByValue):
         m; repeat the first at the end to close the line.
     compression : float or array, shape (n,), optional
         Compression of the seal at each point, m, straight between them: its free height less the
-        gap that it fills, so below 0 where it does not reach. None is the compression of its test.
+        gap, so negative without contact. None is the compression of its test.
     section : SealSection or Solid, optional
         One metre of the seal, N/m per m; without it the line is its geometry.
     normal : (float, float, float) or array, shape (n, 3) or (n - 1, 3)
         Direction in which the seal is pressed, of the line, at each point or of each piece
         between two; need not have length 1.
     joints : tuple of Joint
-        Where it is stiffer or softer: corners, splices.
+        Joints with another stiffness: corners, splices.
     """
 
     points: FloatArray
@@ -170,7 +170,7 @@ class SealLine(EqualByValue):
         Parameters
         ----------
         body, ground : str
-            What it lies between.
+            Bodies that it connects.
         pitch : str or float
             Wanted distance of the mounts, m.
         """
