@@ -22,7 +22,7 @@ INTERVAL_LEVELS = (0.025, 0.975)
 AT_MOST = "at most"
 """Text before a one-sided upper limit."""
 ASYMMETRY_LIMIT = 0.1
-"""Ratio of the two halves of an interval beyond which it is asymmetric."""
+"""Smallest relative difference of the two halves of an asymmetric interval."""
 END_AT_VALUE_SHARE = 1e-2
 """The same, where that end stands for the value itself."""
 

@@ -341,7 +341,7 @@ class Rows(NamedTuple):
 
 
 Model: TypeAlias = Callable[[FloatArray], Rows]
-"""Rows at a theta; raises DataError where the model says nothing."""
+"""Rows at a theta; raises DataError where the model is not defined."""
 
 
 class Parameter(NamedTuple):
@@ -592,7 +592,7 @@ class Optimum:
 
     @property
     def rounding_sse(self) -> float:
-        """Sum of squares that rounding leaves."""
+        """Sum of squares due to rounding."""
         return _ROUNDING_POWER * float(self.rows.y @ self.rows.y)
 
     @property

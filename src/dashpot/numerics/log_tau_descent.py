@@ -53,7 +53,7 @@ class StackRows(NamedTuple):
 class Stack:
     """Stacked blocks, their columns matched by name and group.
 
-    The linear parameters stand as all fixed names, then the arms of the first group, of the
+    The linear parameters are ordered as all fixed names, then the arms of the first group, of the
     second, and so on: p = q + G N.
     """
 
@@ -90,7 +90,7 @@ class Stack:
 
     @property
     def rounding_sse(self) -> float:
-        """Sum of squares that a finished descent leaves of exact data."""
+        """Residual sum of squares of a finished descent on exact data."""
         return max(self.rounding_floor, FINAL_TOLERANCE**2 * self.energy)
 
     def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
@@ -164,9 +164,9 @@ class StackTrial(NamedTuple):
 
         .. math:: J_j = -(I - QQ') D_j \beta_j - Q R^{-T} e_j (D_j' r)
 
-        (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several
-        groups add up. The two terms are orthogonal, and only the first meets r. Everything that
-        they need stands in the triangular factor of one QR,
+        (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several groups
+        add up. The two terms are orthogonal, and only the first meets r. They are computed from the
+        triangular factor of one QR,
 
         .. math:: [\Phi, D, y] \to
             \begin{bmatrix} R & Q'D & Q'y \\ 0 & D_\perp & r \end{bmatrix}
@@ -226,8 +226,8 @@ def solve_at(
 ) -> StackTrial:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
 
-    With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
-    Columns that are dependent to 13 digits have an infinite SSE.
+    With `restricted`, those coefficients stay >= 0; an arm at zero has no derivative. Columns that
+    are dependent to 13 digits have an infinite SSE.
     """
     stack.trials += 1
     rows = stack.evaluate(log_tau)
@@ -362,8 +362,7 @@ class ColumnGrid(NamedTuple):
     ) -> tuple[ColumnGrid, FloatArray]:
         """Return the lattice, and the target in its coordinates.
 
-        `is_free` says which fixed columns have a coefficient that is not held at zero; all, by
-        default.
+        `is_free` marks the fixed columns with a coefficient not fixed at zero; all, by default.
         """
         stack_rows = stack.evaluate(log_tau, derivative=False)
         target, phi, q = stack_rows.target, stack_rows.phi, len(stack.names)
@@ -445,7 +444,7 @@ class Grid:
 
     @cached_property
     def residual_sse(self) -> float:
-        """Sum of squares that the best spectrum leaves."""
+        """Residual sum of squares of the best spectrum."""
         residual = self.aim - self.columns @ self.spectrum.ravel()
         return float(residual @ residual)
 
@@ -566,7 +565,7 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
 
 
 def _compute_triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
-    """Return what triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
+    """Return the sum of squares explained by triples of grid points, (3, sets): Cramer's rule.
 
     Zero where a coefficient would not be positive, or two points are one.
     """

@@ -312,7 +312,7 @@ class NonnegativeConfidenceRegion:
         Parameters
         ----------
         start : array, shape (m,), optional
-            Non-negative; the columns where it is not zero are tried first.
+            Non-negative; its non-zero columns are tried first.
         """
         return self._search_active_sets(
             None, 0.0, np.zeros(len(self._rows)) if start is None else start
@@ -384,14 +384,14 @@ class NonnegativeConfidenceRegion:
     def _compute_gain(
         self, residual: FloatArray, objective: FloatArray | None, multiplier: float
     ) -> FloatArray:
-        """Return what each column would add; any of the aim is a gain to a face that has none."""
+        """Return the gain of each column; any of the aim is a gain to a face that has none."""
         if objective is not None and isinf(multiplier):
             return objective.copy()
         gain = np.asarray(self._rows @ residual)
         return gain if objective is None else gain + multiplier * objective
 
     def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
-        """Return the face of these columns, factored where it was not met before."""
+        """Return the face of these columns, factored unless cached."""
         key = np.sort(active).tobytes()
         face = self._cached_faces.get(key)
         if face is not None:

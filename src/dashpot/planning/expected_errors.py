@@ -10,10 +10,9 @@ deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` 
 
 with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
 motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
-known of it before. What machine and climate may add without a trace moves the fit, and is in C as
-it is in
-the intervals of a fit. An impact record must be long enough for the mass to come to rest, and its
-pulse short enough to make it ring.
+known of it before. Undetected effects of machine and climate change the fit, and are included in C
+as in the intervals of a fit. An impact record must be long enough for the mass to come to rest, and
+its pulse short enough to make it ring.
 """
 
 from __future__ import annotations
@@ -58,8 +57,8 @@ class ExpectedError:
     ramp_time, hold_time : float
         s.
     storage_sd, loss_factor_sd : float
-        Expected standard deviation over the value, dimensionless; infinite if the test says
-        nothing.
+        Expected standard deviation over the value, dimensionless; infinite if the test does not
+        determine it.
     arm_sd : float or None
         Standard deviation of the stiffness of the unresolved arm; None without one.
     repeated : tuple of float
@@ -318,7 +317,7 @@ class RecordNeed:
     for_decay, for_lines : float
         Six time constants, and five lines in the half-power band, s.
     record : float or None
-        The record that was planned, s.
+        Planned length of the record, s.
     peak_error : float or None
         Relative error of the peak read off the lines, by the truncation of the record; at the
         worst position of the lines.

@@ -33,7 +33,7 @@ class PlannedRows(NamedTuple):
     Attributes
     ----------
     rows : array, shape (m, p)
-        Sensitivities, reduced to a triangle, above what is known beforehand.
+        Sensitivities, reduced to a triangle, above the priors.
     unmeasured : array, shape (m, d)
         Effects of the rig that the fit does not estimate, one standard deviation each.
     """

@@ -167,7 +167,7 @@ class _Canvas:
 def save(
     picture: Picture, path: str | Path, *, dpi: float = 300.0, size: FigureSize | None = None
 ) -> None:
-    """Write `picture` to `path`; the suffix says how: .pdf, .png or .svg.
+    """Write `picture` to `path`; the suffix gives the format: .pdf, .png or .svg.
 
     `size` is ``"column"``, 85 mm wide as in a journal, or ``"slide"``; else its own.
 

@@ -252,7 +252,7 @@ def _peak_inside(frf: FRF) -> tuple[float, float] | None:
 
 
 def _shade_valid_band(panel: Panel, band: tuple[float, float]) -> Panel:
-    """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
+    """The part of the axis that a test informs, shaded; if none is visible, a text says so."""
     low, high = panel.x.limits
     if not band[0] < band[1] or band[1] < low or band[0] > high:
         text = f"valid {format_band(band)}: all of this is extrapolated"
@@ -581,7 +581,7 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
 
 
 def _half_power(curve: Curve) -> list[Mark]:
-    """Return the width of a measured peak at -3 dB, drawn where it is."""
+    """Return the width of a measured peak at -3 dB as a line."""
     if (
         curve.pen is not MEASURED
         or curve.peak is None

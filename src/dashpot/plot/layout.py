@@ -185,7 +185,7 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
 
 
 def _beneath(panel: Panel) -> float:
-    """Return what numbers and words below a panel take, px."""
+    """Return the height of numbers and texts below a panel, px."""
     lines = panel.below.count("\n") + 1 if panel.below else 0
     return 10 + ROW * lines if panel.drawing else 2 * ROW + 6
 
@@ -300,7 +300,7 @@ def _rows_above(panel: Panel, width: float) -> int:
 
 
 def _broken(text: str, width: float) -> list[str]:
-    """Return text in lines of at most so many px, broken at spaces."""
+    """Return text in lines of limited width, px, broken at spaces."""
     lines = [""]
     # a number stays with its unit
     for word in re.findall(r"(?:\S*\d (?=[a-zA-Z%°µ]))?\S+\s*", text):

@@ -18,9 +18,9 @@ from dashpot.base.result_mixins import load_function
 COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
 _SMALL = 3
-"""Number of small multiples side by side in a column."""
+"""Number of small multiples in a row of a column."""
 _DRAWINGS = 2
-"""Number of drawings side by side in a column."""
+"""Number of drawings in a row of a column."""
 SLIDE, MIN_STRIP = 640.0, 300.0
 """px of a slide, and of each of the strips that stand side by side on one."""
 
@@ -157,8 +157,7 @@ class Scale:
     """Scale of an axis: a quantity with its unit, and the range shown.
 
     An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` scale
-    counts items, and has ticks only at integers. `tick_names` stand at `ticks` in place of their
-    numbers.
+    counts items, and has ticks only at integers. `tick_names` replace the numbers at `ticks`.
     """
 
     label: str
@@ -221,13 +220,13 @@ class Picture:
     Attributes
     ----------
     name : str
-        Letters, digits and hyphens; what ids begin with.
+        Letters, digits and hyphens; prefix of ids.
     caption : str
-        What a reader without the figure can follow.
+        Text for readers who cannot see the figure.
     strips : tuple of tuple of Panel
         Panels one below the other share the horizontal axis; strips stand side by side.
     columns : int
-        How many strips stand in a row.
+        Number of strips in a row.
     stamp : str
         File, specimen, date, mass, and SIMULATED if so; printed on every saved figure.
     rows : tuple of int

@@ -151,7 +151,7 @@ def read_as(unit: str) -> tuple[str, float]:
 
 
 def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
-    """Return limits that hold every finite value with a margin; 0 and 1 if there is none."""
+    """Return limits that contain every finite value with a margin; 0 and 1 if there is none."""
     values = np.concatenate([np.asarray(a, dtype=float).ravel() for a in arrays])
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)

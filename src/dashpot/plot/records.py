@@ -96,7 +96,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
 def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     """Frequency, Hz, and magnitude of the force pulse, dB re its value at 0 Hz.
 
-    Only the pulse is transformed, padded with zeros: what follows it is noise.
+    Only the pulse is transformed, padded with zeros: later samples are noise.
     """
     pulse = hit.force[hit.pulse(0.02)]
     size = max(1 << 14, len(pulse))

@@ -92,7 +92,7 @@ def fit(
     fit : Fit
         The chosen one.
     prepared : RampHold
-        What it was fitted to.
+        Fitted record.
     alternatives : sequence of Fit
         Other fits for comparison, such as one arm against two.
     stamp : str
@@ -190,7 +190,7 @@ def residual_panel(
 ) -> Panel:
     """Measured less fitted force against log time, and the noise it should be.
 
-    Time counts from so many s after first contact; by default from it.
+    Time counts from `start`, s, after first contact; by default from it.
     """
     start = None if axis is None else time_origin + axis.limits[0]
     time, residual = curve.residual(prepared, start)
@@ -233,8 +233,8 @@ def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
     drift begins there. Every other answers to the motion behind the recorded displacement, bent by
-    the elastic law. Offset, drift and delay are those that the fit found; of a fit to other tests
-    too, offset and drift are those that leave least.
+    the elastic law. Offset, drift and delay are the fitted ones; of a fit to other tests too,
+    offset and drift are those that leave least.
     """
     fit = _shift_to_temperature(fit, prepared)
     solid = _select_depth_solid(fit, prepared.depth)

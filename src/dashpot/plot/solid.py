@@ -353,11 +353,11 @@ def stiffness(
     ----------
     fit : Fit
     parameters, unresolved_bounds : StiffnessBounds, optional
-        What the standard errors allow; what any spectrum allows that the test cannot reject.
+        Limits by the standard errors; the limits over all spectra that the test does not reject.
     joint : Fit, optional
         The fit to relaxation and FRF together.
     measured : DynamicStiffness, optional
-        Stiffness of one seal directly from the FRF, drawn as points where it is good.
+        Stiffness of one seal directly from the FRF, drawn as points where it is accurate.
     data : StiffnessSweep, optional
         The sweep that was fitted, drawn as points.
     mark : float, optional
@@ -489,7 +489,7 @@ def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:
 
 
 def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
-    """Return the FRF in thirds of an octave where it is good, with one standard deviation."""
+    """Return the FRF in third octaves where it is accurate, with one standard deviation."""
     if measured is None:
         return []
     lines = {quantity.name: quantity for quantity in build_plotted_quantities(measured)}

@@ -242,7 +242,7 @@ def single_loading(
 ) -> Finding:
     """The record has one loading, or the user chose one.
 
-    `earlier_loadings` are those before the one that is fitted, with a hold or without.
+    `earlier_loadings` are those before the fitted one, with a hold or without.
     """
     cycle = cycles[index]
     message, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")
@@ -500,8 +500,8 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     ----------
     test : RampHold
     force, displacement : array, shape (n,)
-        Signals of the same samples, as they stand in the file: a tare or a line of hum taken off
-        would leave no two readings equal bit for bit.
+        Signals of the same samples, as in the file: a tare or a line of hum taken off would leave
+        no two readings equal bit for bit.
     """
     hold, time = test.hold, test.time[test.hold]
     f, x = force[hold], displacement[hold]
@@ -702,7 +702,7 @@ def check_records(
 ) -> tuple[Check, ...]:
     """Return the checks of the records, each at its worst over `tests`.
 
-    `solids` are those that were fitted, one to a test: what such a solid explains is no fault.
+    `solids` are the fitted ones, one per test: what such a solid explains is no fault.
     """
     stillness_checks = [hold_is_still(test, method=method) for test in tests]
     pairs = zip(tests, solids or [None] * len(tests), strict=True)
@@ -936,8 +936,8 @@ def strain_small(test: RampHold) -> Finding:
 def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple[float, float]:
     """Return how far the force climbs from its lowest tenth to the last tenth of the hold, N.
 
-    The second value is what noise, and a half per cent of the force, would explain. The part
-    that a creeping plate explains by the secant stiffness is taken off first, or with a `solid` its
+    The second value is the rise explained by noise and half a per cent of the force. The part that
+    a creeping plate explains by the secant stiffness is taken off first, or with a `solid` its
     whole answer to the recorded motion.
     """
     force, x = test.force[test.hold], test.displacement[test.hold]

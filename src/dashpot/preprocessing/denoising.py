@@ -91,7 +91,7 @@ def estimate_interpolation_noise(
     ----------
     test : RampHold
     time, x, residual : array, shape (n,)
-        s, and what :func:`denoise_displacement` returns, m.
+        Time, s, and the result of :func:`denoise_displacement`, m.
     """
     motion_errors = compute_interpolation_bends(test, time, x, residual)
     motion_errors[time > test.ramp_end + test.ramp_time] = 0.0
@@ -265,7 +265,7 @@ def _compute_stay_times(
 def _remove_flicker(values: FloatArray, count: float) -> FloatArray:
     """Running median of 7 samples where it is off by a count: a swing turns by more of them.
 
-    It leaves a rising staircase as it is.
+    It does not change a rising staircase.
     """
     padded_values = np.pad(values, FLICKER_SAMPLES // 2, mode="edge")
     ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER_SAMPLES).T)

@@ -76,7 +76,7 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     Parameters
     ----------
     record : RampHold
-        With earlier loadings. Where it has a `plate`, its displacement is not looked at.
+        With earlier loadings. If it has a `plate`, its displacement is not used.
     """
     plate = record.plate
     if plate is None:

@@ -115,7 +115,7 @@ class PlateMotion:
     straight_ramp : IdealRamp
         The straight part of its first ramp.
     rest_position, hold_position : float
-        Displacement before the first ramp and where it is first held, m.
+        Displacement before the first ramp and in the first hold, m.
     start, last_rest_sample, stop : int
         The first sample kept, the last one at rest, and the last one of the last hold.
     segments : tuple of MotionSegment
@@ -348,7 +348,7 @@ def _select_cycle(
 
 
 def _format_advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
-    """Return what may be wrong with a displacement that is never held."""
+    """Return the possible faults of a displacement without a hold."""
     has_motion = any(segment.kind != "hold" for segment in find_segments(time, x))
     if find_cycles(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"

@@ -534,7 +534,7 @@ def _correct_delayed_contact(
 
 
 def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:
-    """Return the smallest air gap that is distinguished from none, m."""
+    """Return the smallest detectable air gap, m."""
     return max(2 * encoder_step, 0.005 * (motion.cycle.hold.level - motion.rest_position))
 
 
@@ -645,7 +645,7 @@ def _set_broadband_noise(record: RampHold) -> RampHold:
 
 
 def _subtract_hum(record: RampHold) -> RampHold:
-    """Return the record without the hum that its hold shows, if it is evenly sampled."""
+    """Return the record without the hum found in its hold, if it is evenly sampled."""
     hold_samples = record.hold
     time, force = record.time[hold_samples], record.force[hold_samples]
     if not is_evenly_sampled(time):

@@ -353,7 +353,7 @@ def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
 def _compute_plate_amplitude(
     change: FloatArray, window: FloatArray, step: float, frequency: float
 ) -> float:
-    """Return the amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
+    """Return the amplitude of a line of the plate's motion, m; 0 if it is not significant."""
     windowed = window * change
     bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
@@ -380,7 +380,7 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
 
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
-    """Return the bin that stands out of its neighbourhood most, if any does."""
+    """Return the bin with the highest significance over its neighbourhood, if any."""
     if len(power) <= first + 2 * _NEIGHBOUR_BINS:
         return None
     blocks = len(power) // _NEIGHBOUR_BINS

@@ -78,7 +78,7 @@ class ReadOptions:
     Attributes
     ----------
     time, displacement, force : str or None
-        The column that plays this role: its name in the file, or its number counted from 1.
+        The column of this role: its name in the file, or its number counted from 1.
     stress, strain, creep_compliance : str or None
         So too, in a test of a material, or a creep curve.
     stretch : str or None
@@ -339,7 +339,7 @@ _FLAGS = {
 
 
 def flag(name: str) -> str:
-    """Return what is typed before ``=`` and the value of a field.
+    """Return the text before ``=`` and the value of a field.
 
     >>> flag("temperature"), flag("skip_rows")
     ('--column temperature', '--text-format skip')

@@ -74,7 +74,7 @@ class Section:
         How to name it: ``"door.toml, [seal]"``.
     entries : mapping
     known_names : tuple of str
-        The keys that may stand there; any other is refused.
+        Allowed keys; any other is refused.
     """
 
     location: str

@@ -122,7 +122,7 @@ def _sort_rows(group: str) -> Mapping[str, Any]:
 
 
 KINDS: Mapping[str, KindOfTest] = _sort_rows("kinds")
-"""Every kind of test, in the order in which columns and examples stand."""
+"""Every kind of test, in the order of columns and examples."""
 
 FITS: Mapping[str, FitRow] = _sort_rows("fits")
 """Every fit that records may mean, but for those that the row of a kind says whole."""
@@ -150,7 +150,7 @@ SOLVER_NAMES: Mapping[str, str] = MappingProxyType(
 
 FIT_FILES = "dashpot.workflow.bench_tests:fit_files"
 RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.app_section in {"response", "base"})
-"""Kinds that are what a mass on its seals does, over frequency."""
+"""Kinds of responses of a mass on its seals over frequency."""
 
 _NOUNS = {name: kind for kind in KINDS.values() for name in kind.classes}
 _HANDLERS: dict[str, dict[str, str]] = {}
@@ -195,7 +195,7 @@ def find_handler(task: str, subject: object) -> Any:
 
 
 def require_handler(task: str, subject: object) -> Any:
-    """Return what `find_handler` returns, for a task that the caller cannot do without.
+    """Return the result of `find_handler` for a required task.
 
     Raises
     ------

@@ -175,7 +175,7 @@ def read_plugins() -> Installed:
 
 
 def _read_row(package: str) -> Extension:
-    """Return the row that a package holds, which is found, and not imported."""
+    """Return the row of a package, found without an import."""
     spec = find_spec(package) if package.isidentifier() else None
     for folder in (spec and spec.submodule_search_locations) or ():
         path = Path(folder, ROW)

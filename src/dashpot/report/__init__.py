@@ -25,8 +25,8 @@ def html(
 
     The first screen has the verdict, the main figure and the recommended model; then test, fit and
     failed checks; other sections are collapsed. No network: figures are inline SVG, attached files
-    are links with their contents. A small script adds zoom and reading of values; the page works
-    without it. A strict content security policy allows the hash of that script and of the style,
+    are links with their contents. A small script adds zoom and reading of values; it is optional
+    for the page. A strict content security policy allows the hash of that script and of the style,
     and nothing else. Text from files is escaped.
 
     Parameters

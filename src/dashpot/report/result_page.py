@@ -87,7 +87,7 @@ class KindPage:
     indicators : tuple of Light
         None is worse than the verdict; together they are as bad.
     figure_title : str
-        What the figure shows.
+        Caption of the figure.
     picture : Picture
     table_title : str
         Title of the table.
@@ -242,7 +242,7 @@ def _get_schema_name(schema: str) -> str:
 
 
 _COLUMNS = 2
-"""Strips side by side in the figure of a page, at most."""
+"""Largest number of strips in a row of a page's figure."""
 
 
 _NUMBERS = "numbers.json"
@@ -329,7 +329,7 @@ def _render_wide_figure(picture: Picture, name: str) -> RenderedFigure:
 
 
 def has_kind_page(result: object) -> bool:
-    """Return whether a result has all that its page holds."""
+    """Return whether a result has all values of its page."""
     try:
         return isinstance(kind_page(result), KindPage)
     except TypeError:

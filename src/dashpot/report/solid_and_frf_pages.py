@@ -204,7 +204,7 @@ class TemperaturePart(NamedTuple):
     subject : str
         The fitted material, if any.
     topics, summary_line, groups, collapsible_sections
-        As those of :class:`~dashpot.report.result_page.KindPage`.
+        As in :class:`~dashpot.report.result_page.KindPage`.
     """
 
     subject: str

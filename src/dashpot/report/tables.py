@@ -208,7 +208,7 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
 
 
 def orders(study: Study) -> TextTable:
-    """One, two and more arms side by side."""
+    """Solids with one, two and more arms in columns."""
     fit = study.fit
     best = min((order.bic for order in fit.evidence.orders), default=math.nan)
     scores = {

@@ -160,7 +160,7 @@ def _simulate_record(
 
 
 def soften_motion(compression: FloatArray, share: float) -> FloatArray:
-    r"""Return what part of its first force a seal carries, that softens with each cycle.
+    r"""Return the force relative to the first cycle of a seal that softens with each cycle.
 
     :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n. A cycle ends where a seal that was pressed by
     half of the most so far is let go to a twentieth of it.

@@ -150,7 +150,7 @@ class Climate:
     temperature : float
         K.
     law : TemperatureLaw
-        That of the demonstration seals by default.
+        By default that of the demonstration seals.
     """
 
     temperature: float

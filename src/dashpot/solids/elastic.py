@@ -199,7 +199,7 @@ def require_plausible_compression(
     *,
     carried: float | None = None,
 ) -> None:
-    """Refuse a compression, m, that no such seal has: more than its height, or far from any test.
+    """Refuse an impossible compression, m: more than its height, or far from any test.
 
     Parameters
     ----------

@@ -256,7 +256,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     # -- algebra ------------------------------------------------------------------------------
 
     def __add__(self, other: GeneralizedMaxwell) -> GeneralizedMaxwell:
-        """Two solids side by side: stiffnesses add, equal relaxation times merge."""
+        """Two solids in parallel: stiffnesses add, equal relaxation times merge."""
         if not isinstance(other, GeneralizedMaxwell):
             return NotImplemented
         arms: dict[float, float] = {}
@@ -366,9 +366,9 @@ class GeneralizedMaxwell(Solid, Serialisable):
 
         .. math:: q_i = e^{-h/\tau} q_{i-1} + k\,\frac{1 - e^{-h/\tau}}{h/\tau}\,(x_i - x_{i-1})
 
-        (:func:`arm_response`). The part is taken to be at rest at displacement zero
-        before the first sample; a first sample that is not zero is a step at that instant. The
-        parallel dashpot sees the slope of the segment that ends at a sample.
+        (:func:`arm_response`). The part is assumed at rest at displacement zero before the first
+        sample; a first sample that is not zero is a step at that instant. The parallel dashpot sees
+        the slope of the segment that ends at a sample.
 
         Parameters
         ----------

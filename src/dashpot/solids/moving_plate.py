@@ -159,7 +159,7 @@ class EvenStep(NamedTuple):
         return cls(mean_decay, 1 - ratio * mean_decay, onward)
 
     def mean(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:
-        """Return what arms carry on the average of the step, N."""
+        """Return the mean force of arms over the step, N."""
         return previous_force * self.mean_factors + force_step * self.increment_factors
 
     def end(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:

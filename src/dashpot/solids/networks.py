@@ -100,7 +100,7 @@ def creep_of(solid: GeneralizedMaxwell) -> CreepSpectrum:
 
 
 def parallel(*solids: GeneralizedMaxwell) -> GeneralizedMaxwell:
-    """Solids side by side: the same displacement, forces add.
+    """Solids in parallel: the same displacement, forces add.
 
     As ``a + b``, and relaxation times that only rounding parts become one arm.
     """

@@ -18,7 +18,7 @@ class Cubic(RateIndependent):
     Attributes
     ----------
     k3 : float
-        N/m^3; negative where it softens.
+        N/m^3; negative if it softens.
     """
 
     k3: float

@@ -136,7 +136,7 @@ class Geometry:
         mode : str, optional
             How it is loaded; by default the first of `modes`.
         bonded : bool
-            To its plates; False where they are lubricated.
+            To its plates; False if they are lubricated.
 
         Raises
         ------
@@ -180,13 +180,13 @@ class _Pad(Geometry):
         return plain_ratio * (self._compute_bonded_factor() if bonded else 1)
 
     def _compute_bonded_factor(self) -> float:
-        """Return what bonded plates make of the stiffness, a factor."""
+        """Return the stiffness factor of bonded plates."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Disc(_Pad):
-    """Round pad: diameter and height, m; texts with a unit are taken, too.
+    """Round pad: diameter and height, m; texts with a unit are allowed.
 
     `poisson`, 0.2 to 0.5, is asked where its plates are bonded.
 

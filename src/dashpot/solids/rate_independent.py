@@ -57,7 +57,7 @@ class AmplitudeDependent(ABC):
         return self * count
 
     def __add__(self, other: object) -> InParallel:
-        """Two parts side by side: their forces add."""
+        """Two parts in parallel: their forces add."""
         if not isinstance(other, AmplitudeDependent | Solid):
             return NotImplemented
         return InParallel((self, other))

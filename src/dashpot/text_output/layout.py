@@ -24,7 +24,7 @@ class Text(NamedTuple):
     Attributes
     ----------
     lines
-        Cut where they are longer than a screen.
+        Shortened to the length of a screen.
     details
         For ``-v`` alone.
     requested_lines
@@ -47,7 +47,7 @@ def table(rows: Sequence[Sequence[str]], *, align_left: bool = False) -> list[st
 
 
 def format_values(reported_values: Sequence[ReportedValue]) -> list[str]:
-    """Return named numbers as a table: value, error, interval and unit, where any has one."""
+    """Return named numbers as a table: value, error, interval and unit, if any has one."""
     heading = ("", "value", "± SE", "95 % interval", "unit")
     rows = [value.cells.ascii for value in reported_values]
     filled_columns = [i for i in range(len(heading)) if any(row[i] for row in rows)]
@@ -110,9 +110,9 @@ def format_for_screen(
 ) -> list[str]:
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
 
-    Those are all that failed if all is requested; else those that made the verdict or, without
-    one, those of weight. If that is longer than a screen the numbers are cut, but for those that
-    were requested. `style` colours; `size` is that of the screen.
+    Those are all that failed if all is requested; else those that made the verdict or, without one,
+    those of weight. If that is longer than a screen, numbers are omitted, except requested ones.
+    `style` colours; `size` is that of the screen.
     """
     columns, lines = size
     verdict_lines = [] if verdict is None else format_verdict(verdict, style, columns)

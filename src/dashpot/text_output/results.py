@@ -43,7 +43,7 @@ def format_rounded(value: float, error: float | None = None, *, digits: int = 4)
 
 
 def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
-    """Return a value, SI, in a column of a unit, so too; empty if there is none."""
+    """Return a value, SI, in a column of a unit, rounded likewise; empty if there is none."""
     return ascii_only(number_format.format_cell(value, unit, digits=digits))
 
 
@@ -53,7 +53,7 @@ def with_error(value: float, error: float | None, unit: str = "") -> str:
 
 
 def hertz(band: tuple[float, float]) -> str:
-    """Return a band of frequencies, so too."""
+    """Return a band of frequencies, rounded likewise."""
     return ascii_only(number_format.hertz(band))
 
 
@@ -170,7 +170,7 @@ def _format_model(fit: Fit) -> list[str]:
 
 
 def _format_value_and_error(reported_value: ReportedValue) -> tuple[str, str]:
-    """Return value and standard error; a bound or "not identified" stands in place of them."""
+    """Return value and standard error; replaced by a bound or "not identified"."""
     cells = reported_value.cells.ascii
     if not cells.value:
         return cells.interval, ""
@@ -187,7 +187,7 @@ def _format_sample_count(residual: Residual) -> str:
 
 
 def _format_elastic_law(fit: Fit) -> list[str]:
-    """Return the elastic law, where it is no straight line."""
+    """Return the elastic law if it is nonlinear."""
     law = fit.elastic_law
     if law is None or law.kind == "linear":
         return []

@@ -236,7 +236,7 @@ def fit_files(
     -------
     fit : Fit
     records : tuple
-        What is behind it, as fitted.
+        Fitted tests or results of the source.
 
     Raises
     ------

@@ -127,4 +127,4 @@ FIRST = ("seal_8mm.csv", "hammer.csv")
 EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
     {name: cache(file.write) for name, file in FILES.items()}
 )
-"""Every example file and what writes it: once, as it is the same every time."""
+"""Every example file and the function that writes it: once, as it is the same every time."""

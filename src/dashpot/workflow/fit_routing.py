@@ -129,6 +129,6 @@ def _join_names(names: Sequence[str]) -> str:
 
 
 def _find_common_meaning(present_kinds: set[str]) -> str:
-    """Return what records mean that are all fitted alike."""
+    """Return the fit of records of the same kind."""
     words = {KINDS[kind].fit_route if kind in KINDS else "" for kind in present_kinds}
     return words.pop() if len(words) == 1 else ""

@@ -112,7 +112,7 @@ class FRFComparison(HasVerdict, Serialisable):
     ----------
     comparison : Comparison
     mass : float
-        What moves, kg.
+        Moving mass, kg.
     mass_inferred : bool
         True if the mass was taken from the measured FRF, so that the frequency proves nothing.
     noted : tuple of Check

@@ -246,7 +246,7 @@ class Prediction(HasVerdict, Serialisable):
     frf : FRF
     modes : tuple of Mode
     peak : (float, float)
-        Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
+        Frequency, Hz, and height of the largest magnitude, interpolated between lines.
     at_edge : bool
         The largest magnitude lies at an end of the band, so it is no peak.
     limited : ResponseLimits
@@ -261,7 +261,7 @@ class Prediction(HasVerdict, Serialisable):
     of_part : bool
         Whether the model is a part made of the fitted material.
     random : ShakenMass or None
-        Over a base that shakes at random.
+        Response to random motion of the base.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
 
@@ -358,11 +358,11 @@ class Prediction(HasVerdict, Serialisable):
 
     @property
     def table_frf(self) -> FRF:
-        """The FRF that a table holds."""
+        """Return the FRF of a table."""
         return self.frf
 
     def csv(self) -> str:
-        """Return the FRF as a table, which says so if the test behind its fit was simulated."""
+        """Return the FRF as a table, marked if the test of its fit was simulated."""
         return write_frf(
             self.table_frf,
             comments=["SIMULATED: the test behind this prediction was simulated"]
@@ -419,7 +419,7 @@ def predict_files(
     records : sequence of path
         The relaxation tests behind it: they bound the unresolved arms.
     machine : Machine, optional
-        What is known of the machine of those tests.
+        Known properties of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
     block, part, at_level, choices
@@ -472,8 +472,7 @@ def prediction(
     band : (float, float), optional
         Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
     kind : str, optional
-        What the FRF of a force relates, as in
-        :func:`~dashpot.vibration.mass_on_seals.predict_frf`.
+        Kind of the FRF of a force, as in :func:`~dashpot.vibration.mass_on_seals.predict_frf`.
     base, relative : bool
         The base moves, and the motion of the mass is taken relative to it.
     temperature : float, optional
@@ -641,7 +640,7 @@ class MountedMass:
         return frf
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
-        """Return frequency and height of the largest magnitude, and whether it stands at an end."""
+        """Return frequency and height of the largest magnitude, and whether it is at an end."""
         peak_line, last_line = int(np.abs(frf.value).argmax()), len(frf.value) - 1
         low, high = (
             frf.frequency[max(peak_line - 1, 0)],

@@ -104,8 +104,8 @@ def inspect_files(
 ) -> Inspections:
     """Inspect files, and prepare those that are relaxation tests and leave no question open.
 
-    `read` and `prepare_test` replace reader and preparation by cached versions. What the inspection
-    and the reader both need of a file is read once.
+    `read` and `prepare_test` replace reader and preparation by cached versions. Data needed by both
+    the inspection and the reader are read once.
     """
     options = options or ReadOptions()
     reader_and_preparer = read or _read, prepare_test or _prepare_record

@@ -32,7 +32,7 @@ _UNITS: dict[Quantity, tuple[str, str]] = {
     "end of hold": ("N/m", ""), "dynamic stiffness": ("N/m", ""),
     "loss factor": ("", ""),
 }  # fmt: skip
-"""SI unit, and the display unit where it is not the usual one."""
+"""SI unit, and the display unit if unusual."""
 
 
 @dataclass(frozen=True)

@@ -340,7 +340,7 @@ def _convert_state(
 
 
 def _iterate_bytes(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
-    """Return an iterator over the bytes of the data at an address."""
+    """Return a function that iterates over the bytes of the data at an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         if address:

@@ -36,7 +36,7 @@ from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 GAIN_ERROR = 0.01
 """Relative standard error of the ratio of two sensors where none is stated."""
 _ARMS_PER_DECADE, _BEYOND_BAND = 24, 30.0
-"""Number of candidate relaxation times, and the factor by which they extend beyond the band."""
+"""Candidate relaxation times of a decade, and the factor by which they extend beyond the band."""
 _MIN_SCATTER = 1e-9
 """Scatter of ln|K| and of the angle, rad, at least: rounding leaves as much."""
 _MIN_SHARE = 1e-9

@@ -59,7 +59,7 @@ def build_ramp_fit(
     requested_arms : int or None
         Requested number of arms; None if selected by the holds.
     by_depth, checks
-        The stiffnesses of each test, and checks besides those of the law.
+        Stiffnesses of each test, and checks other than those of the law.
     end : EndOfHold or None
         Limits at the end of the hold.
     unmeasured : array, shape (p, d), optional

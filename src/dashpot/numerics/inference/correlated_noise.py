@@ -460,7 +460,7 @@ class Directions(NamedTuple):
         *,
         other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
     ) -> FloatArray:
-        """Return the covariance of the parameters (p, p), infinite where they are undetermined."""
+        """Return the covariance of the parameters (p, p), infinite if undetermined."""
         noise_matrix = noise_along.copy()
         for absorbed_columns, columns in zip(other_columns, self.columns, strict=False):
             row = absorbed_columns(columns.matrix)
@@ -480,8 +480,8 @@ def make_directions(
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
-    directions; what counts is taken from the turned columns. With `with_fine_scales`, what J'J no
-    longer knows is asked of J, whose rounding is the root of it: for data that are known to a
+    directions; the result is computed from the rotated columns. With `with_fine_scales`, what J'J
+    no longer knows is asked of J, whose rounding is the root of it: for data that are known to a
     millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
@@ -565,7 +565,7 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
 def marginalise(
     free_columns: FloatArray, error_columns: FloatArray
 ) -> Callable[[FloatArray], FloatArray]:
-    """Return what makes noise of covariance 1 + C C' white, free columns projected out.
+    """Return the whitening of noise with covariance 1 + C C', free columns projected out.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ class Estimate:
         return t_quantile(level, self.dof)
 
     def derive_quantity(self, function: Callable[[FloatArray], FloatArray]) -> DerivedQuantity:
-        """Return what follows from theta and beta, by its gradient (delta method)."""
+        """Return a quantity derived from theta and beta, by its gradient (delta method)."""
         optimum_values, steps = self.optimum.values, self.optimum.steps
         values = np.asarray(function(optimum_values))
         G = np.zeros((len(values), len(optimum_values)))
@@ -117,7 +117,7 @@ class Estimate:
         return replace(self, covariance=self.covariance + np.outer(error, error))
 
     def profile(self, index: int, *, level: float = 0.95) -> list[ProfileSlice]:
-        r"""Return the problem with one theta held, all others at their best, across its interval.
+        r"""Return the problem with one theta fixed, all others optimal, across its interval.
 
         .. math:: S(\theta_i) - S_{\min} \le t^2\, \gamma
 
@@ -207,9 +207,9 @@ class Estimate:
 
 
 def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
-    """Return the covariance of what moves with parameters by this gradient, shape (m, m).
+    """Return the covariance of quantities with this gradient by the parameters, shape (m, m).
 
-    A quantity that depends on an undetermined parameter is undetermined, too.
+    A quantity that depends on an undetermined parameter is undetermined as well.
     """
     finite = np.isfinite(np.diag(covariance))
     values = gradient[:, finite] @ covariance[np.ix_(finite, finite)] @ gradient[:, finite].T
@@ -254,11 +254,11 @@ def estimate(
     rounding : float
         Rms that rounding alone leaves.
     noises : sequence of Noise
-        Noises of each record, where it is known otherwise (:func:`white_noise`).
+        Noises of each record, if known otherwise (:func:`white_noise`).
     is_bounded : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
     is_fixed : array, shape (p,), optional
-        Thetas that have no error: such as press against an end that is no mere window.
+        Thetas that have no error: such as those at a physical bound.
     prior_variance : float, optional
         Variance of the rows of priors; by default the mean power of the noises.
     with_fine_scales : bool

@@ -7,9 +7,9 @@ r"""Selection of the number of arms by two rules that fail in different ways.
 The smaller of the two numbers is taken: an arm must satisfy both rules. But a number of arms that
 BIC rejects by more than 50 is no answer. Such a fall is significant (11.8 for the k and tau of an
 arm) even if only one in four of the residuals counted that kappa lets count; the arm is there,
-however poorly its k and tau are distinguished from a plateau and a drift. Where the rules disagree
-the result says so. Source: G. Schwarz, Annals of Statistics 6 (1978) 461, with the sample size of a
-correlated record.
+however poorly its k and tau are distinguished from a plateau and a drift. If the rules disagree,
+the result is marked. Source: G. Schwarz, Annals of Statistics 6 (1978) 461, with the sample size of
+a correlated record.
 
 Where the noise is as slow as the arms, one :math:`M_\mathrm{eff}` is wrong for all of them: fast
 arms meet little of that noise. And the slowest arm, which trades with the plateau, has an SE of
@@ -89,7 +89,7 @@ class Shortage(NamedTuple):
 
 
 def deviance(sse: float, *, effective: float, rounding_sse: float = 0.0) -> float:
-    r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: what BIC has without its parameters.
+    r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: BIC without the term of the parameters.
 
     As :func:`bic`; sums of squares below 1e-300 are taken for that.
     """
@@ -130,7 +130,7 @@ def is_well_determined(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -
 
 
 def is_significant_fall(deviance_fall: float, parameters: int) -> bool:
-    """Return whether `deviance_fall` is more than chance gives with so many parameters."""
+    """Return whether `deviance_fall` is significant for the number of parameters."""
     return chi2_sf(deviance_fall, parameters) < MAX_CHANCE
 
 

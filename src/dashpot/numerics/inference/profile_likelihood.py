@@ -25,7 +25,7 @@ _RISE, _RISES = 0.7, 5.0
 
 
 class Coordinate(Enum):
-    """Coordinate that is held while everything else is fitted again."""
+    """Coordinate that is fixed while all others are fitted again."""
 
     LINEAR = "a linear parameter"
     LOG_TAU = "ln tau of an arm"
@@ -101,7 +101,7 @@ class ProfileTrace:
             self.ended = self.ended or deviance < _SPARE_DEVIANCE
 
     def update_walk(self, deviance: float) -> bool:
-        """Take note of the deviance at the goal; True if the walk goes on from there."""
+        """Take note of the deviance at the goal; True if the walk continues from there."""
         root_rise = float(np.sqrt(deviance)) - self.root
         self.step *= min(max(self.rise / max(root_rise, 1e-3), 0.1), 3.0)
         is_close = root_rise <= 2.0 * self.rise
@@ -338,7 +338,7 @@ def compute_profiles(
 
 
 class _SimultaneousProfiles:
-    """The least-squares problems of many profiles, each with one coordinate held."""
+    """The least-squares problems of many profiles, each with one fixed coordinate."""
 
     def __init__(self, stack: Stack, optimum: Solution) -> None:
         self.optimum, self.fixed = optimum, len(stack.names)
@@ -602,7 +602,7 @@ class _Sides:
     def set_fixed_times(
         self, log_tau: FloatArray, target_values: FloatArray, indices: IndexArray
     ) -> FloatArray:
-        """Return the trials with a held relaxation time at its goal."""
+        """Return the trials with a fixed relaxation time at its goal."""
         fixed_time_rows = np.flatnonzero(self.log_tau[indices])
         log_tau[fixed_time_rows, self.arm[indices][fixed_time_rows]] = target_values[indices][
             fixed_time_rows
@@ -612,7 +612,7 @@ class _Sides:
     def amount(
         self, log_tau: FloatArray, target_values: FloatArray, indices: IndexArray
     ) -> FloatArray:
-        """Return the coefficient that is held, zero where none is."""
+        """Return the fixed coefficient, zero if there is none."""
         values = log_tau[np.arange(len(indices)), self.arm[indices]]
         of_b = np.exp(np.minimum(np.where(self.log_b[indices], target_values - values, 0.0), 600.0))
         return np.where(

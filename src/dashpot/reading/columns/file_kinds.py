@@ -1,4 +1,4 @@
-"""Kinds of files: their names, the command that reads each, and what is no table of a test."""
+"""Kinds of files: their names, the command that reads each, and tables that are not tests."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class KindOfFile(NamedTuple):
     Attributes
     ----------
     label, usage : str
-        Its name, and the command that reads it or why none does.
+        Its name, and the command that reads it or the reason for none.
     roles : tuple of str
         Roles of its columns; the reader of a creep test or a sweep finds its own.
     takes_all_accelerations : bool
-        Whether every acceleration column belongs to the record, too.
+        Whether every acceleration column belongs to the record as well.
     by_hand : bool
         Whether its rows were read by hand, so that a sampling rate makes no sense.
     """
@@ -115,7 +115,7 @@ class Recognised:
     stored : bool
         Whether it is a result, or a record, that dashpot wrote as JSON.
     simulated : bool
-        Whether the header says that the table was simulated.
+        Whether the header marks the table as simulated.
     on_a_base : bool
         Whether an acceleration is that of the base: base excitation, no hammer.
     """

@@ -220,7 +220,7 @@ class NamedColumns:
         return pair is not None and has_force == any(columns.is_force for columns in pair)
 
     def has_creep(self) -> bool:
-        """Return whether there is a creep compliance, or the header says creep."""
+        """Return whether there is a creep compliance, or the header mentions creep."""
         header = " ".join(self.table.header).casefold()
         names = map(str.casefold, self.unique_names)
         has_compliance = any("compliance" in name and "machine" not in name for name in names)
@@ -378,7 +378,7 @@ _KINDS_BY_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
 def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and the reason, by names and units, and of a sweep by its range.
 
-    What depends on the motion in a record, `dashpot.reading.readers.detect_kind` decides.
+    Decisions by the motion in a record are in `dashpot.reading.readers.detect_kind`.
     """
     if options.kind is not None:
         return parse_file_kind(options.kind)
@@ -459,7 +459,7 @@ def is_motion_ratio(table: FileTable) -> bool:
 
 
 def is_relative_transmissibility(table: FileTable) -> bool:
-    """Return whether a name or the header says a relative transmissibility."""
+    """Return whether a name or the header states a relative transmissibility."""
     texts = (*table.header, *(column.name for column in table.columns))
     return any("relative transmissib" in text.casefold().replace("_", " ") for text in texts)
 

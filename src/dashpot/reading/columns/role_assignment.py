@@ -41,7 +41,7 @@ _SCORE_PENALTIES = (
     (vocabulary.PARTIAL_TIME, 1.0, True),
     (vocabulary.WHOLE_TIME, 0.5, True),
 )
-"""Words that speak against a column, by how much, and if they do so of time or of the rest."""
+"""Words that lower the score of a column, by how much, and whether for time or other roles."""
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
 _SENSITIVITY = compile_on_use(
     r"\A(\d++\.?\d*+(?:e[+-]?\d{1,3})?|\.\d++)\s*+(m|u|µ)?V\s*+/\s*+\(?([^()]++)\)?\Z",
@@ -80,7 +80,7 @@ def option_of(role: Role) -> str:
 
 
 def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment | Question:
-    """Return the column that plays a role, or the question to ask.
+    """Return the column of a role, or the question to ask.
 
     Raises
     ------
@@ -533,7 +533,7 @@ def _determine_frequency_unit(word: str, column: Column, label: str) -> str:
 
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
-    """Ask whether a factor beside a unit has been applied to the numbers."""
+    """Ask whether a factor next to a unit has been applied to the numbers."""
     result = split_factor(word)
     unit = result and (units.find_unit(result[1], dimension) or _find_part_unit(result[1], role))
     if not result or not unit or sensitivity(word, dimension, None):
@@ -573,7 +573,7 @@ def _label(column: Column, number: int, role: Role) -> str:
 
 
 def _add_unit(column: Column, role: Role) -> str:
-    """Return what may be written over a column that has no unit."""
+    """Return the possible unit labels of a column without a unit."""
     return f"{column.name or role} [{_unit_like(column, role)}]"
 
 
@@ -613,7 +613,7 @@ def no_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
 def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Unit | None:
     """Return the unit behind a sensitivity such as ``22.5mV/N``: volts divided by it.
 
-    The column is taken to be in volts unless it says another unit of voltage.
+    The column is in volts unless it states another unit of voltage.
     """
     match = _SENSITIVITY.match(word.strip())
     if match is None:
@@ -638,7 +638,7 @@ def format_column(columns: Sequence[Column], index: int, names: Counter[str] | N
 
 
 def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
-    """Return what names one column and no other: its name, or its number where names repeat.
+    """Return a unique name of a column: its name, or its number where names repeat.
 
     For many columns the caller counts the names once.
     """

@@ -169,7 +169,7 @@ OF_BASE = (
 MIN_SCORE = 1.5
 """Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)
-"""Clocks of all that an instrument did, before this record too."""
+"""Clocks of an instrument that include the time before this record."""
 _HUMP = compile_on_use(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
 _GAPS = compile_on_use(r"[\s_\-:;,./\\|*#()\[\]{}<>]+")
 _INFORMATIVE_WORDS = (
@@ -220,7 +220,7 @@ _NO_SIZE = compile_on_use(
 )
 _BLANKS = compile_on_use(r" {2,}")
 _EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
-"""Words that stand in others without a blank."""
+"""Words found inside others without a blank."""
 _STEMS = MappingProxyType(
     {
         word: roles
@@ -284,7 +284,7 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
 
 
 def names_magnitude(name: str) -> bool:
-    """Return whether a name says the size of a complex modulus or stiffness, and not a part of it.
+    """Return whether a name means the magnitude of a complex modulus or stiffness.
 
     >>> names_magnitude("|K*|"), names_magnitude("Dynamic storage modulus")
     (True, False)

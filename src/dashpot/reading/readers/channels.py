@@ -49,9 +49,9 @@ Judged: TypeAlias = Callable[
 _OVERLOAD = 9.9e37
 """Number that SCPI instruments send for an infinite or an invalid reading."""
 _MIN_NINES = 999.0
-"""The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
+"""The smallest number of nines that loggers write for a missing reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
-"""Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
+"""Largest relative deviation of the steps of an even clock, and of its stated rate."""
 _MARK_RATIO = 5.0
 """Factor of such a number over all others of its column."""
 
@@ -67,12 +67,12 @@ class OpenedFile:
     """Whether the columns read last are kept."""
 
     def column(self, role: Role) -> RoleAssignment | None:
-        """Return the column that plays a role, if one alone does."""
+        """Return the column of a role, if there is only one."""
         answer = assign(self.table, role, self.options)
         return answer if isinstance(answer, RoleAssignment) else None
 
     def find_unambiguous_column(self, role: Role) -> RoleAssignment | None:
-        """Return the column of a role; ask where several could play it.
+        """Return the column of a role; ask if there are several.
 
         Raises
         ------
@@ -142,7 +142,7 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
 _LEFT_OPEN: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
 _MAX_KEPT = 16
-"""Number of them that are kept."""
+"""Number of kept ones."""
 
 
 def cache_open_file(path: str | Path, file: OpenedFile) -> None:
@@ -322,7 +322,7 @@ def refuse_sizes(
 def refuse_all_sizes(
     file: OpenedFile, channels_chosen: Sequence[Channel], function: Judged
 ) -> list[str]:
-    """Ask at once for every unit that is to be answered; return notes on unusual sizes.
+    """Ask for all missing units together; return notes on unusual sizes.
 
     All questions are collected: each is taken as answered before the next is searched for. The
     user's own word for a unit is not doubted.
@@ -376,7 +376,7 @@ def is_stated(file: OpenedFile, channel: Channel) -> bool:
 def refuse_other_rate(file: OpenedFile) -> None:
     """Refuse a rate that the file's own even clock contradicts.
 
-    A clock that is uneven, coarse or without a unit is none: the rate replaces it.
+    A clock that is uneven, coarse or without a unit is not used: the rate replaces it.
 
     Raises
     ------
@@ -551,7 +551,7 @@ def load_test(
 
 
 def fill_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
-    """Return the rows, a temperature that stands once for each block filled down, and a note.
+    """Return the rows, with a temperature written once per block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.
     """

@@ -275,7 +275,7 @@ def has_swapped_signals(displacement: FloatArray, force: FloatArray) -> bool:
 def compute_active_fraction(signal: FloatArray) -> float:
     """Return the part of a record in which a signal is beyond a tenth of its peak.
 
-    A hammer's pulses are over in a few samples, what it strikes rings on.
+    A hammer's pulses take a few samples, the struck mass rings longer.
     """
     deviation = np.abs(signal - median(signal))
     return float(np.mean(deviation > _LOUD_SHARE * deviation.max()))

@@ -98,7 +98,7 @@ def read_impacts(
 
 
 def _refuse_copies(tests: Sequence[ImpactTest], path_list: Sequence[str | Path]) -> None:
-    """Refuse a file that is given twice."""
+    """Refuse a file given twice."""
     hashes = [tuple(source.sha256 for source in test.source) for test in tests]
     for i, file_hash in enumerate(hashes):
         if file_hash in hashes[:i]:

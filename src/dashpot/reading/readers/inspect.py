@@ -53,7 +53,7 @@ _OPTIONAL_ROLES = {
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
-"""Roles that are given over the time since a step."""
+"""Roles over the time since a step."""
 _KINDS_WITHOUT_CLOCK = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 
@@ -106,7 +106,7 @@ class Inspection(Plottable):
     segments : tuple of Segment
     warnings : tuple of str
     questions : tuple of Question
-        What must be answered before the file can be read, and the option that answers it.
+        Questions to answer before the file can be read, each with its option.
     simulated : bool
     """
 

@@ -44,8 +44,8 @@ def read_relaxation(
     Raises
     ------
     ReadError
-        If the file cannot be read, or does not determine its columns and units; the
-        sentence says which option answers it.
+        If the file cannot be read, or does not determine its columns and units; the sentence names
+        the option to use.
     """
     with channels.open_file(path, options) as file:
         return relaxation_in(file, specimen or Specimen())
@@ -93,7 +93,7 @@ def load_signals(
     Raises
     ------
     ReadError
-        If rows are missing where they matter, or a clock falls.
+        If rows are missing in loading, or a clock decreases.
     """
     channels.refuse_other_rate(file)
     moving = channels_chosen[-2].role

@@ -39,8 +39,8 @@ _A_SWEEP = 3
 def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     """The columns by role, and that of the loss factor if there is no loss and no loss angle.
 
-    Storage stands beside loss, loss factor or loss angle; where no column is storage, the size
-    of the complex modulus stands beside one of the last two.
+    Storage is given with loss, loss factor or loss angle; where no column is storage, the size of
+    the complex modulus stands beside one of the last two.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def refuse_unlike_blocks(loaded_columns: LoadedColumns, values: Mapping[Role, Fl
 
 
 def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolArray]:
-    """Return which of the whole rows stand in each block."""
+    """Return the complete rows of each block."""
     of_row = np.searchsorted(
         np.array(loaded_columns.starts), np.arange(len(is_complete)), side="right"
     )
@@ -214,7 +214,7 @@ def _is_size(
 def load_parts(
     file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
-    """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
+    """Return the loaded object, the SI values by role with storage and loss, their unit and notes.
 
     K' = |K*| cos delta and K'' = K' tan delta, where the file has these instead.
 

@@ -355,7 +355,7 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
 
 
 def _merge_parts(collected: _Gathered, width: int) -> FloatArray:
-    """The parts as one array, each column in one piece; a part is let go once it is copied."""
+    """The parts as one array, each column in one piece; a part is freed once it is copied."""
     values = np.empty((collected.rows, width), order="F")
     row = collected.rows
     while collected.parts:
@@ -558,7 +558,7 @@ class _Reader:
             )
 
     def _is_full(self, row: Sequence[str]) -> bool:
-        """Return whether no word stands where a number is expected."""
+        """Return whether there is no word in place of a number."""
         return all(
             cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
             for i in self.dialect.numbers
