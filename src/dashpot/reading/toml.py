@@ -84,7 +84,7 @@ class Section:
     def __post_init__(self) -> None:
         if not isinstance(self.entries, Mapping):
             raise ReadError(
-                f"{self.where} is {self.entries!r}; expected a table of keys, such as "
+                f"{self.location} is {self.entries!r}; expected a table of keys, such as "
                 f"{self.known_names[0]} = ..."
             )
         for name in self.entries:
