@@ -45,7 +45,7 @@ def prepared_tests(
     Parameters
     ----------
     tests : sequence of RelaxationTest or RampHold
-    filter, machine, cycle, checked
+    filter, machine, cycle, with_checks
         As :func:`~dashpot.preprocessing.prepare.prepare` takes them.
     time_limits : TimeLimits, optional
         For one test, by hand.
