@@ -487,7 +487,7 @@ PREPARATION = [
     Case(
         "history_explained",
         lambda x: preparation.history_explained(
-            EarlierLoadings(x, 2, converged=True), broken=False
+            EarlierLoadings(x, 2, converged=True), has_missing_rows=False
         ),
         0.0299,
         0.0301,
@@ -693,7 +693,7 @@ FITTING = [
     Case("order_agreed", judge_integer(lambda n: solid.order_agreed(OrderChoice(1, 2, n))), 2, 1),
     Case(
         "order_agreed",
-        lambda x: solid.order_agreed(OrderChoice(2, 2, 2, capped=bool(x))),
+        lambda x: solid.order_agreed(OrderChoice(2, 2, 2, is_largest_tried=bool(x))),
         0,
         1,
     ),
@@ -848,7 +848,7 @@ CREEP = [
     Case("flow_distinguished", lambda x: creep.flow_distinguished(True, x, 0.01), 10.01, 9.99),
     Case(
         "drift_distinguished_from_flow",
-        lambda x: creep.drift_distinguished_from_flow(-x * 1e-6, 1e-6, reported=False),
+        lambda x: creep.drift_distinguished_from_flow(-x * 1e-6, 1e-6, is_reported=False),
         1.99,
         2.01,
     ),
@@ -1350,8 +1350,8 @@ def empty_run(**parts: float) -> EmptyRun:
     none = np.zeros(0)
     value, ratio = RigEstimate(1.0, 0.01), {"motion_force": 0.0, "slow_noise": 0.0} | parts
     return EmptyRun(
-        noise=value, drift=value, hum=value, hum_frequency=50.0, motion_error=0.5, wander=0.0,
-        fitted=none, force=none, **ratio,
+        noise=value, drift=value, hum=value, hum_frequency=50.0, motion_error=0.5,
+        unsteady_share=0.0, fitted=none, force=none, **ratio,
     )  # fmt: skip
 
 
@@ -1717,9 +1717,14 @@ HYPERELASTIC = [
     Case("constants_determined", lambda x: hyper.constants_determined("C01", x), 0.249, 0.251),
     Case("rows_enough", lambda x: hyper.rows_enough(int(2 * x), 2), 4.0, 3.5),
     Case("files_agree", hyper.files_agree, 0.0499, 0.0501),
-    Case("loading_reversible", lambda x: hyper.loading_reversible(x, removed=True), 0.0999, 0.1001),
     Case(
-        "loading_reversible", lambda x: hyper.loading_reversible(x, removed=False), 0.0999, 0.1001
+        "loading_reversible", lambda x: hyper.loading_reversible(x, is_removed=True), 0.0999, 0.1001
+    ),
+    Case(
+        "loading_reversible",
+        lambda x: hyper.loading_reversible(x, is_removed=False),
+        0.0999,
+        0.1001,
     ),
     Case("specimen_conditioned", hyper.specimen_conditioned, 0.0499, 0.0501),
     Case("specimen_conditioned", hyper.specimen_conditioned, -0.0499, -0.0501),
@@ -1771,20 +1776,20 @@ LEVEL = [
     Case("levels_controlled", lambda x: level.levels_controlled(["low.csv"] * int(x)), 0, 1),
     Case(
         "amplitude_in_tested_range",
-        lambda x: level.amplitude_in_tested_range(2e-3 * x, (1e-3, 2e-3), at="1 N"),
+        lambda x: level.amplitude_in_tested_range(2e-3 * x, (1e-3, 2e-3), location="1 N"),
         0.999,
         1.001,
     ),
     Case(
         "amplitude_in_tested_range",
-        lambda x: level.amplitude_in_tested_range(1e-3 / x, (1e-3, 2e-3), at="1 N"),
+        lambda x: level.amplitude_in_tested_range(1e-3 / x, (1e-3, 2e-3), location="1 N"),
         0.999,
         1.001,
     ),
 ]
 
 CLD = [
-    Case("zero_recorded", lambda x: cld.zero_recorded(x, air=False), 0.0499, 0.0501),
+    Case("zero_recorded", lambda x: cld.zero_recorded(x, comes_through_air=False), 0.0499, 0.0501),
     Case(
         "specimen_conditioned",
         lambda x: cld.specimen_conditioned(x, cycle=3, softening=0.1),
@@ -1810,7 +1815,7 @@ CLD = [
     Case("plate_speed_constant", cld.plate_speed_constant, 0.0199, 0.0201),
     Case("no_adhesion_on_release", cld.no_adhesion_on_release, 0.0099, 0.0101),
     Case("no_energy_gained", cld.no_energy_gained, -0.0199, -0.0201),
-    Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
+    Case("unloading_recorded", lambda x: cld.unloading_recorded(is_recorded=bool(x)), 1, 0),
     Case("length_given", lambda x: cld.length_given(is_given=bool(x)), 1, 0),
     Case(
         "relaxation_explains_hysteresis",
@@ -1942,10 +1947,17 @@ WORKFLOW = [
 ]
 PROJECTS = [
     Case("history_present", verification_checks.history_present, 1, 0),
-    Case("history_complete", lambda x: verification_checks.history_complete(1, torn=bool(x)), 0, 1),
+    Case(
+        "history_complete",
+        lambda x: verification_checks.history_complete(1, has_incomplete_line=bool(x)),
+        0,
+        1,
+    ),
     Case(
         "history_whole",
-        lambda x: verification_checks.history_whole(1, 1, shortened=False, headed=not x),
+        lambda x: verification_checks.history_whole(
+            1, 1, is_truncated=False, has_matching_head=not x
+        ),
         0,
         1,
     ),
@@ -2946,7 +2958,7 @@ def test_what_the_method_bears_is_excused() -> None:
         (0.099, False, "note"),
         (9, False, "limit"),
     ):
-        assert preparation.preload_absent(share, 1.0, moving=moving).grade == grade
+        assert preparation.preload_absent(share, 1.0, is_moving=moving).grade == grade
     even = replace(RECORD, time=np.arange(len(TIME)) * 0.3, onset=30.0, ramp_end=31.0, hold_end=999)
     assert preparation.samples_unbroken(even).value == pytest.approx(0.3)
     assert preparation.samples_unbroken(even).passed

@@ -407,7 +407,7 @@ def test_modes_say_the_same_in_text_and_app(bench):
 def test_the_answers_of_a_study_are_its_numbers():
     study = handmade.study()
     recommendation = recommend_solid(study)
-    every = (*recommendation.under_mass, *recommendation.one_seal)
+    every = (*recommendation.mass_values, *recommendation.seal_values)
     assert every
     for quantity, printed in zip(every, answer_rows(every), strict=True):
         assert same(quantity.fact, printed.value, printed.unit)

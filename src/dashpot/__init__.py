@@ -13,7 +13,7 @@ A quantity is a number with its unit (``"114.8g"``, ``"8mm"``, ``"12.71Hz"``). A
 SI. Arrays say their units, in their order: ``dp.RelaxationTest(..., units="s, mm, N")``.
 Frequencies are named: ``solid.loss_factor(frequency="12.71Hz")``, or ``omega=``.
 
-The public names stand in ``__init__.pyi``; each is imported when it is first used, so that
+The public names are listed in ``__init__.pyi``; each is imported when it is first used, so that
 ``import dashpot`` and ``dashpot --help`` cost next to nothing.
 """
 

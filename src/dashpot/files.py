@@ -1,6 +1,6 @@
 """Public functions for files besides records: profiles, motions, instruments, tables.
 
-The names stand in ``files.pyi``; each is imported when it is first used.
+The names are listed in ``files.pyi``; each is imported when it is first used.
 """
 
 from dashpot.base.lazy import build_lazy_exports

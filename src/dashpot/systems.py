@@ -1,6 +1,6 @@
 """Public functions for systems on seals: bodies, mounts, seal lines, doors.
 
-The names stand in ``systems.pyi``; each is imported when it is first used.
+The names are listed in ``systems.pyi``; each is imported when it is first used.
 """
 
 from dashpot.base.lazy import build_lazy_exports

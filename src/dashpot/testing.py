@@ -38,9 +38,8 @@ def check_format(module: ModuleType, sample: str | Path) -> list[str]:
     Raises
     ------
     AssertionError
-        If it fails on the sample, returns what the contract does not have, reads the same bytes
-        differently a second time, takes no offence at a file of another kind, or
-        names a unit that dashpot does not know.
+        If it fails on the sample, violates the contract, reads the same bytes differently a second
+        time, accepts a file of another kind, or names a unit that dashpot does not know.
     """
     path = Path(sample)
     content = path.read_bytes()

@@ -13,9 +13,9 @@ from dashpot.extensions.materials.rod.app_form import get_density
 MASS = FormField("mass", "Moving mass", "g", "--mass")
 DENSITY = FormField("density", "Density", "kg/m^3", "--density", form="bare")
 BETWEEN = FormField("between", "Asked between", "mm", "--compression-limits", form="range")
-DISC = FormField("disc", "Diameter, length", "mm", "--shape", form="sizes", before="disc:")
+DISC = FormField("disc", "Diameter, length", "mm", "--shape", form="sizes", prefix="disc:")
 SPEED = FormField("slam", "Speed or fall", "", "--drop", form="words")
-MODE = FormField("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), each=True)
+MODE = FormField("test", "Kind of test", "", "--test", ("uniaxial", "biaxial"), per_file=True)
 
 
 @pytest.mark.parametrize(

@@ -70,10 +70,10 @@ def test_hats_are_integrated_exactly() -> None:
 def test_downsample_counts_every_sample_once() -> None:
     test = qlv(cubic, Bench())
     rows = downsample_tests([test])
-    assert rows.count.sum() == len(test.time) - rows.priors[0].first_sample
+    assert rows.sample_counts.sum() == len(test.time) - rows.priors[0].first_sample
     assert len(rows.time) < 600
-    ramp = rows.count[rows.ramp]
-    assert max(ramp[:20].max(), ramp[-20:].max(), rows.count[~rows.ramp][:10].max()) <= 2
+    ramp = rows.sample_counts[rows.ramp]
+    assert max(ramp[:20].max(), ramp[-20:].max(), rows.sample_counts[~rows.ramp][:10].max()) <= 2
     # a mean of neighbours is the curve at their mean time
     free = replace(test, force=cubic(test.displacement))
     error = downsample_tests([free]).force - cubic(rows.displacement)
@@ -332,8 +332,8 @@ def test_external_linear_fit_has_the_same_result() -> None:
         linear_fit_quality = assess_residuals(test, whole, single)
         assert linear_fit_quality.is_adequate == choice.is_linear == (law is linear)
         if law is linear:
-            assert linear_fit_quality.ramp == pytest.approx(
-                choice.linear_qualities[0].ramp, rel=0.1
+            assert linear_fit_quality.ramp_ratio == pytest.approx(
+                choice.linear_qualities[0].ramp_ratio, rel=0.1
             )
 
 

@@ -21,7 +21,7 @@ def fit_impacts(of: DropSet, seed: int, *, expected: bool) -> DropFit:
         dp.DropTest(time, force=force, units="s, N")
         for time, force in zip(of.time, of.force, strict=True)
     ]
-    relaxation, law = make_relaxation_fit(specimen, random), ElasticLawPrior.free()
+    relaxation, law = make_relaxation_fit(specimen, random), ElasticLawPrior.without_law()
     if expected:
         c = np.array(specimen.c)
         sd = np.maximum(0.01 * c, 0.003 * c[0] / specimen.depth ** np.arange(3))

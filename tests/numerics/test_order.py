@@ -81,11 +81,11 @@ def test_what_bic_rejects_decisively_is_not_chosen() -> None:
 
 def test_a_choice_at_the_end_of_what_was_tried_is_capped() -> None:
     scores = ([0, 1, 2], [9.0, 5.0, 1.0], [True, True, True])
-    assert select_model_order(*scores, is_exhausted=False).capped
-    assert not select_model_order(*scores).capped
+    assert select_model_order(*scores, is_exhausted=False).is_largest_tried
+    assert not select_model_order(*scores).is_largest_tried
     assert not select_model_order(
         [0, 1, 2], [9.0, 1.0, 5.0], [True, True, True], is_exhausted=False
-    ).capped
+    ).is_largest_tried
 
 
 def test_the_bic_of_a_deviance_is_its_formula() -> None:

@@ -73,7 +73,7 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
     np.testing.assert_allclose(point.curvature, jacobian.T @ jacobian, rtol=1e-4, atol=1e-6 * scale)
     step = 1e-6 * np.arange(1, len(theta) + 1)
     variant = solve_at(stack, theta + step)
-    np.testing.assert_allclose(point.ahead(step).beta, variant.beta, rtol=1e-7, atol=1e-8)
+    np.testing.assert_allclose(point.step_ahead(step).beta, variant.beta, rtol=1e-7, atol=1e-8)
     # and not by chance: the step is seen
     if len(theta) == 1:
         assert np.abs(variant.beta - point.beta).max() > 1e-7
@@ -128,7 +128,7 @@ def test_no_junk_arm_on_clean_data() -> None:
     for arms in (1, 2, 3):
         solution = solve([build_hold_block(TIME, clean)], arms)
         assert solution.order == 1
-        assert solution.requested == arms
+        assert solution.requested_arms == arms
         assert solution.converged
         np.testing.assert_allclose(solution.tau, [3.0], rtol=1e-10)
         np.testing.assert_allclose(solution.arms, [[2.0]], rtol=1e-10)

@@ -121,7 +121,7 @@ def test_autocovariance_correction_counts_shared_parameters_once(
         J = x[:, None] ** np.arange(4)
         r = np.random.default_rng(seed + 1000).standard_normal(240)
         residual = r - J @ np.linalg.lstsq(J, r, rcond=None)[0]
-        expected = make_directions(np.split(J, records), shared=shared)
+        expected = make_directions(np.split(J, records), is_shared=shared)
         noises = [
             estimate_noise(part, columns)
             for part, columns in zip(np.split(residual, records), expected.columns, strict=True)

@@ -113,7 +113,7 @@ def test_figures_can_be_read_on_paper_and_on_a_phone(pictures, name):
     for width in (360.0, 660.0):
         for strip in pictures[name].strips:
             for frame in lay_out(strip, width).frames:
-                assert min(word.size for word in (*frame.ticks, *frame.words)) >= 12
+                assert min(word.size for word in (*frame.ticks, *frame.labels)) >= 12
                 upright = [word for word in frame.ticks if word.anchor == "end"]
                 level = [word for word in frame.ticks if word.anchor == "middle"]
                 assert len(upright) >= 2
@@ -255,7 +255,7 @@ def test_the_residual_is_drawn_with_its_range_its_mean_and_the_noise():
     (area,), (mean,) = marks(panel, Area), lines(panel)
     assert (area.low <= mean.y).all()
     assert (mean.y <= area.high).all()
-    assert sorted(rule.at for rule in marks(panel, Rule)) == pytest.approx([-5.0, 5.0])
+    assert sorted(rule.position for rule in marks(panel, Rule)) == pytest.approx([-5.0, 5.0])
     # of 5 mN of noise the range of a hundred samples is some five deviations
     assert np.median(area.high - area.low) == pytest.approx(25, abs=8)
 

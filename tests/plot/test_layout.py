@@ -92,7 +92,7 @@ def test_words_at_two_peaks_side_by_side_are_clear_of_each_other_and_inside():
     for width in (350.0, 728.0):
         (frame,) = lay_out((Panel(*axes, (Line(x, x, FIT), *tags)),), width).frames
         boxes = []
-        for word in frame.words:
+        for word in frame.labels:
             if word.halo:
                 wide = text_width(word.text, bold=word.bold)
                 left = word.x - (wide if word.anchor == "end" else 0)
@@ -110,7 +110,7 @@ WIDE = Scale("f, Hz", (1.0, 100.0), log=True)
 
 def words_of(panel, width, **how):
     sheet = arrange_sheet(Picture("one", "One.", ((panel,),), 1, width=width, **how))
-    return sheet, [one for strip in sheet.strips for f in strip.laid.frames for one in f.words]
+    return sheet, [one for strip in sheet.strips for f in strip.layout.frames for one in f.labels]
 
 
 def ends_of(word):
@@ -159,7 +159,7 @@ def test_a_name_stands_on_the_side_that_is_not_hatched(low):
     tag = Tag(middle, 10.0, "16.4 s", "fit", "filled")
     panel = Panel(WIDE, Scale("y", (1.0, 100.0), log=True), (span, tag), height=200)
     (frame,) = lay_out((panel,), 400.0).frames
-    ((left, right),) = (ends_of(one) for one in frame.words if one.text == tag.text)
+    ((left, right),) = (ends_of(one) for one in frame.labels if one.text == tag.text)
     edge = frame.box.x + frame.box.width / 2
     assert left > edge if low else right < edge
 
@@ -169,10 +169,10 @@ def test_a_stamp_ends_where_its_sheet_does():
     panel = Panel(WIDE, Scale("y", (1.0, 200.0), log=True), (), height=100)
     one, _ = words_of(panel, 800.0, stamp=stamp)
     several, _ = words_of(panel, 300.0, stamp=stamp)
-    assert [word.text for word in one.words] == [stamp]
-    assert len(several.words) > 1
-    assert max(ends_of(word)[1] for word in several.words) <= 300.0
-    assert several.words[-1].y < several.height
+    assert [word.text for word in one.labels] == [stamp]
+    assert len(several.labels) > 1
+    assert max(ends_of(word)[1] for word in several.labels) <= 300.0
+    assert several.labels[-1].y < several.height
 
 
 @given(st.integers(1, 400), st.floats(150, 1200))

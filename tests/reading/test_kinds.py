@@ -66,7 +66,7 @@ def test_each_kind_is_named(tmp_path: Path, name: str) -> None:
     kind = FILES[name][1]
     (result,) = inspect_files([write_kind(tmp_path, name)]).files
     assert result.kind == kind
-    assert result.use == KINDS_OF_FILE[kind].use
+    assert result.use == KINDS_OF_FILE[kind].usage
     assert not result.questions
 
 

@@ -159,7 +159,7 @@ def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
-    message = KINDS_OF_FILE[kind.name].use if kind.name in KINDS_OF_FILE else ""
+    message = KINDS_OF_FILE[kind.name].usage if kind.name in KINDS_OF_FILE else ""
     matches = re.findall(r"dashpot ([a-z]+)", f"{message} {kind.lot_hint}")
     assert set(matches) <= set(COMMANDS)
     assert matches or not kind.fit_route or kind.name in SAID

@@ -122,8 +122,8 @@ def test_pieces_are_named_at_the_end_of_their_lines():
     picture = cld_figure(fit.specimens, limits=(1.4, 1.6))
     tags = [item for item in picture.panels[0].marks if isinstance(item, Tag) and item.end]
     assert len({tag.colour for tag in tags}) == 3
-    (frame,) = arrange_sheet(picture).strips[0].laid.frames
-    words = {word.text: word for word in frame.words}
+    (frame,) = arrange_sheet(picture).strips[0].layout.frames
+    words = {word.text: word for word in frame.labels}
     # from the top down in the order of their lines, and none upon another
     heights = [words[tag.text].y for tag in sorted(tags, key=lambda curve: -curve.y)]
     assert all(np.diff(heights) >= 14)

@@ -315,7 +315,7 @@ def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole_pa
     ]
     cells = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in table.split("<tr>")[1:]]
     numbers = [row for row in cells if row]
-    answers = (*recommendation.under_mass, *recommendation.one_seal)
+    answers = (*recommendation.mass_values, *recommendation.seal_values)
     assert len(numbers) == len(answers) + 1 == 6
     for row, answer in zip(numbers, answers, strict=False):
         factor = {"Hz": 1.0, "%": 100.0, "1/kg": 1.0, "N/mm": 1e-3, "": 1.0}[row[3]]
@@ -330,7 +330,7 @@ def test_report_table_and_figure_show_the_same_peak():
     single = replace(S, comparison=None, measured=None, impact=None, direct=None, joint=None,
                     joint_comparison=None)  # fmt: skip
     page = html(single)
-    (frequency, *_) = [quantity.value for quantity in recommend_solid(single).under_mass]
+    (frequency, *_) = [quantity.value for quantity in recommend_solid(single).mass_values]
     tag = float(re.search(r">predicted ([\d.]+) Hz, ", page)[1])
     assert tag == pytest.approx(frequency, abs=0.006)
 

@@ -257,7 +257,7 @@ def test_poles_on_trial_know_the_slope_of_their_sum_of_squares():
     trial = PoleTrial(BackgroundProjection.from_lines(lines), theta)
     for i in range(4):
         h = 1e-5 * np.eye(4)[i]
-        rise = trial.ahead(h).sse - trial.ahead(-h).sse
+        rise = trial.step_ahead(h).sse - trial.step_ahead(-h).sse
         assert trial.gradient[i] == pytest.approx(rise / 4e-5, rel=1e-6)
 
 

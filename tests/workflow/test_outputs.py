@@ -65,7 +65,7 @@ def test_what_dashpot_wrote_it_replaces(tmp_path, kind):
 def test_what_others_wrote_stays(mine):
     before = mine.read_bytes()
     with pytest.raises(ExportError, match=r"not written by dashpot; .* --overwrite"):
-        Outputs().claim([mine])
+        Outputs().check_writable([mine])
     assert mine.read_bytes() == before
     Outputs(replace=True).write(mine, "new")
     assert mine.read_text() == "new"
@@ -86,7 +86,7 @@ def test_an_input_is_never_written_over_by_whatever_name(mine, monkeypatch, name
     Path("soft").symlink_to(mine)
     Path("soft again").symlink_to("soft")
     with pytest.raises(ExportError, match="is never written over"):
-        Outputs((read_as,), replace=True).claim([name])
+        Outputs((read_as,), replace=True).check_writable([name])
 
 
 def test_a_link_is_followed(tmp_path):
@@ -109,7 +109,7 @@ def test_a_link_is_followed(tmp_path):
 def test_what_cannot_be_written_is_refused_before_the_work(mine, monkeypatch, names, message):
     monkeypatch.chdir(mine.parent)
     with pytest.raises(ExportError, match=message):
-        Outputs(replace=True).claim(names)
+        Outputs(replace=True).check_writable(names)
     assert list(mine.parent.iterdir()) == [mine]
 
 
@@ -117,7 +117,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(mine, monkeypatch, na
 def test_what_may_not_be_written_is_refused_before_the_work(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(ExportError, match="nothing can be written to"):
-        Outputs().claim([tmp_path / "out"])
+        Outputs().check_writable([tmp_path / "out"])
 
 
 def test_the_files_of_a_project_are_not_replaced(tmp_path):
@@ -125,12 +125,12 @@ def test_the_files_of_a_project_are_not_replaced(tmp_path):
     place = tmp_path / "records" / "a.json"
     Outputs().write(place, to_json(MODEL))
     with pytest.raises(ExportError, match="belongs to a project"):
-        Outputs(replace=True).claim([place])
+        Outputs(replace=True).check_writable([place])
 
 
 def test_a_folder_is_made_when_it_is_needed_and_not_before(tmp_path):
     place = tmp_path / "a" / "b" / "fit.json"
-    Outputs().claim([place])
+    Outputs().check_writable([place])
     assert not (tmp_path / "a").exists()
     Outputs().write(place, "x")
     assert place.read_text() == "x"

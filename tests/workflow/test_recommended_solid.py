@@ -50,7 +50,7 @@ def test_the_frequency_is_that_of_the_peak_and_the_damping_that_of_the_pole():
     recommendation = recommend_solid(S)
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     (mode,) = model_modes(S.seals * S.joint.model, mass)
-    under = index_by_name(recommendation.under_mass)
+    under = index_by_name(recommendation.mass_values)
     zeta = mode.damping_ratio
     assert under["damping"].value == pytest.approx(zeta)
     assert under["frequency"].value == pytest.approx(
@@ -71,21 +71,21 @@ def highest(solid, mass, near):
 def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_damping():
     mass = next((n.value for n in S.joint.estimate.nuisance if n.name == "mass"), S.mass)
     for study, rel in ((S, 1e-2), (replace(S, joint_comparison=None), 1e-4)):
-        under = index_by_name(recommend_solid(study).under_mass)
+        under = index_by_name(recommend_solid(study).mass_values)
         zeta, height = under["damping"], under["peak"]
         there = highest(S.seals * S.joint.model, mass, under["frequency"].value)
         assert height.value == pytest.approx(there, rel=rel)  # of a hammer's on its lines
         assert height.low * zeta.high == pytest.approx(height.value * zeta.value)
         assert height.high * zeta.low == pytest.approx(height.value * zeta.value)
     assert (
-        index_by_name(recommend_solid(S).under_mass)["peak"].measured == S.comparison.measured_peak
+        index_by_name(recommend_solid(S).mass_values)["peak"].measured == S.comparison.measured_peak
     )
 
 
 @pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
 def test_every_value_lies_between_its_ends(study):
     recommendation = recommend_solid(study)
-    for quantity in (*recommendation.under_mass, *recommendation.one_seal):
+    for quantity in (*recommendation.mass_values, *recommendation.seal_values):
         assert quantity.low <= quantity.value <= quantity.high
 
 
@@ -93,7 +93,8 @@ def test_recommendation_bounds_contain_unresolved_arms():
     """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
     recommendation = recommend_solid(ALONE)
     (truth,) = model_modes(2 * BROAD, BROAD_MASS)
-    under, seal = index_by_name(recommendation.under_mass), index_by_name(recommendation.one_seal)
+    under = index_by_name(recommendation.mass_values)
+    seal = index_by_name(recommendation.seal_values)
     omega = 2 * np.pi * under["frequency"].value
     for quantity, value in (
         (under["damping"], truth.damping_ratio),
@@ -103,13 +104,13 @@ def test_recommendation_bounds_contain_unresolved_arms():
     ):
         assert quantity.is_limit
         assert quantity.low <= value <= quantity.high
-    assert not any(item.is_limit for item in recommend_solid(S).under_mass)
+    assert not any(item.is_limit for item in recommend_solid(S).mass_values)
 
 
 def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
     end = EndOfHold(40.0, (190.0, 210.0), (180.0, 210.0), (0.0, 211.0), 1.0)
     expected = replace(ALONE, fit=replace_fields(S.fit, end_of_hold=end))
-    quantity = index_by_name(recommend_solid(expected).one_seal)["end of hold"]
+    quantity = index_by_name(recommend_solid(expected).seal_values)["end of hold"]
     assert quantity.value == pytest.approx(S.fit.model.relaxation(40.0))
     assert (quantity.low, quantity.high, quantity.at, quantity.is_limit) == (
         190.0,
@@ -117,12 +118,12 @@ def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
         40.0,
         True,
     )
-    assert "end of hold" not in index_by_name(recommend_solid(ALONE).one_seal)
+    assert "end of hold" not in index_by_name(recommend_solid(ALONE).seal_values)
 
 
 def test_a_peak_that_nothing_limits_has_no_upper_end():
     open_ended = replace(S.frf_band, peak_frequency=(12.0, math.inf))
-    frequency = index_by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).under_mass)[
+    frequency = index_by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).mass_values)[
         "frequency"
     ]
     assert (frequency.low, frequency.high) == (12.0, math.inf)
@@ -130,7 +131,7 @@ def test_a_peak_that_nothing_limits_has_no_upper_end():
 
 def test_without_a_mass_the_answers_are_those_of_the_seal_at_the_edge_of_its_band():
     recommendation = recommend_solid(handmade.bench_only())
-    assert recommendation.under_mass == ()
-    quantity = index_by_name(recommendation.one_seal)["dynamic stiffness"]
+    assert recommendation.mass_values == ()
+    quantity = index_by_name(recommendation.seal_values)["dynamic stiffness"]
     assert quantity.at == S.fit.band[1]
     assert quantity.value == pytest.approx(S.fit.model.storage(omega=2 * np.pi * S.fit.band[1]))

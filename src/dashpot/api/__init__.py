@@ -2,7 +2,7 @@
 
 Each verb takes records and results of any kind; which work they mean is decided where the command
 line asks, too (`dashpot.reading.readers.detect_kind`, `dashpot.workflow.fit_routing`). The public
-names stand in ``dashpot/__init__.pyi``.
+names are listed in ``dashpot/__init__.pyi``.
 
 A function whose result depends on its arguments has one signature for each case, in the stub
 ``dashpot/_signatures.pyi``; its run-time signature, which `help` shows, names the options of all.
@@ -31,7 +31,7 @@ FORMER_KEYWORDS = {
     "cuts": ["time_limits"], "known": ["prior"], "memory": ["relaxation"],
     "only": ["temperature"], "slam": ["drop"], "wanted": ["max_std"],
 }  # fmt: skip
-"""Present name of an option by that of the edition before, which an error suggests."""
+"""Present name of an option by its former name, which an error suggests."""
 OPTION_CLASSES = {
     "hammer": "dashpot.workflow.job:HammerChoices",
     "machine": "dashpot.datamodel.machine:Machine",
@@ -70,8 +70,8 @@ def _convert_to_signature(node: ast.FunctionDef) -> Signature:
 def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -> Signature:
     """Return the signature of a function with the keyword parameters of all its cases.
 
-    One that some cases do not have is optional; its type and default are those of the first case
-    that has it.
+    An argument that some cases lack is optional; its type and default come from the first case that
+    has it.
     """
     signatures = tuple(cases)
     own_signature = signature(function)
@@ -104,8 +104,8 @@ def merge_signatures(function: Callable[..., Any], cases: Iterable[Signature]) -
 
 def show_stub_signature(function: F) -> F:
     """Give a function the signature of its overloads in the stub, as a decorator."""
-    merged = merge_signatures(function, read_overloads()[function.__name__])
-    function.__signature__ = merged  # type: ignore[attr-defined]
+    merged_signature = merge_signatures(function, read_overloads()[function.__name__])
+    function.__signature__ = merged_signature  # type: ignore[attr-defined]
     return function
 
 
@@ -169,7 +169,7 @@ def refuse_unknown_option(
     subject: str,
     error: type[DashpotError] = DataError,
 ) -> None:
-    """Refuse an option that is none of some names, and name the nearest.
+    """Refuse an unknown option, and suggest the most similar name.
 
     Raises
     ------

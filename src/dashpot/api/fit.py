@@ -105,7 +105,7 @@ def fit(*records: Any, **options: Any) -> Any:
 
 
 def identify_record_kinds(records: Sequence[Any]) -> Mapping[str, str]:
-    """Return the kind of each record by what it is called: its file, or its place.
+    """Return the kind of each record by its name: its file, or its position.
 
     Raises
     ------
@@ -260,7 +260,7 @@ def fit_jointly(
 
 
 def prepare_ramp_hold(test: Any, machine: Machine | None = None) -> RampHold:
-    """Return a ramp and hold as it is fitted; one that is prepared stays as it is.
+    """Return a ramp and hold prepared for a fit; one that is prepared stays as it is.
 
     Raises
     ------

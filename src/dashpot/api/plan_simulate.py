@@ -46,7 +46,8 @@ def plan(
     frequency : float or str
         Frequency of interest, Hz or ``"12.71Hz"``.
     depth, ramp, hold, rate, noise, baseline, method
-        Settings of the ramp and hold, in m, s, s, Hz, N and s.
+        Depth, ramp time, hold time, sampling rate, noise and baseline time of the ramp and hold, in
+        m, s, s, Hz, N and s.
     machine : Machine, optional
         Known properties of the testing machine.
     seal : str, Fit or GeneralizedMaxwell
@@ -114,7 +115,7 @@ def simulate(
     hits: int | None = None,
     hit_length: Quantity | None = None,
 ) -> Any:
-    """Simulate a test of a known seal; the record says that it is simulated.
+    """Simulate a test of a known seal; the record is marked as simulated.
 
     Parameters
     ----------

@@ -319,7 +319,7 @@ def report(
     impact_temperature, hammer
         As in ``dp.fit``, for the hits.
     joint : bool
-        Whether to fit tests and hits together, too.
+        Whether to fit tests and hits together as well.
     title : str
         Title of the page.
 

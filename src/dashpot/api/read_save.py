@@ -44,7 +44,7 @@ class ReadOptionKeywords(TypedDict, total=False):
     calibration : path
         File of a six-axis transducer, with `axis`.
     profile : path
-        Answers that ``dashpot inspect --save`` has kept.
+        Reading options saved by ``dashpot inspect --save``.
     specimen : Specimen
     test : str
         For stress over strain: ``"uniaxial"``, ``"compression"``, ``"biaxial"``, ``"planar"`` or
@@ -154,7 +154,7 @@ def read(
 
 
 def _list_paths(places: Any) -> list[Path]:
-    """Return several paths; what is neither a path nor a table has no reader."""
+    """Return several paths; refuse a value that is neither a path nor a table."""
     items = list(places) if isinstance(places, Iterable) else [places]
     others = [type(item).__name__ for item in items if not isinstance(item, str | PathLike)]
     if others or not items:
@@ -166,12 +166,12 @@ def _list_paths(places: Any) -> list[Path]:
 
 
 def _drop_unset(keywords: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords that were given."""
+    """Return the given keywords."""
     return {name: value for name, value in keywords.items() if value is not None}
 
 
 def _make_read_options(keywords: Mapping[str, Any], kind: str | None) -> ReadOptions:
-    """Return the reading options that were said."""
+    """Return the reading options that the caller stated."""
     for name, example in _MAPPINGS.items():
         if not isinstance(keywords.get(name, {}), Mapping):
             raise DataError(
@@ -251,7 +251,7 @@ def _read_transmissibility(path: Place, options: dict[str, Any], _: Mapping[str,
 
 
 _SPECIAL = {"impact": _read_impact, "transmissibility": _read_transmissibility}
-"""Kinds whose readers want to know something else than the options and the specimen."""
+"""Kinds whose readers take other arguments than the options and the specimen."""
 
 
 def _read_several(paths: Sequence[Path], options: ReadOptions, keywords: Mapping[str, Any]) -> Any:
@@ -282,7 +282,7 @@ def inspect(
     kind: str | None = None,
     **keywords: Any,
 ) -> InspectedFile:
-    """Return what a file is and how it would be read: columns, units, sampling, open questions.
+    """Return the kind, columns, units, sampling and open questions of a file.
 
     Parameters
     ----------
@@ -320,8 +320,8 @@ def save(result: N, path: Place, *, overwrite: bool = False) -> N:
     result : object
         A record or a result.
     path : path
-        How its name ends says how it is written: ``.json``, which :func:`read` takes back;
-        ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
+        The suffix decides the format: ``.json``, which :func:`read` takes back; ``.png``, ``.svg``
+        or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.
     overwrite : bool
         Whether to replace a file that dashpot did not write.
 

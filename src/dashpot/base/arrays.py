@@ -100,8 +100,8 @@ def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
 def replace_notes(record: T, **words: object) -> T:
     """Return a frozen record with other words in fields that nothing is computed from.
 
-    As :func:`dataclasses.replace`, but what was kept with the record (:func:`cache_on_record`,
-    cached properties) stays with it.
+    As :func:`dataclasses.replace`, but cached values (:func:`cache_on_record`, cached properties)
+    are copied as well.
     """
     result = copy(record)
     for name, value in words.items():
@@ -128,7 +128,7 @@ def convert_numbers_to_si(
     Raises
     ------
     DataError
-        If they are neither numbers nor such texts, or a text is no quantity.
+        If they are neither numbers nor texts, or a text cannot be parsed as a quantity.
     """
     try:
         array = np.asarray(values)
@@ -219,12 +219,12 @@ def same_length(**arrays: FloatArray | ComplexArray | None) -> int:
 
 
 def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:
-    """Return the runs of so many rows that begin at these."""
+    """Return the runs of `count` rows that begin at these."""
     return tuple(slice(a, b) for a, b in pairwise((*starts, count)))
 
 
 def number_of_run(starts: Sequence[int], count: int) -> IndexArray:
-    """Return for each of so many rows the number of its run, from 1."""
+    """Return the run number of each row, from 1."""
     return np.repeat(np.arange(1, len(starts) + 1), np.diff((*starts, count)))
 
 
@@ -311,7 +311,7 @@ def block_means(values: FloatArray, count: int) -> FloatArray:
 def find_fast_length(minimum: int) -> int:
     """Return the smallest 2^i 3^j 5^k >= least.
 
-    `scipy.fft.next_fast_len` says the same, at the price of an import that outlasts the first fit.
+    `scipy.fft.next_fast_len` returns the same, but its import takes longer than the first fit.
     """
     best = 1 << max(minimum - 1, 0).bit_length()
     five = 1
@@ -344,7 +344,7 @@ def find_true_runs(mask: BoolArray) -> IndexArray:
 
 
 def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a read-only private copy, or a read-only array itself: who made it so gives it away.
+    """Return a read-only private copy; an array that is read-only already is returned itself.
 
     ``measured`` and ``samples`` do the same.
     """
@@ -358,7 +358,7 @@ def set_readonly(values: FloatArray) -> FloatArray:
 
 
 def _copy_if_writable(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[Any]:
-    """A read-only array: a copy, unless it is read-only and no small part of what it lies in."""
+    """A read-only array: a copy, unless it is read-only and not a small part of a larger array."""
     array = np.asarray(values, dtype=dtype)
     inner: Any = array
     while isinstance(inner, np.ndarray) and not inner.flags.writeable:
@@ -419,12 +419,13 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     Returns
     -------
     mapping of str to str
-        What each array was said to be of; empty where all are in SI already.
+        The quantity of each array as stated; empty if all are in SI already.
 
     Raises
     ------
     DataError
-        If no unit was said, or too few or too many, or one is unknown or of another dimension.
+        If no unit, too few or too many units are given, or a unit is unknown or has another
+        dimension.
     """
     if result.units == SI:
         return {}
@@ -492,7 +493,7 @@ def resolve_unit(value: Any, given_units: Mapping[str, Dimension], *names: str) 
     Raises
     ------
     DataError
-        If one of the arrays was said to be of a part, another of a material.
+        If the stated units of some arrays belong to a part, of others to a material.
     """
     if not given_units:
         return

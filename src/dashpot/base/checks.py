@@ -56,7 +56,7 @@ class Remedy(Serialisable):
         Sentences that begin with the verb: ``"Hold longer, or ramp faster."``
     option : str
         The long option of the command line that does it, without its dashes: ``"band"``; empty
-        where nothing but another test does it. A page names its own control instead.
+        where only another test helps. A page names its own control instead.
     value : str
         What to give the option, where that is known.
     """
@@ -69,7 +69,7 @@ class Remedy(Serialisable):
 
     @property
     def command_option(self) -> str:
-        """The option as it is typed: ``"--band 1:25Hz"``; empty where there is none."""
+        """The option as it is typed: ``"--band 1:25Hz"``; empty if there is none."""
         return f"--{self.option} {self.value}".rstrip() if self.option else ""
 
 
@@ -84,15 +84,15 @@ class Check(Serialisable):
     passed : bool or None
         The answer; None if the record gives none: not checked.
     value, limit : float or None
-        What was measured and what it was held against (None where there is no number).
+        The measured value and its limit (None where there is no number).
     message : str
-        The sentences the user reads: what was found and what it means. They hold no option, so
-        that terminal, page and app say the same.
+        The sentences the user reads: what was found and what it means. They name no option, so that
+        terminal, page and app show the same text.
     grade : str
         What a failure means: ``"note"``, it does not matter to the result; ``"limit"``, use it
         with care; ``"stop"``, do not use it.
     remedy : Remedy or None
-        What to do, if it failed.
+        Remedy of a failure.
     fit_status : Status or None
         Status of a fit that fails it; neither saved nor compared.
 
@@ -198,8 +198,8 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     ----------
     checks : iterable of Check
     headline : str
-        What to say where nothing of weight failed: the number that the reader came for, and where
-        it holds. How many checks passed follows, and is all where nothing is given.
+        Sentence for a result without a grave failure: the main number, and the range in which it is
+        valid. How many checks passed follows, and is all where nothing is given.
     """
     all_checks = tuple(checks)
     failed = [check for check in all_checks if check.failed]
@@ -229,7 +229,7 @@ def format_short_message(
 ) -> str:
     """Return the message of a check and its remedy in at most `max_words` words.
 
-    What explains it, and the second thing to do, give way first.
+    The explanation and the second remedy are shortened first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
     short = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy[:1], closing))
@@ -290,7 +290,7 @@ class Finding(NamedTuple):
     Attributes
     ----------
     message : str
-        What was found, in a sentence.
+        Finding, in a sentence.
     value : float or None
         Compared with the limit; None if nothing was measured: a criterion with a measure is then
         not checked.
@@ -301,13 +301,13 @@ class Finding(NamedTuple):
     failure : str
         Replaces `message` if the check fails.
     limit : float or None
-        The limit where the record sets it; by default that of the criterion.
+        The limit where it depends on the record; by default the limit of the criterion.
     always_passes : bool
         Passes whatever the value: another condition answers the question.
     always_fails : bool
         Fails whatever the value: a second condition is broken.
     grade : str or None
-        What a failure means where the record decides it; by default that of the criterion.
+        Grade of a failure where it depends on the record; by default the grade of the criterion.
     """
 
     message: str
@@ -322,7 +322,7 @@ class Finding(NamedTuple):
 
     @property
     def advice(self) -> Remedy | None:
-        """The remedy, its words as sentences; None where there is none."""
+        """The remedy, its words as sentences; None if there is none."""
         remedy = Remedy(self.remedy) if isinstance(self.remedy, str) else self.remedy
         return (
             replace(remedy, words=sentence(expand_powers(remedy.words))) if remedy.words else None
@@ -338,7 +338,7 @@ class Criterion(Generic[P]):
     name : str
         Name of the checks that it makes.
     stage : str
-        Which part of the work asks.
+        Stage of the work to which the criterion belongs.
     question : str
         What holds if the check passes.
     measure : str
@@ -347,7 +347,7 @@ class Criterion(Generic[P]):
         A key of `RULES`: how the value is held against the limit; none for a question of more
         than one number, whose finding passes unless `always_fails`.
     limit : float or None
-        None if the record sets it.
+        None if the limit depends on the record.
     source : str
         Where the limit comes from.
     grade : str

@@ -1,8 +1,8 @@
-"""Dataclasses whose methods are made when they are first used.
+"""Dataclasses whose methods are compiled at first use.
 
 :func:`dataclasses.dataclass` compiles six functions of each class when its module is imported,
-which was a third of the CPU of a short command. Here `__init__` is compiled when the first value of
-the class is made, and nothing else is.
+which was a third of the CPU of a short command. Here only `__init__` is compiled, at the first
+instance of the class.
 """
 
 from __future__ import annotations

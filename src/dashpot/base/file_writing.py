@@ -17,7 +17,7 @@ from dashpot.base.plain_text import escape_terminal_text
 
 @contextmanager
 def open_exclusive_lock(path: Path, description: str) -> Iterator[None]:
-    """Hold the lock on `path`, which is made if it is missing, and stays.
+    """Hold the lock on `path`, a file that is created if missing and not deleted.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def lock(descriptor: int) -> bool:
 def is_locked(path: Path) -> bool:
     """Return whether another process or another open file holds the lock on a file.
 
-    Two processes may ask at once. A file that is missing or cannot be read is not locked.
+    Two processes may try at the same time. A file that is missing or cannot be read is not locked.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY)
@@ -124,18 +124,18 @@ def validate_path(path: str | Path) -> Path:
 
 
 def write_atomic(path: str | Path, content: bytes) -> None:
-    """Write a file beside its place and move it there, so that no half of it is ever seen.
+    """Write a temporary file and rename it, so that no incomplete file is ever seen.
 
-    A link is followed: what it points to is replaced, with the permissions it had. A device or a
-    pipe has no place to be moved to and is written as it stands.
+    A link is followed: its target is replaced and keeps its permissions. A device or a pipe cannot
+    be replaced and is written directly.
 
     Raises
     ------
     DataError
         If no file can have that name, or another process holds the lock on the file.
     OSError
-        If the folder is missing or cannot be written to, or the disk is full; what stood at
-        `path` then stands there still.
+        If the folder is missing or cannot be written to, or the disk is full; the file at `path` is
+        then unchanged.
     """
     target = Path(os.path.realpath(validate_path(path)))
     mode = target.stat().st_mode if target.exists() else None

@@ -1,6 +1,6 @@
-"""What is made when it is first used: public names of a package, and regular expressions.
+"""Values created at first use: public names of a package, and regular expressions.
 
-The public names stand in ``__init__.pyi``.
+The public names are listed in ``__init__.pyi``.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ def build_lazy_exports(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a module from its stub file.
 
-    A line of the stub names the module that a name is of, whatever its layer: a low package offers
-    so what stands in a higher one, and imports none of it. The stub is read when the first name is
-    asked for; its names are ``__all__``.
+    A line of the stub names the module that defines a name, in any layer: so a low package offers a
+    name of a higher one without importing it. The stub is read when the first name is requested;
+    its names are ``__all__``.
     """
 
     @cache
@@ -96,7 +96,7 @@ if TYPE_CHECKING:
 else:
 
     class PatternOnUse:
-        """Stand for a pattern until one of its methods is asked for.
+        """Delay the compilation of a pattern until one of its methods is used.
 
         A short command uses half of the patterns of the modules that it loads.
         """

@@ -65,7 +65,7 @@ def format_with_error(
 
 
 def format_cell(value: float | None, unit: str, *, digits: int = 3) -> str:
-    """Return a value, SI, in a column of a unit of the table; empty where there is none.
+    """Return a value, SI, in a column of a unit of the table; empty if there is none.
 
     >>> format_cell(0.0083, "mm"), format_cell(None, "mm"), format_cell(17432.1, "N/mm", digits=4)
     ('8.30', '', '17.43')
@@ -103,7 +103,7 @@ def with_error(value: float, error: float) -> str:
 
 
 def interval(low: float, high: float) -> str:
-    """Both ends of an interval to two digits of its half width; an open end is said to be open."""
+    """Both ends of an interval to two digits of its half width; an open end is marked as open."""
     if math.isinf(low) and math.isinf(high):
         return "not bounded"
     if math.isinf(high):
@@ -117,7 +117,7 @@ def interval(low: float, high: float) -> str:
 def format_interval(value: float, low: float, high: float, error: float) -> str:
     """Return the interval of a value; an end more than a factor of ten away from one >= 0 is open.
 
-    With both ends open it says nothing of the value: it is not identified.
+    With both ends open the value is not identified.
     """
     if value < 0:
         return " to ".join(round_to_error(end, error or None, digits=2) for end in (low, high))
@@ -168,7 +168,7 @@ def hertz(band: tuple[float, float]) -> str:
 
 
 def format_band(band: tuple[float, float]) -> str:
-    """Return where something holds, as a sentence says it.
+    """Return a frequency band as text for a sentence.
 
     >>> format_band((0.5, 20.0)), format_band((3.0, 3.0))
     ('from 0.5 to 20 Hz', 'nowhere')
@@ -200,7 +200,7 @@ def json_number(value: float) -> float | str:
 
 
 def format_count(number: int, noun: str) -> str:
-    """Return a count with its noun, as a sentence says it.
+    """Return a count with its noun, for a sentence.
 
     >>> format_count(1, "arm"), format_count(4, "Maxwell arm"), format_count(9, "arm")
     ('one arm', 'four Maxwell arms', '9 arms')
@@ -255,8 +255,8 @@ def _format_match(match: re.Match[str]) -> str:
 def format_typographic(sentence: str) -> str:
     r"""A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ±, °C, a minus for a hyphen.
 
-    What only a command line or Python can heed stands in brackets and is left out: a reader of
-    the page has neither. A number and its unit stay on one line.
+    Hints in brackets for the command line or Python are omitted: a page has neither. A number and
+    its unit stay on one line.
 
     >>> format_typographic("the shift to 0 degC")
     'the shift to 0\xa0°C'

@@ -69,17 +69,16 @@ def require_choice(
 
 
 def option(default: Any, help: str | None = None, **how: Any) -> Any:
-    """Return a dataclass's field that says how users are asked for it.
+    """Return a dataclass field with the metadata of its option.
 
     `how` holds ``metavar``, ``multiple`` and ``is_flag`` as click knows them; ``unit``, the
     dimension of a quantity, and ``ends`` where two of them make a range; ``size``, its row of
-    ``SIZES``; ``choices``, a type of this module; ``least``, of a
-    whole number; ``above``, of any; ``word``, what stands for no number; ``parse``, from what
-    click passes on to what the field takes, and ``typed`` back to texts; ``flag``, the option's
-    name where it is not the field's; ``former``, its name in the edition before; ``under``, the
-    option that takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and
-    ``sign`` in place of "="; ``argument``, the place of what is typed without an option;
-    ``decides``, what a job needs it for first.
+    ``SIZES``; ``choices``, a type of this module; ``least``, of a whole number; ``above``, of any;
+    ``word``, what stands for no number; ``parse``, from what click passes on to what the field
+    takes, and ``typed`` back to texts; ``flag``, the option's name where it is not the field's;
+    ``former``, its name in the edition before; ``under``, the option that takes it as KEY=VALUE,
+    ``key``, that word where it is not the field's name, and ``sign`` in place of "="; ``argument``,
+    the position of an argument without an option name; ``decides``, what a job needs it for first.
     """
     if "choices" in how:
         how["choices"] = get_choice_values(how["choices"])
@@ -98,7 +97,7 @@ def make_nested_options(kind: type, **how: Any) -> Any:
 
 
 def iterate_option_fields(result: Any) -> Iterator[Field[Any]]:
-    """Yield the fields of a dataclass that are options, without those of its parts."""
+    """Yield the option fields of a dataclass, without those of nested dataclasses."""
     for attribute in fields(result):
         if "help" in attribute.metadata and "argument" not in attribute.metadata:
             yield attribute
@@ -145,13 +144,13 @@ class FormField(NamedTuple):
     name, label, unit, flag : str
     choices : tuple of str
         One of them is chosen, the first by default.
-    each : bool
-        Whether it is asked of every file.
+    per_file : bool
+        Whether each file has its own value.
     form : str
         A number with its unit, in a shell ``"bare"`` without one; a ``"range"`` 4 to 8; ``"sizes"``
         with commas between; or ``"words"``, each an option of its own.
-    before : str
-        What stands before it in a shell.
+    prefix : str
+        Command prefix of a shell example.
     """
 
     name: str
@@ -159,9 +158,9 @@ class FormField(NamedTuple):
     unit: str
     flag: str
     choices: tuple[str, ...] = ()
-    each: bool = False
+    per_file: bool = False
     form: Form = "number"
-    before: str = ""
+    prefix: str = ""
 
     def read(self, text: str) -> str:
         """Return the typed text, with points for decimal commas."""
@@ -181,7 +180,7 @@ class FormField(NamedTuple):
             text = f"{text.replace(' to ', ':').replace('-', ':')}{self.unit}"
         elif self.form == "number" and text[-1].isdigit():
             text += self.unit
-        return (f"{self.before}{text}",)
+        return (f"{self.prefix}{text}",)
 
 
 @dataclass(frozen=True)
@@ -190,16 +189,17 @@ class FormData:
 
     Attributes
     ----------
-    asks : tuple of Ask
+    fields : tuple of Ask
     entries : tuple of (str, str)
-        Name of the field, of one that is asked of every file with its number, and what was typed.
+        Name of the field (with the number of the file, where each file has its own value), and the
+        typed text.
     """
 
-    asks: tuple[FormField, ...] = ()
+    fields: tuple[FormField, ...] = ()
     entries: tuple[tuple[str, str], ...] = ()
 
     def get_text(self, name: str) -> str:
-        """Return the text of a field; empty where there is none."""
+        """Return the text of a field; empty if there is none."""
         return dict(self.entries).get(name, "")
 
     def number(self, name: str, dimension: Dimension) -> float | None:
@@ -213,12 +213,12 @@ class FormData:
         return si_range(text, dimension) if text else None
 
     def options(self, files: int) -> tuple[str, ...]:
-        """Return the command-line words of the filled fields, for so many files."""
+        """Return the command-line words of the filled fields, for `file_count` files."""
         results: list[str] = []
-        for form_field in self.asks:
+        for form_field in self.fields:
             names = (
                 [f"{form_field.name} {i}" for i in range(files)]
-                if form_field.each
+                if form_field.per_file
                 else [form_field.name]
             )
             for name in names:
@@ -233,4 +233,4 @@ class FormData:
         return next(iter(self._ask(name).words(self.get_text(name))), "")
 
     def _ask(self, name: str) -> FormField:
-        return next(form_field for form_field in self.asks if form_field.name == name)
+        return next(form_field for form_field in self.fields if form_field.name == name)

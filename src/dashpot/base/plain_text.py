@@ -92,12 +92,12 @@ def sentence(text: str) -> str:
 
 
 def paragraph(*parts: str) -> str:
-    """Return texts one after another, each as a sentence; those that are empty are left out."""
+    """Return texts one after another, each as a sentence; empty ones are omitted."""
     return " ".join(sentence(part) for part in parts if part)
 
 
 def decapitalise_sentence(text: str) -> str:
-    """Return a sentence as it goes on after a colon or a comma.
+    """Return a sentence with a lower-case start, for use after a colon or a comma.
 
     >>> decapitalise_sentence("The hold is too short."), decapitalise_sentence(
     ...     "FRF lines are missing."), decapitalise_sentence("Maxwell arm")

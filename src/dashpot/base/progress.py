@@ -18,7 +18,7 @@ def send_progress(message: str) -> None:
 
 @contextmanager
 def set_progress_listener(listener: Callable[[str], None]) -> Iterator[None]:
-    """Pass what is done inside on to `listener`."""
+    """Pass progress messages inside the context to `listener`."""
     token = _listener.set(listener)
     try:
         yield

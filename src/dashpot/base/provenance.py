@@ -14,7 +14,7 @@ SIMULATED = "simulated"
 
 
 class Caution(str):
-    """Note of a reader on data that may not be what was measured.
+    """Note of a reader on data that may differ from the measured ones.
 
     `sentence` is the same without the options of a command line, as checks say it.
 
@@ -32,7 +32,7 @@ class Caution(str):
 
 
 def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
-    """Return those of some notes that can change a number, each once, as plain text."""
+    """Return the notes that can change a number, each once, as plain text."""
     return tuple(dict.fromkeys(note.sentence for note in notes if isinstance(note, Caution)))
 
 
@@ -51,12 +51,11 @@ class Source(Serialisable):
     columns : tuple of str
         One line per column used: role, name found, unit found.
     notes : tuple of str
-        What the reader noticed or changed, one sentence each.
+        Observations and changes of the reader, one sentence each.
     simulated : bool
-        True if the file says that it was made by simulation.
+        True if the file is marked as simulated.
     cautions : tuple of str
-        Those of the notes that can change a number; the checks of every result of the record
-        repeat them.
+        Notes that can change a number; the checks of every result of the record repeat them.
 
     Examples
     --------
@@ -136,6 +135,6 @@ def list_steps(records: Iterable[Prepared]) -> tuple[Step, ...]:
 
 
 def find_origins(sources: tuple[Source, ...]) -> set[str]:
-    """Return the hashes of files, and of those that their notes say they were made from."""
+    """Return the hashes of files, and of the files from which they were made by their notes."""
     texts = (f"sha256 {source.sha256}; {'; '.join(source.notes)}" for source in sources)
     return set(re.findall(r"sha256\W+(\w{64})", "; ".join(texts)))

@@ -20,9 +20,9 @@ NORMAL = 1.96
 INTERVAL_LEVELS = (0.025, 0.975)
 """Probabilities at the ends of a 95 % interval of draws."""
 AT_MOST = "at most"
-"""Text before the upper limit of a number that has no lower limit."""
+"""Text before a one-sided upper limit."""
 ASYMMETRY_LIMIT = 0.1
-"""An interval whose one end is that much nearer to the value than the other."""
+"""Smallest relative difference of the two halves of an asymmetric interval."""
 END_AT_VALUE_SHARE = 1e-2
 """The same, where that end stands for the value itself."""
 
@@ -50,7 +50,7 @@ class TableCells(NamedTuple):
 
     @property
     def with_limit(self) -> str:
-        """Value and standard error, or the upper limit that stands for it, in one cell."""
+        """Value and standard error, or only the upper limit, in one cell."""
         if self.interval.startswith(AT_MOST):
             return f"{self.value}, {self.interval}"
         return self.with_error
@@ -77,8 +77,8 @@ class ReportedValue(Serialisable):
     unit : str
         Unit of SI; empty for a plain number.
     error : float or None
-        Standard error: 0 of what was held, infinite of what is not identified, None of what was
-        given or has an interval alone.
+        Standard error: 0 of a fixed parameter, infinite if not identified, None of a stated value
+        or one that has only an interval.
     read : str
         The unit in which people read it; by default as
         :func:`~dashpot.base.units.get_display_unit`.
@@ -112,8 +112,8 @@ class ReportedValue(Serialisable):
     ) -> Self:
         """Return a value with an interval of so many standard errors; none if the error is inf.
 
-        That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
-        An error that is nan or None is not known.
+        That of a positive one whose logarithm has the error, ``of_log``, is a factor either way. An
+        error of nan or None is unknown.
         """
         if error is None or math.isnan(error) or (of_log and math.isinf(error)):
             return cls(name, value, unit=unit, read=read, words=words)

@@ -47,7 +47,7 @@ class Printable:
 
     @property
     def _saved_result(self) -> Any:
-        """Part of the result that a file keeps for other commands: itself, or its fit."""
+        """Part of the result saved in a file for other commands: itself, or its fit."""
         return self
 
     def __str__(self) -> str:
@@ -91,7 +91,7 @@ class HasSummary(Printable):
         return "\n".join((f"{type(self).__name__}: {shown_lines[0]}", *shown_lines[1:]))
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return the numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
+        """Return the numbers as a :class:`pandas.DataFrame`; units are in its ``attrs``.
 
         Raises
         ------

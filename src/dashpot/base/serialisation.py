@@ -15,7 +15,7 @@ from dashpot.base.number_format import json_number
 FIXED_VALUE = "fixed_value"
 """Key in the metadata of a field that no document holds: its constant value."""
 DIGEST = "digest"
-"""The key of a digested document that shows whether the rest was edited."""
+"""The key of the digest that shows whether a document was edited."""
 
 
 class Key(NamedTuple):
@@ -27,11 +27,11 @@ class Key(NamedTuple):
     attribute : str
         A dotted path; by default the name.
     optional : bool
-        Whether it is left out where it is None.
+        Whether the key is omitted if the value is None.
     nonfinite_as_null : bool
         Whether numbers in it that are not finite are null.
     flatten : bool
-        Whether each item of a mapping, or of another document, stands under its own name.
+        Whether each item of a mapping, or of another document, is stored under its own name.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Key(NamedTuple):
         return (self.attribute or self.name).split(".")
 
     def build_items(self, result: object) -> dict[str, Any]:
-        """Return the items of a document for a key: none where it is left out, or several."""
+        """Return the items of a document for a key: none where it is omitted, or several."""
         value = to_plain_value(reduce(_get_attribute, self.path, result))
         if self.nonfinite_as_null:
             value = replace_nonfinite_numbers(value)

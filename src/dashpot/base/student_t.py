@@ -19,7 +19,7 @@ import numpy as np
 _DEGREE = np.arange(1.0, 64.0)
 _NODES, _VECTORS = np.linalg.eigh(np.diag(_DEGREE / np.sqrt(4.0 * _DEGREE**2 - 1.0), -1))
 _WEIGHTS = 2.0 * _VECTORS[0] ** 2
-# Newton squares what a step leaves: after one as short as this, a part of the angle, it is rounding
+# relative step after which Newton's quadratic convergence has reached rounding
 _LAST_STEP = 1e-12
 
 

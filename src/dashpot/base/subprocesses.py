@@ -16,7 +16,7 @@ def interpreter(module: str, *flags: str) -> list[str]:
 
 
 def get_single_thread_env() -> dict[str, str]:
-    """Return this environment with one thread of BLAS: beside other processes more only wait."""
+    """Return this environment with one BLAS thread: more would only wait for other processes."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     return {**os.environ, **dict.fromkeys(names, "1")}
 

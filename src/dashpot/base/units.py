@@ -275,7 +275,7 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
 
 
 def si_unit(dimension: Dimension) -> Unit:
-    """Return the SI unit of what is measured.
+    """Return the SI unit of a dimension.
 
     >>> si_unit("stress").word, si_unit("compliance").word
     ('Pa', 'm/N')
@@ -298,7 +298,7 @@ _DISPLAY_UNITS = MappingProxyType({
     "m/N": "mm/N", "1/Pa": "1/MPa", "J": "mJ", "J/mol": "kJ/mol", "m/s": "mm/s", "m^2": "mm^2",
     "strain": "% strain",
 })  # fmt: skip
-"""The unit in which people read what is in a unit of SI, where that is another one."""
+"""The customary unit of values in an SI unit, if different."""
 
 
 _SMALLER_UNITS = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
@@ -434,7 +434,7 @@ def convert_to_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
 
 
 def format_quantity(value: float, unit: str, form: str = ".4g") -> str:
-    """Return an SI value as a sentence says it: in a unit of the table, with its word.
+    """Return an SI value as text for a sentence: in a unit of the table, with its word.
 
     >>> format_quantity(0.0083, "mm"), format_quantity(17432.1, "N/mm", ".3g"), format_quantity(
     ...     2.5e-3, "ms")
@@ -444,7 +444,7 @@ def format_quantity(value: float, unit: str, form: str = ".4g") -> str:
 
 
 def celsius(temperature: float) -> str:
-    """Return a temperature, K, as a sentence says it."""
+    """Return a temperature, K, as text for a sentence."""
     return format_quantity(temperature, "degC")
 
 
@@ -461,7 +461,7 @@ def convert_to_si(value: Quantity | None, dimension: Dimension) -> float | None:
     Raises
     ------
     DataError
-        If a text is no quantity of that dimension, or it is neither a text nor a number.
+        If the value is neither a number nor a text that states a quantity of that dimension.
     """
     if isinstance(value, str):
         return parse_quantity(value, dimension)
@@ -523,7 +523,7 @@ def si_range(value: Range | None, dimension: Dimension) -> tuple[float, float] |
 
 
 def parse_range(text: str, dimension: Dimension) -> tuple[float, float]:
-    """Return the SI ends of a range such as ``"1:50Hz"``; the unit stands once, at the end.
+    """Return the SI ends of a range such as ``"1:50Hz"``; the unit is written once, at the end.
 
     >>> parse_range("1:50Hz", "frequency")
     (1.0, 50.0)

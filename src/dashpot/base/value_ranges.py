@@ -1,4 +1,4 @@
-"""Ranges of single values: what is valid, and what is plausible in tests of seals."""
+"""Ranges of single values: valid ranges, and plausible ranges in tests of seals."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ def require_positive(
     Parameters
     ----------
     owner : str
-        What is said before the name.
+        Text before the name.
     unit : str
-        What is said behind the number.
+        Text after the number.
     expected : str
-        What is asked for.
+        The expected value, as text.
     optional : bool
         None is passed over.
     values : float
@@ -78,14 +78,14 @@ class PlausibleRange(NamedTuple):
 
     Attributes
     ----------
-    what : str
+    description : str
         As a sentence calls it.
     unit : str
     soft, hard : (float, float)
         Nearly every test lies in the one, every test in the other.
     """
 
-    what: str
+    description: str
     unit: str
     soft: Span
     hard: Span
@@ -123,7 +123,7 @@ class PlausibleRange(NamedTuple):
         """
         if self.absurd(size):
             low, high = (format_quantity_short(value, self.unit) for value in self.hard)
-            subject = text or f"{self.what} is {format_quantity_short(size, self.unit)}"
+            subject = text or f"{self.description} is {format_quantity_short(size, self.unit)}"
             raise DataError(f"{subject}; expected {low} to {high}. {remedy}")
 
 

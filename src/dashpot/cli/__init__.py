@@ -42,7 +42,7 @@ COMMANDS = {command.name: command.help for command in ROWS.values()}
 
 
 class _LazyGroup(click.Group):
-    """A group whose verbs are imported when they are asked for, and not to be listed."""
+    """A group whose verbs are imported when they are requested, and not to be listed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -76,7 +76,7 @@ class _LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def main(self, *arguments: Any, **settings: Any) -> Any:
-        """Run a command; whatever goes wrong ends in a sentence and an exit code."""
+        """Run a command; every error ends in a sentence and an exit code."""
         run: Callable[..., Any] = super().main
         if not settings.pop("standalone_mode", True):
             return run(*arguments, standalone_mode=False, **settings)

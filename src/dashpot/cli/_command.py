@@ -20,12 +20,12 @@ from dashpot.cli._param_types import Keyed, Scoped, type_of
 WIDTH = 80
 """Columns of a page of help."""
 NAME_WIDTH = 27
-"""Columns of them them for the name of an option; what is longer stands on a line of its own."""
+"""Columns for the name of an option; a longer name has a separate line."""
 MAX_HELP_LINES = 40
 """Lines that the help of a verb may take."""
 
 TYPED_VALUES = "dashpot.typed"
-"""Where options are kept as they were typed."""
+"""Key of the options as typed."""
 
 KEYED_OPTIONS = {
     "--column": ("ROLE=NAME", "Column of a role, by name or number: force=Kraft."),
@@ -38,7 +38,7 @@ KEYED_OPTIONS = {
     "--label": ("KEY=VALUE", "name, lot, operator, date or notes."),
     "--shape": ("SHAPE", "disc:20mm,20mm or block:30mm,20mm,10mm."),
 }
-"""What an option of several keys takes, and says."""
+"""Keys and help of an option with several keys."""
 
 
 class TargetFields(NamedTuple):
@@ -52,7 +52,7 @@ class TargetFields(NamedTuple):
 class CommandOption(click.Option):
     """Option with its group in the help, and the kinds of records to which it applies.
 
-    `former` is its name in the edition before: still taken, and shown nowhere.
+    `former` is its name in the previous edition, still accepted but not shown.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class CommandOption(click.Option):
         self.group = ""
         self.kinds = frozenset(kinds)
         self.excluded_kinds: frozenset[str] = frozenset()
-        """Kinds that do not take it, of an option that is of no kind alone."""
+        """Kinds that do not take the option, if it belongs to no particular kind."""
         self.is_advanced = is_advanced
         self.target = target
         self.former = former
@@ -79,7 +79,7 @@ class CommandOption(click.Option):
         self.opts = names
 
     def list_spellings(self) -> list[str]:
-        """Return the option as it is typed, also as in the edition before."""
+        """Return the spellings of the option, including that of the previous edition."""
         return [*self.opts, *([f"--{self.former}"] if self.former else [])]
 
     @property
@@ -121,7 +121,7 @@ class CommandOption(click.Option):
             yield "", {field.name: metadata["parse"](value) if "parse" in metadata else value}
 
     def get_typed_words(self, ctx: click.Context) -> list[str]:
-        """Return its words as they were typed; nothing where it was not."""
+        """Return the typed words of the option; empty if it was not typed."""
         typed_values = ctx.meta.get(TYPED_VALUES, {})
         if self.name not in typed_values:
             return []
@@ -237,7 +237,7 @@ def group(title: str, *options: CommandOption | Iterable[CommandOption]) -> list
 
 
 def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[CommandOption]:
-    """Return options that the short help leaves out."""
+    """Return the options that the short help omits."""
     advanced_options = _flatten(options)
     for option in advanced_options:
         option.is_advanced = True
@@ -245,7 +245,7 @@ def mark_advanced(*options: CommandOption | Iterable[CommandOption]) -> list[Com
 
 
 def _flatten(params: Iterable[Any]) -> list[Any]:
-    """Return parameters and those of lists of them in one list."""
+    """Return parameters, also from nested lists, as one list."""
     return list(
         chain.from_iterable(
             [param] if isinstance(param, click.Parameter) else param for param in params
@@ -259,8 +259,8 @@ class DashpotCommand(click.Command):
     Attributes
     ----------
     detect_kinds : callable or None
-        From words of the command to the kinds of the files in them; of a verb whose options are of
-        kinds of records.
+        Function from the words of the command to the kinds of the files among them, for a verb
+        whose options depend on the kind of record.
     """
 
     def __init__(
@@ -365,15 +365,19 @@ def _add_field_values(
     """Add the values of fields, for all files ("") or for some, to those stated before."""
     for scope, fields in new_values:
         entries = scoped_values.setdefault(scope, {})
-        for name, field in fields.items():
-            entries[name] = _merge_values(entries[name], field) if name in entries else field
+        for name, value in fields.items():
+            entries[name] = _merge_values(entries[name], value) if name in entries else value
 
 
-def _merge_values(earlier: Any, later: Any) -> Any:
+def _merge_values(old_value: Any, new_value: Any) -> Any:
     """Return the merged values of a field stated twice: both units, both columns, or the last."""
-    if isinstance(later, dict):
-        return earlier | later
-    return (*earlier, *later) if isinstance(later, tuple) and isinstance(earlier, tuple) else later
+    if isinstance(new_value, dict):
+        return old_value | new_value
+    return (
+        (*old_value, *new_value)
+        if isinstance(new_value, tuple) and isinstance(old_value, tuple)
+        else new_value
+    )
 
 
 _OUTPUT_OPTIONS = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
@@ -407,7 +411,7 @@ def verb(
 
 
 def refuse_options(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str, str]) -> None:
-    """Refuse an option that is of other kinds of records than those that were given.
+    """Refuse an option that belongs to other kinds of records than the given ones.
 
     Raises
     ------
@@ -435,7 +439,7 @@ def refuse_options(verb: DashpotCommand, ctx: click.Context, kinds: Mapping[str,
 
 
 def _format_kinds(kinds: Mapping[str, str]) -> str:
-    """Return what each file is called, in a sentence."""
+    """Return the description of each file in a sentence."""
     from dashpot.reading.columns.file_kinds import get_kind_label
 
     return "; ".join(f"{Path(path).name} is {get_kind_label(word)}" for path, word in kinds.items())

@@ -1,4 +1,4 @@
-"""Files that a command is given: read, and their kinds."""
+"""Files of a command: read, and their kinds."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 
 PAGE_RENDERER = "dashpot.page"
-"""Where an option keeps the function that writes the page of a result."""
+"""Key of the function that writes the page of a result."""
 
 
 def render_page(result: Any, **figures: Any) -> str:
-    """Return the page of a result, with what an option adds to it."""
+    """Return the page of a result, with the additions of options."""
     write: Callable[..., str] = click.get_current_context().meta.get(PAGE_RENDERER, workflow.html)
     return write(result, **figures)
 
@@ -104,7 +104,7 @@ def get_file_kinds(detections: Mapping[str, Recognised], options: ReadOptions) -
 
 
 def _format_column_hint(path: str, options: ReadOptions) -> str:
-    """Return the options that name the columns of a file; of too few columns, what is missing."""
+    """Return the options that name the columns of a file; with too few columns, those missing."""
     from dashpot.reading.readers.detect_kind import suggest_relaxation_options
 
     inspect_hint = f"To see its columns: dashpot inspect {path}"

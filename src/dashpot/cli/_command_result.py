@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 WRITTEN, STDOUT_TAKEN = "dashpot.written", "dashpot.stdout"
 OUTCOME_JUDGE = "dashpot.judge"
-"""Where an option keeps the function that judges the outcome."""
+"""Key of the function that judges the outcome."""
 _RECORD_WRITERS = ("simulate", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _VISUAL_SUFFIXES = (".html", ".png", ".svg", ".pdf")
 
 
 def collect_outputs(context: click.Context, *, may_replace: bool) -> Outputs:
-    """Return where a command may write, its own outputs claimed: all else it names is read."""
+    """Return the output paths of a command, checked for writing; every other path is read."""
     from dashpot.workflow.outputs import Outputs
 
     is_output = {param.name: isinstance(param.type, Output) for param in context.command.params}
@@ -43,7 +43,7 @@ def collect_outputs(context: click.Context, *, may_replace: bool) -> Outputs:
         ]
     inputs = tuple(word for word in paths[False] if Path(word).is_file())
     outputs = Outputs(inputs, may_replace, makes_records=context.command.name in _RECORD_WRITERS)
-    outputs.claim(paths[True])
+    outputs.check_writable(paths[True])
     return outputs
 
 
@@ -55,11 +55,11 @@ def note_input(context: click.Context, path: str) -> None:
 def claim_outputs(paths: Iterable[str | Path]) -> None:
     """Refuse, before the work, files that no option names and that could not be written."""
     outputs: Outputs = click.get_current_context().obj
-    outputs.claim(paths)
+    outputs.check_writable(paths)
 
 
 def write_output(path: str | Path, content: str | bytes) -> None:
-    """Write a file, which the command says at its end; ``-`` is stdout.
+    """Write a file, which is listed at the end of the command; ``-`` is stdout.
 
     Under ``--json`` stdout belongs to the document.
     """
@@ -75,12 +75,12 @@ def write_output(path: str | Path, content: str | bytes) -> None:
 
 
 def note_written(path: str | Path) -> None:
-    """Remember a file that the command says at its end, and opens if it was asked to."""
+    """Record a written file; the command names it at its end, and opens it with ``--open``."""
     click.get_current_context().meta.setdefault(WRITTEN, []).append(str(path))
 
 
 def write_figure(path: str, figure: dp.plot.Picture) -> None:
-    """Write a figure as the suffix of its file says."""
+    """Write a figure in the format of its file's suffix."""
     size = click.get_current_context().params.get("size")
     write_output(path, dp.plot.render_figure(figure, Path(path).suffix, size=size))
 
@@ -105,7 +105,7 @@ class CommandResult(NamedTuple):
     result
         What it prints as a document.
     text
-        It is printed unless stdout is taken by what was asked for there.
+        It is printed unless stdout is taken by what was requested there.
     must_pass
         A failed check is this command's own failure, ``--strict`` or not.
     verdict
@@ -150,15 +150,15 @@ class CommandResult(NamedTuple):
 def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> None:
     """Run a verb; turn its outcome into output and an exit code.
 
-    stdout gets the text or, with ``--json``, one JSON document and nothing else; then stderr says
-    what was written and what comes next. Where the outputs go is settled before any work is done;
-    what goes wrong is the group's to say.
+    stdout gets the text or, with ``--json``, one JSON document and nothing else; stderr then lists
+    the written files and the next commands. Where the outputs go is settled before any work is
+    done; what goes wrong is the group's to say.
     """
     from dashpot.cli._terminal import show_progress  # a page of help shows none
 
     params = context.params
     context.obj = collect_outputs(context, may_replace=params.get("overwrite", False))
-    is_json, written = params["as_json"], context.meta.setdefault(WRITTEN, [])
+    is_json, written_files = params["as_json"], context.meta.setdefault(WRITTEN, [])
     try:
         with show_progress():
             outcome = run()
@@ -168,10 +168,10 @@ def run_and_report(context: click.Context, run: Callable[[], CommandResult]) -> 
         if text:
             to_stdout(text)
     finally:
-        for path in dict.fromkeys(written):
+        for path in dict.fromkeys(written_files):
             to_stderr(f"wrote {path}")
     if params.get("opens"):
-        open_written(written)
+        open_written(written_files)
     if outcome.next_command and not is_json:
         to_stderr(f"next: {outcome.next_command}")
     if outcome.nothing_done:

@@ -43,7 +43,7 @@ class Failure(Serialisable):
 
 
 def report_error(error: BaseException, words: Sequence[str]) -> int:
-    """Print what went wrong and return the exit code.
+    """Print the error and return the exit code.
 
     stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
     document. With ``--traceback`` both say where in the code it happened.
@@ -116,8 +116,8 @@ def _classify_error(error: BaseException) -> Failure:
 
 def _simplify_text(message: str) -> str:
     """Return a refusal of click in words that no programmer is needed for."""
-    replaced = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
-    return replaced.replace("is not a valid float", "is no number")
+    text = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", message)
+    return text.replace("is not a valid float", "is no number")
 
 
 def _format_example_hint(cause: BaseException | None) -> str:

@@ -40,21 +40,21 @@ RAMP, TEMPERATURE_GROUP, HITS = "Ramp and hold", "Several temperatures", "Hammer
 SPECIMEN_GROUP = "Specimen"
 
 VIBRATION = "impact frf transmissibility"
-"""Kinds that are of a mass on its seals."""
+"""Kinds of vibration tests of a mass on its seals."""
 SOLIDS = "relaxation dma master-curve modulus creep fit"
-"""Kinds that are of a solid: tests of it, and its fit."""
+"""Kinds that concern a solid: its tests, and its fit."""
 
 
-def _build_keyed_option(cls: type[Any], name: str, into: str) -> list[CommandOption]:
+def _build_keyed_option(cls: type[Any], name: str, argument: str) -> list[CommandOption]:
     """Return the option of KEY=VALUE that fills fields of a dataclass."""
     keys = [field.name for field in fields(cls) if field.metadata.get("under") == name]
-    return build_options(cls, *keys, argument=into)
+    return build_options(cls, *keys, argument=argument)
 
 
 def file_argument(
     metavar: str, name: str = "files", *, multiple: bool = True, min_count: int = 1
 ) -> click.Argument:
-    """Return the argument that names what a verb reads."""
+    """Return the argument for the files that a verb reads."""
     nargs = -1 if multiple else 1
     return click.Argument([name], type=File(), nargs=nargs, required=min_count > 0, metavar=metavar)
 
@@ -64,7 +64,7 @@ def reading_options(
 ) -> list[CommandOption]:
     """Return the options for reading a file; the short help shows `common_flags`."""
     options = [
-        *_build_keyed_option(ReadOptions, "column", into="options"),
+        *_build_keyed_option(ReadOptions, "column", argument="options"),
         *build_options(
             ReadOptions,
             "units",
@@ -79,8 +79,8 @@ def reading_options(
             metavar="FILE",
             help="Settings saved by 'inspect --save'.",
         ),
-        *_build_keyed_option(ReadOptions, "text-format", into="options"),
-        *_build_keyed_option(ReadOptions, "file-part", into="options"),
+        *_build_keyed_option(ReadOptions, "text-format", argument="options"),
+        *_build_keyed_option(ReadOptions, "file-part", argument="options"),
         *build_options(
             ReadOptions,
             "rate",
@@ -218,7 +218,7 @@ def specimen_options(*, per_file: bool = False, is_advanced: bool = True) -> lis
             else build_options(Specimen, "temperature", argument="specimen")
         ),
         *build_options(Specimen, "length", "height", argument="specimen"),
-        *_build_keyed_option(Specimen, "label", into="specimen"),
+        *_build_keyed_option(Specimen, "label", argument="specimen"),
     ]
     for option in options:
         option.is_advanced = is_advanced
@@ -249,7 +249,7 @@ def get_typed_options(*groups: str, excluded: Container[str] = ()) -> list[str]:
 
 
 def get_typed_options_for(verb: str, *, excluded_flags: Container[str] = ()) -> list[str]:
-    """Return the options that were typed and that another verb takes too, as typed.
+    """Return the typed options that another verb takes as well.
 
     `excluded_flags` are flags that it is given otherwise.
     """

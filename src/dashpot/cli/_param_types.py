@@ -71,7 +71,7 @@ class Folder(File):
 class Output(File):
     """Path of an output file; ``-`` is stdout.
 
-    With `suffixes` a name that ends otherwise is refused: it would say what the file is not.
+    With `suffixes` a name that ends otherwise is refused: its message would be misleading.
     """
 
     def __init__(self, suffixes: Sequence[str] = ()) -> None:
@@ -130,7 +130,7 @@ class PlainNumber(click.ParamType[float]):
 DENSITY = PlainNumber(" of kg/m^3", "1000")
 
 DIMENSION_NAMES = {"strain": "share", "force rate": "rate"}
-"""What a dimension is called in the help, where not by its own name."""
+"""Name of a dimension in the help, if different from its own name."""
 
 
 class Range(WithUnit):
@@ -380,7 +380,7 @@ class Units(Scoped):
 
 
 def type_of(field: Field[Any]) -> click.ParamType[Any]:
-    """Return the type of what is typed for a field."""
+    """Return the click type of a field."""
     metadata = field.metadata
     if "unit" in metadata:
         kind = Range if "ends" in metadata else WithUnit

@@ -57,7 +57,7 @@ def merge_profiles(
 
 
 def _list_file_arguments(ctx: click.Context) -> list[str]:
-    """Return the files that stand as arguments of a command."""
+    """Return the files among the arguments of a command."""
     argument_names = [
         param.name for param in ctx.command.params if isinstance(param, click.Argument)
     ]
@@ -77,7 +77,7 @@ def _refuse_unmatched_patterns(ctx: click.Context, options: ReadOptions) -> None
 
 
 def _refuse_unknown_units(input_files: Sequence[str], options: ReadOptions) -> None:
-    """Refuse a unit that was given to no role, nor to a column of any file that is read.
+    """Refuse a unit for a name that is neither a role nor a column of any file.
 
     Nor is one of another dimension that of a role; a signal is in volts before it is calibrated.
     """
@@ -98,7 +98,7 @@ def _refuse_unknown_units(input_files: Sequence[str], options: ReadOptions) -> N
 
 
 def _refuse_unknown_columns(input_files: Sequence[str], options: ReadOptions) -> None:
-    """Refuse a unit of what is neither a role nor a column of a file."""
+    """Refuse a unit for a name that is neither a role nor a column of a file."""
     roles = {field.name for field in fields(ReadOptions)}
     names = options.get_units_by_name().keys() - roles
     inputs = [path for path in input_files if not is_json(path)] if names else []

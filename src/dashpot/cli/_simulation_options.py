@@ -43,7 +43,7 @@ def load_simulated_seal(name: str) -> SimulatedSeal:
 def simulate_relaxation(
     *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[Any, ...]:
-    """Return a simulated relaxation test as CSV, its truth as JSON, and what an extension adds."""
+    """Return a simulated relaxation test as CSV, its truth as JSON, and files of extensions."""
     simulated_seal, rig, climate = _build_bench(seal, choices)
     record = dp.simulation.simulate_relaxation(
         simulated_seal.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
@@ -53,7 +53,7 @@ def simulate_relaxation(
 
 
 def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
-    """Return the record of a motion as CSV, its truth as JSON, and what an extension adds."""
+    """Return the record of a motion as CSV, its truth as JSON, and files of extensions."""
     simulated_seal, rig, climate = _build_bench(seal, choices)
     with explain_unclear_file(follow):
         commanded_motion = dp.files.read_trajectory(follow)
@@ -69,7 +69,7 @@ def simulate_trajectory(*, seal: str, follow: str, **choices: Any) -> tuple[Any,
 
 @contextmanager
 def explain_unclear_file(path: str) -> Iterator[None]:
-    """Context manager that adds to the error of an unclear file what its header needs."""
+    """Context manager that adds the required header to the error of an unclear file."""
     try:
         yield
     except ReadError as error:
@@ -83,7 +83,7 @@ def explain_unclear_file(path: str) -> Iterator[None]:
 
 
 def _build_bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
-    """Return the seal, the rig and its climate that were asked for."""
+    """Return the seal, the rig and its climate that were requested."""
     options = {name: choices.get(name) for name in ("rate", "softening", "warming")}
     simulated_seal, rig, climate = _build_instrument(dp.simulation.Rig(), seal, choices, options)
     if choices.get("friction"):
@@ -92,7 +92,7 @@ def _build_bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any
 
 
 def _serialise_record(record: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
-    """Return record and truth as text, and what an extension adds that was asked for."""
+    """Return record and ground truth as text, and the requested additions of extensions."""
     option = next((name for name in list_names("simulated record") if choices.get(name)), None)
     if option is not None:
         texts: tuple[Any, ...] = require_handler("simulated record", option)(record, choices)
@@ -144,7 +144,7 @@ def simulate_impact(
 def _build_instrument(
     instrument: Any, seal: str, choices: dict[str, Any], options: dict[str, Any]
 ) -> tuple[SimulatedSeal, Any, Any]:
-    """Return the seal, the instrument with what was said of it, and where the test is made."""
+    """Return the seal, the instrument with the stated properties, and the climate."""
     simulated_seal = load_simulated_seal(seal)
     settings = {name: value for name, value in options.items() if value is not None}
     # what was asked for by name is there in any case
@@ -156,7 +156,7 @@ def _build_instrument(
 def _build_climate(
     seal: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None
 ) -> Any:
-    """Return where the test is made, by the seal's own law unless another is given."""
+    """Return the climate of the test, with the seal's own law unless another is given."""
     if temperature is None:
         if law is not None:
             raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")

@@ -27,7 +27,7 @@ PROGRESS_DELAY, PROGRESS_PERIOD = 1.0, 0.25
 MIN_SCREEN = ScreenSize(60, 20)
 """A screen that is smaller scrolls."""
 OTHER_LINES = 4
-"""Lines that are left for what was recognised and written, and for what comes next."""
+"""Lines reserved for the recognised kinds, the written files and the next commands."""
 
 
 def get_screen_size() -> ScreenSize:
@@ -43,7 +43,7 @@ def get_screen_size() -> ScreenSize:
 
 @contextmanager
 def show_progress() -> Iterator[None]:
-    """Show on stderr, if that is a terminal, what takes longer than a second."""
+    """Show progress on stderr, if that is a terminal, of work longer than a second."""
     if not getattr(sys.stderr, "isatty", bool)():  # None where it is closed
         yield
         return
@@ -61,7 +61,7 @@ def show_progress() -> Iterator[None]:
 
 
 def _display_progress(current_task: list[str], is_over: threading.Event, start: float) -> None:
-    """Write what is being done and for how long, over itself, and wipe it at the end."""
+    """Show the current step and its duration in one line, and erase it at the end."""
     if is_over.wait(PROGRESS_DELAY):
         return
     while not is_over.wait(PROGRESS_PERIOD):
@@ -100,6 +100,6 @@ def _print_text(text: str, *, err: bool) -> None:
 
 
 def _get_colour_choice() -> bool | None:
-    """Return False where no colour is wanted, None where click may ask the terminal."""
+    """Return False if colour is switched off, None if click decides by the terminal."""
     is_colourless = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
     return False if is_colourless else None

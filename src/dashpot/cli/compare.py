@@ -85,7 +85,7 @@ def command(*, files: tuple[str, ...], **arguments: Any) -> CommandResult:
 
 
 def _format_no_pair(kinds: Mapping[str, str]) -> str:
-    """Return why files of these kinds are not compared, and what is."""
+    """Return why files of these kinds are not compared, and the kinds that are."""
     first, *others = kinds
     text = "; ".join(f"{path} is {get_kind_label(kind)}" for path, kind in kinds.items())
     message = f"{text}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
@@ -151,7 +151,7 @@ def _compare_prediction(
 
 
 def _find_test_path(name: str, paths: Sequence[str]) -> str:
-    """Return the path of a fitted file: here, beside the files that were given, or in FOLDER."""
+    """Return the path of a fitted file: here, next to the given files, or in FOLDER."""
     candidates = (Path(name), *(Path(path).parent / name for path in paths))
     return str(next((path for path in candidates if path.is_file()), Path("FOLDER", name)))
 

@@ -44,7 +44,7 @@ _ELASTIC_LAWS = (*get_choice_values(RampLawOption), "by-depth")
 
 
 def _detect_kinds(files: Sequence[str]) -> Mapping[str, str]:
-    """Return the kinds of files, for the help of each; empty where one is not recognised."""
+    """Return the kinds of files, for the help of each; empty if one is not recognised."""
     with suppress(DashpotError, click.ClickException):
         return get_file_kinds(detect_file_kinds(files, ReadOptions()), ReadOptions())
     return {}

@@ -44,7 +44,7 @@ class FitRequest:
     ----------
     files : tuple of str
     kinds : mapping of str to str
-        What each file was taken for.
+        Detected kind of each file.
     stated_options : mapping
         The options by name, in SI.
     """
@@ -56,7 +56,7 @@ class FitRequest:
     def __getitem__(self, name: str) -> Any:
         return self.stated_options[name]
 
-    def some(self, *names: str) -> dict[str, Any]:
+    def select_options(self, *names: str) -> dict[str, Any]:
         """Return these options by name."""
         return {name: self.stated_options[name] for name in names}
 
@@ -82,7 +82,7 @@ class FitRequest:
 
     @property
     def mass(self) -> float | None:
-        """The one mass that was given, kg."""
+        """The one given mass, kg."""
         masses = self.stated_options["mass"]
         if len(masses) > 1:
             raise click.UsageError(
@@ -152,17 +152,17 @@ class FitRequest:
         )
 
     def draw(self, figure: Any) -> None:
-        """Draw the figure that a function makes, if it was asked for."""
+        """Draw the figure that a function makes, if requested."""
         if self.stated_options["picture"]:
             write_figure(self.stated_options["picture"], figure())
 
     @property
     def page(self) -> bool:
-        """Whether the result goes to a page."""
+        """Whether the result is written to a page."""
         return bool(self.output) and str(self.output).lower().endswith(PAGE_SUFFIXES)
 
-    def keep(self, result: Any, **figures: Any) -> None:
-        """Write what is kept of a result, or its page, if it was asked for.
+    def save(self, result: Any, **figures: Any) -> None:
+        """Write the result as JSON, or as a page, if requested.
 
         `figures` are what the page may show beside the result's own, each made when it is needed.
         """
@@ -179,12 +179,12 @@ class FitRequest:
     ) -> CommandResult:
         """Draw and save a result as requested, and return its output."""
         self.draw(figure or result.plot)
-        self.keep(result)
+        self.save(result)
         return CommandResult.from_result(result, next_command=next_command)
 
     @property
     def result_path(self) -> str:
-        """The file that the result can be read back from; empty where there is none."""
+        """The file that the result can be read back from; empty if there is none."""
         return "" if self.output in {None, "-"} or self.page else str(self.output)
 
     def get_option_words(self, *excluded: str) -> list[str]:
@@ -205,13 +205,13 @@ def run_bench_tests(request: FitRequest) -> CommandResult:
         law="auto" if elastic == "by-depth" else elastic,
         family=request.model(FamilyOption, "maxwell"),
         options=request.reading,
-        **request.some("arms", "method", "thorough", "filter", "time_limits", "machine", "specimen",
-                     "temperatures", "shifting"),
+        **request.select_options("arms", "method", "thorough", "filter", "time_limits", "machine",
+                     "specimen", "temperatures", "shifting"),
     )  # fmt: skip
     request.draw(lambda: _draw_bench_tests(fit, records))
     if request["save_shifts"]:
         write_output(request["save_shifts"], format_shift_table(fit))
-    request.keep(fit, **_make_bench_figures(fit, records))
+    request.save(fit, **_make_bench_figures(fit, records))
     return CommandResult(
         fit,
         results.render_fit(fit, requested_arms=request["arms"]),
@@ -284,11 +284,11 @@ def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
 
 
 def run_generic_kind(request: FitRequest) -> CommandResult:
-    """Fit the files as the row of their kind says."""
+    """Fit the files by the function of their kind."""
     row = KINDS[request.kinds[request.files[0]]]
     request.check_output_suffix(".json", result_name="this fit")
     result = load_object(row.fit)(
-        request.files, options=request.reading, **request.some(*row.fit_options)
+        request.files, options=request.reading, **request.select_options(*row.fit_options)
     )
     next_command = (
         request.result_path if word == "FILE" else word for word in row.next_command.split()
@@ -318,7 +318,7 @@ def run_hits(request: FitRequest) -> CommandResult:
     if reason:
         to_stderr(f"no mode: {reason}")
     if request.page:
-        request.keep(result)
+        request.save(result)
     elif request.output:
         write_frf(result, result.frf, request.output)
     request.draw(
@@ -372,7 +372,7 @@ def run_joint(request: FitRequest) -> CommandResult:
         )
     result = workflow.identify_files(
         vibration_files,
-        BlockOnSeals(request.mass, **request.some("seals", "seal_mass", "compression")),
+        BlockOnSeals(request.mass, **request.select_options("seals", "seal_mass", "compression")),
         fits=[workflow.read_fit(path) for path in fits],
         tests=[path for path in other_files if path not in fits],
         options=read_options.drop_fields(read_options.bench_fields),
@@ -381,10 +381,10 @@ def run_joint(request: FitRequest) -> CommandResult:
         seals_assumed="--seals" not in request.get_option_words(),
         bench=BenchFitOptions(
             law=request["elastic"],
-            **request.some("method", "time_limits", "filter", "thorough", "shifting", "machine",
-                         "specimen"),
+            **request.select_options("method", "time_limits", "filter", "thorough", "shifting",
+                         "machine", "specimen"),
         ),
-        **request.some("rig", "impact_temperature", "arms",
+        **request.select_options("rig", "impact_temperature", "arms",
                      "known", "band", "temperatures", "hammer"),
     )  # fmt: skip
     request.draw(lambda: dp.plot.stiffness(result.fit))
@@ -399,7 +399,7 @@ def run_joint(request: FitRequest) -> CommandResult:
             )
         write_frf(result.vibration, result.vibration.frf, request.output)
     else:
-        request.keep(result)
+        request.save(result)
     return CommandResult.from_result(
         result, next_command=_format_joint_next_steps(request, result.fit)
     )

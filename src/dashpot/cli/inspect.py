@@ -1,4 +1,4 @@
-"""dashpot inspect: what is in a file."""
+"""dashpot inspect: the contents of a file."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ some files alone.""",
 def command(
     *, files: tuple[str, ...], save: str | None, plugins: bool, options: ReadOptions
 ) -> CommandResult:
-    """Inspect files, and keep what was said of them; or list the plug-ins."""
+    """Inspect files, and save the stated options as a profile; or list the plug-ins."""
     if plugins:
         if files:
             raise click.UsageError("--plugins lists packages and inspects no file. Leave one out.")
@@ -103,7 +103,7 @@ def _list_plugins() -> CommandResult:
         for plugin in installed.plugins
     ]
     lines = table(rows, align_left=True) if installed.plugins else []
-    lines += [f"{sentence}." for sentence in installed.refused or ()]
+    lines += [f"{sentence}." for sentence in installed.refusals or ()]
     return CommandResult(installed, Text(lines or ["no plug-in is installed"]))
 
 
@@ -126,7 +126,7 @@ def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
 def _format_inspection(inspection: InspectedFile, shown_path: str = "") -> list[str]:
     """Return the kind of a file, its open questions and its test; briefly for one of several.
 
-    Of those the first question alone is shown, with the path by which the rest are asked for.
+    Only the first question is shown, with the path that shows the others.
     """
     question_lines = [f"  ASK       {question.message}" for question in inspection.questions]
     if shown_path and question_lines[1:]:

@@ -1,4 +1,4 @@
-"""dashpot plan: what a test can and cannot show, before it is run."""
+"""dashpot plan: the quantities a test can determine, before it is run."""
 
 from __future__ import annotations
 

@@ -234,7 +234,7 @@ def is_page_output(output: str | None) -> bool:
 
 
 _OTHER_PREDICTIONS = list_names("predict with option")
-"""Options that predict something else than vibration."""
+"""Options of predictions other than vibration."""
 
 
 def _predict_with_option(name: str, path: str, arguments: dict[str, Any]) -> CommandResult:

@@ -173,7 +173,7 @@ def command(
 
 
 def _refuse_other_kinds(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
-    """Refuse what no page of a seal is about."""
+    """Refuse files that no page of a seal can show."""
     from dashpot.reading.columns.file_kinds import get_kind_command
 
     for path, kind in kinds.items():
@@ -243,13 +243,13 @@ def _write_loop_page(
 
 
 _MASS_FLAGS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "--relative")
-"""What is said of the mass on the seals, where the relaxation tests alone are fitted."""
+"""Options of the mass on the seals, if only the relaxation tests are fitted."""
 
 
 def _format_next_command(files: Sequence[str], job: Job, study: Study) -> str:
-    """Return the command that keeps the solid which the report ends with.
+    """Return the command that saves the recommended solid of the report.
 
-    It repeats every option that decided over that solid; nothing is returned where no fit does.
+    It repeats every option that decided over that solid; None if there is no usable fit.
     """
     remark = "keeps the model for export"
     if study.joint is not None and study.mass is not None:

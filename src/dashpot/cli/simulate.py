@@ -40,7 +40,7 @@ class Simulated(Serialisable):
 
 
 _RECORD_OPTIONS = call_handler("options", "simulate", default=())
-"""What extensions ask of the record of the rig."""
+"""Options of extensions for the record of the rig."""
 
 
 @verb(
@@ -173,13 +173,15 @@ def command(*, what: str, output: str, **choices: Any) -> CommandResult:
 _RIG_OPTIONS = ("softening", "warming", "friction", *(option.name for option in _RECORD_OPTIONS))
 
 
-def _refuse_inapplicable_options(what: str, choices: dict[str, Any]) -> None:
-    """Refuse what the test asked for would not heed."""
-    if (what == "motion") != bool(choices["follow"]):
+def _refuse_inapplicable_options(test_kind: str, choices: dict[str, Any]) -> None:
+    """Refuse options that the requested test does not use."""
+    if (test_kind == "motion") != bool(choices["follow"]):
         raise DataError(
             "a motion is replayed by 'dashpot simulate motion --follow FILE', with time and "
             "displacement in FILE"
         )
     for option_name in _RIG_OPTIONS:
-        if choices[option_name] and what not in ("relaxation", "motion"):
-            raise DataError(f"--{option_name} is for a relaxation test or a motion, not for {what}")
+        if choices[option_name] and test_kind not in ("relaxation", "motion"):
+            raise DataError(
+                f"--{option_name} is for a relaxation test or a motion, not for {test_kind}"
+            )

@@ -233,7 +233,7 @@ class EndOfHold(Serialisable):
         )
 
     def __mul__(self, count: float) -> EndOfHold:
-        """Return the limits of so many parts in parallel."""
+        """Return the limits of `count` parts in parallel."""
 
         def scale_ends(pair: tuple[float, float]) -> tuple[float, float]:
             return count * pair[0], count * pair[1]
@@ -249,10 +249,7 @@ class EndOfHold(Serialisable):
 
 
 def _widen_to_contain(limits: tuple[float, float], value: float) -> tuple[float, float]:
-    """Return limits that hold a value, where there are any.
-
-    One beyond a limit lies inside by as much: the two differ by no less than either is known.
-    """
+    """Return limits widened to contain a value that lies beyond one, by as much again."""
     low, high = limits
     return limits if math.isnan(low) else (min(low, 2 * value - low), max(high, 2 * value - high))
 
@@ -278,7 +275,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
     loss_factor : array, shape (2, n)
         Lowest and highest loss factor, dimensionless.
     message : str
-        What the limits hold for, in one sentence.
+        Conditions of the limits, in one sentence.
     """
 
     _keys = (EVERY_FIELD, "message")
@@ -384,8 +381,8 @@ class BandError(Serialisable):
     stiffness, loss_factor : tuple of float
         One a line; infinite where nothing limits it.
     misfit : (float, float)
-        The largest relative errors of stiffness and of loss factor at the record's own lines in
-        the band; 0 of a record that has none.
+        The largest relative errors of stiffness and of loss factor at the record's own lines in the
+        band; 0 of a record without one.
     """
 
     _keys = ("frequency", "stiffness", "loss_factor", "misfit")

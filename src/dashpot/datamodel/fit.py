@@ -239,7 +239,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
         ------
         DataError
             If the fit is of one temperature and this is another, if it is less than 10 K above
-            the glass transition that a WLF law implies, or where the law says nothing.
+            the glass transition that a WLF law implies, or where the law is not valid.
         """
         kelvin = convert_to_si(temperature, "temperature")
         require_positive(temperature=kelvin, unit=" K")
@@ -312,8 +312,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
     ) -> EndOfHold | None:
         """Return limits at the end of the test as they are at another temperature, K.
 
-        They are of a time that is a_T as long. What shifts and their law add to the errors of the
-        stiffness there widens them.
+        They refer to a time that is a_T times as long. They are widened by the errors of shifts and
+        their law in the stiffness there.
         """
         if end is None or self.temperatures is None:
             return None
@@ -354,8 +354,8 @@ class Fit(EqualByValue, Plottable, Serialisable):
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
 
         No test bounds k_inf from below, so it has no standard error (nan) but where it was given:
-        :meth:`intervals` has what it is at most. Of a fractional solid, those of the arms that
-        stand for it follow from its own four. Of relaxation tests they hold what their rigs may
+        :meth:`intervals` has its upper limit. For a fractional solid, the values of its equivalent
+        arms follow from its own four parameters. Of relaxation tests they hold what their rigs may
         have done unseen; without it they are those of `estimate.noise_only`.
         """
         errors = self._arm_estimate.standard_errors(self.model)
@@ -464,7 +464,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
 
     @property
     def _fitted_mass(self) -> float | None:
-        """The mass that was fitted too, kg."""
+        """The fitted mass, kg."""
         if self.evidence.has_unexplained_discrepancy:
             return None
         masses = (item.value for item in self.estimate.nuisance if item.name == "mass")
@@ -554,7 +554,7 @@ class Fit(EqualByValue, Plottable, Serialisable):
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.
 
-        What belongs to the fitted record alone (orders, certificate, nuisances) stays behind.
+        Orders, certificate and nuisances, which describe only the fitted record, are dropped.
         """
         length = None if self.specimen.length is None else count * self.specimen.length
         step = Step(
@@ -679,7 +679,7 @@ def get_model_label(fit: Fit) -> str:
 
 
 def get_fewest_arms_model(fit: Fit) -> GeneralizedMaxwell:
-    """Return the fewest arms that stand for the data: of a fractional model, of its alternative.
+    """Return the model of the fit; of a fractional one, the alternative with few arms.
 
     They weigh a record as well as the many that stand for the fractional model itself.
     """
@@ -697,16 +697,16 @@ def get_temperature_law(fit: Fit) -> TemperatureLaw | None:
 def get_error_label(fit: Fit) -> str:
     """Return the label of the errors of shifts and of their law.
 
-    Rigs may have done more than these errors hold.
+    Errors of the rigs may be larger than these.
     """
     return "± SE" if fit.estimate.noise_covariance is None else "± noise"
 
 
 def list_undetermined_times(fit: Fit) -> tuple[float, ...]:
-    """Return relaxation times, s, of the arms that the data ask for and cannot place.
+    """Return relaxation times, s, of arms that the data require but do not determine.
 
-    Such an arm corrects the others: its own k or tau is hardly known. None are listed of a fit
-    whose parameters are identified.
+    Such an arm only corrects the others: its own k or tau is hardly determined. None are listed of
+    a fit whose parameters are identified.
     """
     arms = fit.model.arms
     if fit.status is not Status.NOT_IDENTIFIED or len(fit.estimate.parameters) < 1 + 2 * arms:
@@ -751,12 +751,12 @@ def list_reported_nuisances(fit: Fit) -> tuple[Nuisance, ...]:
 
 
 def get_fitted_mass(fit: Fit) -> float | None:
-    """Return the mass that was fitted too, kg."""
+    """Return the fitted mass, kg."""
     return fit._fitted_mass
 
 
 def get_hammer_stiffness_factor(fit: Fit) -> float:
-    """Return the stiffness of a seal under the hammer over its own, if that explains two tests."""
+    """Return the stiffness ratio of a seal under the hammer, if it explains both tests."""
     is_nonlinear = fit.elastic_law is not None and fit.elastic_law.kind != "linear"
     if is_nonlinear or not any(
         explanation.is_sufficient for explanation in fit.evidence.explanations[:1]
@@ -767,7 +767,7 @@ def get_hammer_stiffness_factor(fit: Fit) -> float:
 
 
 def add_checks(fit: Fit, checks: Iterable[Check]) -> Fit:
-    """Return the fit with these checks beside its own, each once."""
+    """Return the fit with additional checks, each once."""
     all_checks = tuple(dict.fromkeys((*fit.checks, *checks)))
     if all_checks == fit.checks:
         return fit

@@ -32,14 +32,14 @@ class Alternative(Serialisable):
     ----------
     solid : Solid
     bic : float
-        Its Bayesian criterion less that of the fit's own solid.
+        Its Bayesian information criterion less that of the selected solid.
     is_sufficient : bool
-        Chance may leave as much as is between the residuals of the two.
+        The difference of the residuals may be due to chance.
     differs_from_hz : float or None
-        From which frequency on the two differ by more than data of this kind are worth, Hz;
-        None if nowhere that a part vibrates.
+        Frequency above which the two differ by more than the accuracy of such data, Hz; None if
+        they agree wherever a part vibrates.
     message : str
-        What the two predict there, and what would distinguish them.
+        Predictions of both there, and the test that would distinguish them.
     """
 
     _keys = (
@@ -77,8 +77,8 @@ class OrderScore:
     bic : float
         Bayesian information criterion with the effective sample size; differences count.
     significant : bool
-        Every arm has k > 3 SE and SE(ln tau) < 0.5. Where the noise was as slow as the arms:
-        chance does not explain what the last arm takes off the deviance.
+        Every arm has k > 3 SE and SE(ln tau) < 0.5. Where the noise was as slow as the arms: the
+        last arm lowers the deviance by more than chance.
     model : GeneralizedMaxwell
         The best solid with this many arms.
     """
@@ -128,7 +128,7 @@ class ParameterChange:
         With it.
     unit : str
     before_most, after_most : float or None
-        What it is at most, of k_inf, which no test bounds from below and which has no error.
+        Upper limit of k_inf, which no test bounds from below and which has no standard error.
     """
 
     name: str
@@ -158,7 +158,7 @@ class ParameterChange:
 
     @property
     def shift(self) -> float | None:
-        """Change in units of the former standard error; None where there is none."""
+        """Change in units of the former standard error; None if there is none."""
         if self.before is None or not self.before_se or not np.isfinite(self.before_se):
             return None
         return (self.after - self.before) / self.before_se
@@ -175,16 +175,16 @@ class Explanation(Serialisable):
         their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force; or one of
         the last two with a stiffness: ``"mass and stiffness"``.
     value, standard_error : float
-        What it would have to be.
+        The value that explains both tests.
     unit : str
     relative_deviation : float
-        That over what it was supposed to be, less one.
+        Relative deviation from the stated value.
     deviance_fall : float
-        How much lower chi-square then is.
+        Decrease of chi-square.
     is_sufficient : bool
-        Nothing else is then beyond what is known.
+        With this value every other quantity agrees with its prior.
     message : str
-        With its value only where it explains both tests best: one quantity has one value.
+        With its value only if it explains both tests best: one quantity has one value.
     """
 
     _keys = (
@@ -214,7 +214,7 @@ class DepthStiffness:
     depth : float
         Compression held, m.
     k_inf, k_inf_most : float
-        Secant equilibrium stiffness at this depth, N/m, and what it is at most, at 95 %.
+        Secant equilibrium stiffness at this depth, N/m, and its upper 95 % limit.
     k, k_se : tuple of float
         Arm stiffnesses at this depth, N/m, in the order of the model's arms.
     """
@@ -226,7 +226,7 @@ class DepthStiffness:
     k_se: tuple[float, ...]
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
-        """Each stiffness with its error; an arm that is nothing here is one of other depths."""
+        """Each stiffness with its error; an arm of zero stiffness belongs to other depths."""
         equilibrium_value = ReportedValue("k_inf", self.k_inf, high=self.k_inf_most, unit=unit)
         names = (f"k_{j}" for j in range(1, len(self.k) + 1))
         pairs = zip(names, self.k, self.k_se, strict=True)
@@ -242,7 +242,7 @@ class Evidence:
     Attributes
     ----------
     band : (float, float)
-        The frequencies this test can inform, Hz.
+        The valid band: the frequencies at which the test determines the model, Hz.
     orders : tuple of OrderScore
         The numbers of arms that were tried.
     certificate : Certificate or None
@@ -251,15 +251,15 @@ class Evidence:
         One per test where each has its own stiffnesses (``fit_depths``), shallowest
         first; the fit's solid is then the deepest test's.
     parameter_changes : tuple of ParameterChange
-        What a further test changed, where there was an earlier fit.
+        Changes of an earlier fit's parameters by a further test.
     explanations : tuple of Explanation
         Explanations of two tests that disagree, the best first.
     end_of_hold : EndOfHold or None
-        What tests know of the stiffness when they end, and of where it ends.
+        Limits of the stiffness at the end of the test, and of the equilibrium stiffness.
     creep : CreepEstimate or None
         The compliances and retardation times that were fitted to a creep test.
     alternative : Alternative or None
-        The best solid of the other family, where both were fitted.
+        The best solid of the other family, if both were fitted.
     band_error : BandError or None
         How well stiffness and loss factor are known in the band, over all spectra that the test
         does not reject; None where that was not asked.

@@ -67,7 +67,7 @@ UNITS = {
     Kind.RELATIVE_TRANSMISSIBILITY: "m/m",
 }
 
-# a line whose random error is larger than this part of its value says nothing about a peak
+# relative random error above which a line does not determine a peak
 MAX_LINE_ERROR = 0.5
 # noise cannot be estimated from fewer quiet lines
 MIN_QUIET_LINES = 5
@@ -89,7 +89,7 @@ class Hit:
         When it struck, s on the clock of its record.
     accepted : bool
     reasons : tuple of str
-        Why it was rejected, or what is doubtful about it, one sentence each.
+        Reasons for its rejection or for doubt, one sentence each.
     peak : float
         Largest force, N.
     duration : float
@@ -97,7 +97,7 @@ class Hit:
     frequency, damping_ratio, modal_mass : float or None
         Resonance of the ringing after this hit alone, Hz, 1 and kg; None where not determined.
     amplitude : float or None
-        Displacement with which that ringing begins, m.
+        Initial displacement of that ringing, m.
     """
 
     name: str
@@ -148,7 +148,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
     checks, source, steps
         As in a fit.
     units : str
-        Units of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
+        Units of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Stored in SI.
 
     Examples
     --------
@@ -332,8 +332,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         ----------
         kind : Kind or str
         mass : float, optional
-            kg; between a motion over a base and one per force. What follows is as well known as the
-            mass.
+            kg; between a motion over a base and one per force. Results are as accurate as the mass.
 
         Raises
         ------
@@ -464,7 +463,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         band : (float, float), optional
             Hz; by default two octaves to either side of the highest peak of the receptance.
         count : int, optional
-            Exactly this many modes (``"rational"`` only); by default those that matter.
+            Exactly this many modes (``"rational"`` only); by default the significant ones.
 
         Returns
         -------

@@ -103,9 +103,9 @@ DEFAULT_UNCERTAINTIES: Mapping[str, DefaultUncertainty] = MappingProxyType({
         3e-3, "of the mass", "half of a cable of 1 g, wax and a stud, on 100 to 200 g"
     ),
 })  # fmt: skip
-"""One standard deviation each of what limits take into account, and no fitted value does.
+"""One standard deviation of each effect that limits include and fitted values do not.
 
-The table of a machine that nobody has described; what `Machine` names takes its place.
+The table of a machine that nobody has described; the values of `Machine` replace it.
 """
 
 
@@ -139,27 +139,27 @@ class MachineCalibration(Serialisable):
 class Machine(Serialisable):
     r"""Test machine: properties that its records show badly or not at all.
 
-    A value that is None is unknown; `DEFAULT_UNCERTAINTIES` then applies.
+    None is an unknown value; `DEFAULT_UNCERTAINTIES` then applies.
 
     Attributes
     ----------
     sync : float or None
-        Standard deviation of the delay between the clocks of force and displacement, s; where
-        nothing is said, one sample at least.
+        Standard deviation of the delay between the clocks of force and displacement, s; by default
+        at least one sample.
     drift : float or None
         Standard deviation of the drift of the load cell, N/s, as its data sheet gives it.
     compliance : float or None
         Compliance of machine and load cell, m/N: the seal is compressed by :math:`x - C F`; 0 if
         the displacement is measured at the seal.
     creep : float or None
-        Standard deviation of what its crosshead settles by in a factor e of time after its stop,
-        m, where no reading shows it.
+        Standard deviation of the settling of its crosshead per factor e of time after the stop, m,
+        where no reading shows it.
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
     rest : float or None
-        Time for which the seal was left alone before its record began, s.
+        Time without load before the record began, s.
     oven : float or None
-        Standard deviation of the temperature of an oven from what it says, K.
+        Standard deviation of the true temperature of an oven from its reading, K.
     cable : float or None
         In a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
         over that of the seals at the resonance; 0 if they hang free.
@@ -214,7 +214,7 @@ class Machine(Serialisable):
         return self if self.cable is None else replace(self, cable=None)
 
     def refuse_unused(self, *names: str, subject: str) -> None:
-        """Refuse what is said of the machine and a test of another kind does not heed.
+        """Refuse stated properties of the machine that a test of this kind does not use.
 
         Raises
         ------
@@ -240,7 +240,7 @@ class Machine(Serialisable):
         return max(_CLOCK_TOLERANCE * sample, self.sync, filtered)
 
     def give_sd(self, depth: float, peak: float) -> float:
-        """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
+        """Standard deviation of its unstated deflection under the `peak` of the force, N, in m."""
         if self.compliance is None:
             return DEFAULT_UNCERTAINTIES["give"].size * depth
         calibration = self.calibration
@@ -249,7 +249,7 @@ class Machine(Serialisable):
         return DEFAULT_UNCERTAINTIES["give, named"].size * self.compliance * peak
 
     def creep_sd(self, depth: float) -> float:
-        """Return standard deviation of what its crosshead settles by in a factor e of time, m."""
+        """Return the standard deviation of the crosshead's settling per factor e of time, m."""
         return DEFAULT_UNCERTAINTIES["crosshead"].size * depth if self.creep is None else self.creep
 
     @property
@@ -260,8 +260,8 @@ class Machine(Serialisable):
     def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
         r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
 
-        Over a record of `duration` T, s, it may drift by :math:`3.5 \cdot 10^{-3} F_e`: what a fit
-        is bound to. A limit bears more. With the `noise` of the force s, N, that is
+        Over a record of `duration` T, s, it may drift by :math:`3.5 \cdot 10^{-3} F_e`: the bounds
+        of a fit. A limit includes more. With the `noise` of the force s, N, that is
 
         .. math:: \max\Bigl(3.5 \cdot 10^{-3} F_e/T,\
                   \sqrt{(2.4 \cdot 10^{-4} F_e)^2 + (0.1\,s)^2}\,/\sqrt{1 + T/120\,\mathrm s}\Bigr)

@@ -1,16 +1,15 @@
 r"""Standard errors and confidence intervals of fitted parameters.
 
-The rows of the covariance are k in N/m and ln tau; what people read follows by the delta method:
+The rows of the covariance are k in N/m and ln tau; the reported values follow by the delta method:
 
 .. math:: \mathrm{SE}(\tau) = \tau\,\mathrm{SE}(\ln\tau), \qquad
           \mathrm{Var}(\ln b) = \frac{\mathrm{Var}(k)}{k^2} + \frac{2\,\mathrm{Cov}(k, \ln\tau)}{k}
                               + \mathrm{Var}(\ln\tau), \quad b = k\tau
 
 Intervals are Student's, symmetric in k and in ln tau (so tau > 0 always). Where a profile
-likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and
-an end that the data leave open is open. What a rig may have done without a trace no deviance
-shows: its part
-of the covariance lengthens either side of a profile by the root of the sum of squares.
+likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and an
+end that the data leave open is open. The deviance does not include undetected effects of a rig: its
+part of the covariance lengthens either side of a profile by the root of the sum of squares.
 """
 
 from __future__ import annotations
@@ -144,24 +143,24 @@ class Nuisance:
     @property
     def fact(self) -> ReportedValue:
         """Reported value, as every table shows it."""
-        unit, read = self.unit, get_display_unit(self.unit, prefers_small=True)
+        unit, display_unit = self.unit, get_display_unit(self.unit, prefers_small=True)
         return ReportedValue.from_error(
-            self.name, self.value, self.standard_error, unit=unit, read=read
+            self.name, self.value, self.standard_error, unit=unit, read=display_unit
         )
 
 
 class _SolidParameter(NamedTuple):
-    """A parameter of a solid and the standard error of what was fitted: itself, or its ln."""
+    """Parameter of a solid, with the standard error of the fitted value or of its logarithm."""
 
     name: str
     value: float
     error: float
-    log: bool = False
-    most: float = inf
+    is_logarithmic: bool = False
+    upper_limit: float = inf
 
     @property
     def standard_error(self) -> float:
-        return self.value * self.error if self.log else self.error
+        return self.value * self.error if self.is_logarithmic else self.error
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +211,7 @@ class ParameterEstimate(EqualByValue):
 
     @property
     def noise_only(self) -> ParameterEstimate:
-        """Estimate with the errors by noise alone, without those of the rig."""
+        """Estimate with the errors due to noise only, without those of the rig."""
         if self.noise_covariance is None:
             return self
         return replace(self, covariance=self.noise_covariance, noise_covariance=None)
@@ -338,14 +337,14 @@ class ParameterEstimate(EqualByValue):
         yield _SolidParameter("k_inf", solid.k_inf, self._error("k_inf"))
         if isinstance(solid, FractionalZener):
             yield _SolidParameter("k_0", solid.k_0, self._error("k_0"))
-            yield _SolidParameter("tau", solid.tau, self._error("ln_tau"), log=True)
-            yield _SolidParameter("alpha", solid.alpha, self._error("alpha"), most=1.0)
+            yield _SolidParameter("tau", solid.tau, self._error("ln_tau"), is_logarithmic=True)
+            yield _SolidParameter("alpha", solid.alpha, self._error("alpha"), upper_limit=1.0)
             return
         model = solid.maxwell
         for j, (k, tau, b) in enumerate(zip(model.k, model.tau, model.arm_b, strict=True), start=1):
             yield _SolidParameter(f"k_{j}", k, self._error(f"k_{j}"))
-            yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
-            yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
+            yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), is_logarithmic=True)
+            yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), is_logarithmic=True)
 
     def confidence_limits(self, solid: Solid, level: float) -> dict[str, Interval]:
         """Intervals at `level` of the parameters of `solid` by their names, SI units.
@@ -360,10 +359,10 @@ class ParameterEstimate(EqualByValue):
         noise = {row.name: row.error for row in self.noise_only._rows(solid)}
         entries = {}
         for row in self._rows(solid):
-            profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
+            profile = profiles.get(f"ln_{row.name}" if row.is_logarithmic else row.name)
             if profile is None:
                 half_width = quantile * row.error if isfinite(row.error) else inf
-                estimate = float(np.log(row.value)) if row.log else row.value
+                estimate = float(np.log(row.value)) if row.is_logarithmic else row.value
                 low, high = estimate - half_width, estimate + half_width
             else:
                 low, high = profile_interval(profile, deviance_limit=quantile**2)
@@ -374,7 +373,11 @@ class ParameterEstimate(EqualByValue):
                         estimate - hypot(estimate - low, extra_half_width),
                         estimate + hypot(high - estimate, extra_half_width),
                     )
-            limits = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
+            limits = (
+                (_exp(low), _exp(high))
+                if row.is_logarithmic
+                else (max(low, 0.0), min(high, row.upper_limit))
+            )
             entries[row.name] = limits
         return entries
 
@@ -390,7 +393,7 @@ class ParameterEstimate(EqualByValue):
     def _error(self, name: str) -> float:
         """Return standard error of one row; 0 for a parameter that was held fixed.
 
-        Where no parameter has a row, nothing was held: nothing is known of any.
+        Without rows of the parameters the covariance does not include them.
         """
         if not self.parameters:
             return inf
@@ -443,7 +446,7 @@ class CreepEstimate(FrozenArrays):
         return scale * sqrt(max(float(self.covariance[index, index]), 0.0))
 
     def list_values(self, unit: str) -> tuple[ReportedValue, ...]:
-        """Return the compliances, in `unit`, and times of a solid, and its flow where it flows."""
+        """Return the compliances, in `unit`, the times and any flow of a solid."""
         spectrum, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
         rows = [("glass", spectrum.glass, unit)]
         for j, d, lam in zip(numbers, spectrum.d, spectrum.lam, strict=True):
@@ -451,8 +454,8 @@ class CreepEstimate(FrozenArrays):
         if spectrum.flow > 0:
             rows.append(("flow", spectrum.flow, f"{unit} per s"))
         return tuple(
-            ReportedValue(name, value, unit=of_it, error=self.standard_error(name))
-            for name, value, of_it in rows
+            ReportedValue(name, value, unit=error, error=self.standard_error(name))
+            for name, value, error in rows
         )
 
 

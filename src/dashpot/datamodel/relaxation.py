@@ -35,7 +35,7 @@ from dashpot.numerics.design_matrices.data_compression import uniform_step
 # a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
 SETTLED_DISTANCE = 0.002
 SETTLING_SHARE = 0.2
-# motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
+# largest motion in a hold, relative to the depth, for a fit of the hold alone
 MAX_CREEP = 0.01
 # samples of a free seal that show the zero of its force
 MIN_UNLOADED_SAMPLES = 5
@@ -57,7 +57,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
     ) -> RampHold:
         """Cut, tare and judge the test, as :func:`~dashpot.preprocessing.prepare.prepare` does.
 
-        A fit does so by itself; the arguments replace what it finds.
+        A fit does so by itself; the arguments replace the detected values.
         """
         ramp_hold: RampHold = load_function("preprocessing.prepare", "prepare")(
             self, onset=onset, ramp_end=ramp_end, hold_end=hold_end, contact=contact, cycle=cycle,
@@ -172,15 +172,15 @@ class Hum:
 class RampHold(EqualByValue, Plottable, Serialisable):
     """Prepared relaxation test: its ramp and hold, compression positive, tared.
 
-    Made by :func:`dashpot.preprocessing.prepare.prepare`; what every fit works on.
+    Made by :func:`dashpot.preprocessing.prepare.prepare`; the input of every fit.
 
     Attributes
     ----------
     time : array, shape (n,)
         s, on the clock of the raw record.
     displacement : array, shape (n,)
-        Compression of the seal from first contact, m: what the fit takes as its input. The
-        machine's own give is off it. Zero before contact; positive is compression.
+        Compression of the seal from first contact, m, the input of the fit. The machine's own give
+        is off it. Zero before contact; positive is compression.
     force : array, shape (n,)
         Compressive force less the tare and the lines of `hum`, N; positive is compression. Not
         filtered by default.
@@ -199,17 +199,18 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     specimen, source
         As in the raw test.
     steps : tuple of Step
-        What preparation did, in order.
+        Steps of preparation, in order.
     checks : tuple of Check
-        What preparation noticed.
+        Checks of preparation.
     unfiltered : RampHold or None
-        The same record before the filter that was asked for; None if none was.
+        The same record before the filter that was requested; None if none was.
     machine : Machine
-        What the user knows of the machine.
+        Known properties of the machine.
     hum : tuple of Hum
         Lines found in the force and taken off it.
     machine_deflection : array, shape (n,), or None
-        What the machine gave, m, and is off `displacement`; None if nothing was taken off.
+        Deflection of the machine, m, subtracted from `displacement`; None if nothing was
+        subtracted.
     gap : float
         Air that the plate crossed before first contact, m; 0 if none shows.
     loading_start : float or None
@@ -312,7 +313,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def travel(self) -> FloatArray:
         """Travel of the plate from first contact, m: the encoder's readings.
 
-        Compression and what the machine gave.
+        Compression plus the deflection of the machine.
         """
         return (
             self.displacement
@@ -331,7 +332,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def start(self) -> int:
-        """The first sample of the stand before the loading that is fitted."""
+        """The first sample of the rest before the fitted loading."""
         start = self.loading_start
         return 0 if start is None else int(np.searchsorted(self.time, start))
 
@@ -339,8 +340,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     def baseline_samples(self) -> slice:
         """The samples before the ramp, or before the first of all, at which the seal is free.
 
-        Where the plate is away from the seal when the ramp begins, those; else those before it was
-        pressed for the first time.
+        Where the plate is away from the seal when the ramp begins, those; else those before the
+        first compression.
         """
         if self.loading_start is None:
             return slice(0, int(np.searchsorted(self.time, self.onset)))
@@ -366,7 +367,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def last_loading(self) -> RampHold:
-        """The record from the stand before the loading that is fitted on, as if it were all."""
+        """The record from the rest before the fitted loading to its end."""
         if self.loading_start is None:
             return self
         span = slice(self.start, None)
@@ -395,7 +396,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @property
     def depth_error(self) -> float:
-        r"""Relative standard deviation of the depth that the encoder's step leaves.
+        r"""Relative standard deviation of the depth by the encoder's step.
 
         Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
         """
@@ -409,7 +410,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def hold_creep(self) -> float:
-        """The largest motion left in the hold, to its last tenth, as a part of the depth.
+        """Largest motion in the hold, up to its last tenth, as a fraction of the depth.
 
         Means over twelve stretches, each longer than the one before; the first fifth of a ramp
         time is left to the plate for settling.
@@ -446,9 +447,11 @@ class RampHold(EqualByValue, Plottable, Serialisable):
             0.5 * self.displacement_quantum,
             5 * self.displacement_noise,
         )
-        unsettled = np.flatnonzero(np.abs(self.displacement[early_hold] - self.depth) > tolerance)
+        unsettled_samples = np.flatnonzero(
+            np.abs(self.displacement[early_hold] - self.depth) > tolerance
+        )
         # what is left of the swing dies away in as long again
-        first_settled = 2 * (int(unsettled[-1]) + 1) if unsettled.size else 0
+        first_settled = 2 * (int(unsettled_samples[-1]) + 1) if unsettled_samples.size else 0
         return slice(min(hold.start + first_settled, early_hold.stop), hold.stop)
 
 
@@ -482,13 +485,13 @@ def find_quantum(values: FloatArray) -> float:
 
 
 def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
-    """True if the steps are those of a perfect ramp between perfect rests, not of a converter."""
+    """True if the steps are those of an ideal ramp between ideal rests, not of a converter."""
     magnitude = np.abs(np.diff(values))
-    moving = magnitude > 0.5 * step
+    is_moving = magnitude > 0.5 * step
     # a converter that counts a ramp in single steps also pauses on it
-    lone = moving[1:-1] & ~(moving[:-2] & moving[2:])
-    is_single_stepped = np.mean(np.abs(magnitude[moving] / step - 1) < 0.02) > 0.9
-    if is_single_stepped and np.count_nonzero(lone) < 0.1 * np.count_nonzero(moving) + 4:
+    is_isolated = is_moving[1:-1] & ~(is_moving[:-2] & is_moving[2:])
+    is_single_stepped = np.mean(np.abs(magnitude[is_moving] / step - 1) < 0.02) > 0.9
+    if is_single_stepped and np.count_nonzero(is_isolated) < 0.1 * np.count_nonzero(is_moving) + 4:
         return True
     # counts finer than that are distinguished from a continuous path, and cost nothing
     return step > COARSE_STEP * float(np.ptp(values)) and _keeps_its_speeds(np.diff(values) / step)
@@ -497,9 +500,9 @@ def _is_evenly_climbed(values: FloatArray, step: float) -> bool:
 def _keeps_its_speeds(counts: FloatArray) -> bool:
     """True if a path, in counts from sample to sample, is of long stretches of one speed each.
 
-    That is a motion as it was sent, with as many ramps and rests as it may have. A converter slips:
-    between two stretches of one speed a few samples move otherwise, unless the speed is a whole
-    number of counts.
+    That is a commanded motion, with any number of ramps and rests. A converter slips: between two
+    stretches of one speed a few samples move otherwise, unless the speed is a whole number of
+    counts.
     """
     edges = np.flatnonzero(np.abs(np.diff(counts)) > 0.1) + 1
     starts = np.concatenate(([0], edges))

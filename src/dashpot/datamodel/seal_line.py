@@ -54,7 +54,7 @@ class Shear:
 
     @property
     def holds(self) -> bool:
-        """Whether the seal answers sideways at all."""
+        """Whether the seal has lateral stiffness."""
         return not (self.across == self.along == 0)
 
 
@@ -102,7 +102,7 @@ class LineFriction:
 MAX_FRICTION = 3.0
 """No dry rubber rubs more."""
 MAX_STIFFNESS_RATIO = SIZES["shear"].hard[1]
-"""A seal is softer sideways than where it is pressed; far beyond, it is a percentage."""
+"""A seal is softer sideways than in compression; far beyond, it is a percentage."""
 
 
 @dataclass(frozen=True)
@@ -119,11 +119,11 @@ class SealSection:
     law : ElasticLaw or None
         Relaxed force per metre, N/m; None is a straight line.
     band : (float, float) or None
-        The frequencies that its test informs, Hz.
+        Frequencies of the valid band of its test, Hz.
     shear : Shear
-        None by default: the seal holds nothing sideways.
+        None by default: the seal has no lateral stiffness.
     friction : LineFriction or None
-        What rubs beside it.
+        Friction in parallel.
     """
 
     solid: Solid
@@ -150,7 +150,7 @@ class SealSection:
         shear: Shear | None = None,
         friction: LineFriction | None = None,
     ) -> SealSection:
-        """One metre of what was tested.
+        """One metre of the tested seal.
 
         Parameters
         ----------
@@ -161,9 +161,9 @@ class SealSection:
         temperature : str or float, optional
             K; by default that of the fit.
         shear : Shear, optional
-            What it answers sideways; nothing by default.
+            Lateral stiffness; none by default.
         friction : LineFriction, optional
-            What rubs beside it; nothing by default.
+            Friction in parallel; none by default.
 
         Raises
         ------
@@ -206,13 +206,13 @@ class SealSection:
         return np.asarray(self.solid.k_inf * self.path(compression))
 
     def factor(self, compression: npt.ArrayLike) -> FloatArray:
-        """Tangent stiffness over that of the solid; 0 where it does not touch."""
+        """Tangent stiffness over that of the solid; 0 without contact."""
         x = np.asarray(compression, dtype=float)
         tangent = np.ones_like(x) if self.law is None else self.law.factor(x)
         return np.where(x < 0, 0.0, tangent)
 
     def ways(self, stations: Stations) -> tuple[LineDirection, ...]:
-        """Return what the stations answer, each way: normal to the line, then across and along it.
+        """Return the stiffness of the stations normal to the line, across and along it.
 
         Raises
         ------
@@ -233,15 +233,15 @@ class SealSection:
             )
         directions = [LineDirection(self.solid, direction_lengths, stations.normal)]
         for name, direction in (("across", stations.across), ("along", stations.tangent)):
-            solid, rubs = getattr(self.shear, name), None
+            solid, friction = getattr(self.shear, name), None
             if self.friction is not None:
                 slip_force = getattr(self.friction, name) * self.solid.k_inf * direction_lengths
-                rubs = (slip_force, self._slip(stations))
+                friction = (slip_force, self._slip(stations))
             if isinstance(solid, Solid):
-                directions.append(LineDirection(solid, station_lengths, direction, rubs))
+                directions.append(LineDirection(solid, station_lengths, direction, friction))
             else:
                 directions.append(
-                    LineDirection(self.solid, solid * direction_lengths, direction, rubs)
+                    LineDirection(self.solid, solid * direction_lengths, direction, friction)
                 )
         return tuple(directions)
 
@@ -268,7 +268,7 @@ class LineDirection:
         Metres of it that each station is; 0 where it does not answer.
     direction : array, shape (n, 3)
     friction : (array, array) or None
-        Stiffness, N/m, with which each station sticks beside it, and force, N, at which it slips.
+        Stiffness, N/m, of the friction element of each station, and force, N, at which it slips.
     """
 
     solid: Solid
@@ -294,7 +294,7 @@ class Stations(EqualByValue):
         m; the direction in which the seal is pressed there, of length 1; and that in which the
         line runs, square to it.
     length : array, shape (n,)
-        Length of seal that each stands for, m: together the whole line.
+        Length of seal represented by each, m: together the whole line.
     factor : array, shape (n,)
         Stiffness over that of the seal: 1 but at joints.
     compression : array, shape (n,), or None

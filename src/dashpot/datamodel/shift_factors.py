@@ -17,18 +17,18 @@ from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 # no law of free volume is trusted nearer to the glass transition, K
 GLASS_MARGIN = 10.0
-# two temperatures within so many kelvin are one
+# temperatures that differ by less, K, count as equal
 SAME_TEMPERATURE = 0.5
 # fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
 MIN_CONTRADICTING_TESTS = 3
-# the relaxation time, s, that is shifted by a_T however arms shift apart
+# relaxation time, s, that is shifted by a_T for any slope
 REFERENCE_TAU = 0.5
 _LN10 = float(np.log(10.0))
-# part of a step between two tests by which a rubber's shifts lie off the straight line in 1/T
+# deviation of a rubber's shifts from a straight line in 1/T, relative to the step between tests
 _MAX_BEND = 0.03
 # of a parameter, for a slope by differences
 _DIFFERENCE_STEP = 1e-6
-# how the constant of a law is called, and its unit
+# name and unit of the constants of a law
 _CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
 
 
@@ -43,7 +43,7 @@ class Shift:
     log10_a_t, se : float
         Decadic logarithm of the shift factor of time, and its standard error.
     b_t, b_t_se : float
-        Factor of every stiffness, and its standard error; 0 where it was held.
+        Factor of every stiffness, and its standard error; 0 if it was fixed.
     """
 
     temperature: float
@@ -86,8 +86,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
         of and with `slope`; empty where nothing is known of it.
     untested : tuple of float or None
-        Temperatures among the shifts, K, at which no test was made, as of an extrapolated
-        reference; None if there is none.
+        Temperatures among the shifts, K, without a test, such as an extrapolated reference; None if
+        there is none.
     """
 
     _keys = ("reference", EVERY_FIELD, Key("untested", optional=True))
@@ -151,7 +151,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def coldest(self) -> float:
         """Below this, K, nothing is foretold: 10 K above the glass transition, or the coldest test.
 
-        Only a WLF law says where the glass transition lies.
+        Only a WLF law gives the glass transition.
         """
         if isinstance(self.law, WLF):
             return min(self.law.glass + GLASS_MARGIN, self.tested_range[0])
@@ -163,7 +163,7 @@ class TemperatureShifts(EqualByValue, Serialisable):
         Raises
         ------
         DataError
-            If T is below :attr:`coldest`, or where the law says nothing.
+            If T is below :attr:`coldest`, or where the law is not valid.
         """
         if temperature < self.coldest and isinstance(self.law, WLF):
             raise DataError(
@@ -238,13 +238,13 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def _with_shifts(self, temperature: float, covariance: FloatArray) -> FloatArray:
         """Return covariance of a solid's parameters, of ln a_T, ln b_T at T, and of the slope."""
         parameter_count, count = len(covariance), len(self.shifts)
-        of_a, of_b = self.error(temperature)
+        error_of_a, error_of_b = self.error(temperature)
         full_covariance = np.zeros((parameter_count + 3, parameter_count + 3))
         full_covariance[:parameter_count, :parameter_count] = covariance
         (
             full_covariance[parameter_count, parameter_count],
             full_covariance[parameter_count + 1, parameter_count + 1],
-        ) = of_a**2, of_b**2
+        ) = error_of_a**2, error_of_b**2
         if len(self.cross) == parameter_count + 1:
             temperatures = [shift.temperature for shift in self.shifts]
             weights = np.array(
@@ -280,13 +280,13 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def change_reference(self, temperature: float) -> TemperatureShifts:
         r"""Return the same shifts from another temperature, K, at which the solid then is.
 
-        With :math:`s = \log_{10} a_T` at the new reference every other shift is
-        :math:`(s_i - s)/(1 + g s)`: so the slope g stays what it is.
+        With :math:`s = \log_{10} a_T` at the new reference every other shift is :math:`(s_i - s)/(1
+        + g s)`: so the slope g does not change.
 
         Raises
         ------
         DataError
-            Where the law says nothing.
+            Where the law is not valid.
         """
         temperatures = [shift.temperature for shift in self.shifts]
         log_a_t, b_t = float(self.law.log10_a_t(temperature)), self.b_t(temperature)

@@ -28,19 +28,19 @@ class Specimen:
     temperature : float or None
         Test temperature, K.
     notes : str
-        Anything else worth keeping: material, fixing, load history.
+        Further notes: material, fixing, load history.
     name : str
-        What it is called, such as "Door seal 4711-B".
+        Name, such as "Door seal 4711-B".
     lot, operator : str
-        Where it comes from, and who tested it.
+        Lot, and operator of the test.
     date : str
         Date of the test, ISO 8601: 2026-11-21.
     stated_temperature : float or None
-        What the file itself says where `temperature` was given otherwise, K.
+        Temperature in the file, if `temperature` was given differently, K.
     warmed : float or None
         By how much the file's own column of temperature rises over the record, K.
     rested : float or None
-        For how long it was left alone before its record began, as the file says, s.
+        Rest time before the record as stated in the file, s.
 
     Examples
     --------
@@ -86,7 +86,7 @@ class Specimen:
 
 
 def tested_at(name: str, *temperatures: float) -> None:
-    """Refuse temperatures, K, that rubber is not tested at; `name` is what they are called.
+    """Refuse temperatures, K, at which rubber is not tested; `name` is their name in the message.
 
     Raises
     ------

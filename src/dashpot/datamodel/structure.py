@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF, Kind, Mode
 
 
 LINE_TOLERANCE = 1e-6
-"""Part of a line's frequency by which files that round it differently may differ."""
+"""Relative difference of a frequency in files that round it differently."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +26,8 @@ class FRFSet(EqualByValue):
     frfs : tuple of FRF
         Motion per force, of any kind.
     points : tuple of str
-        What each is called, such as ``"3+Z/1+Z"``: where it moves, and where it is struck. By
-        default their numbers.
+        Name of each FRF, such as ``"3+Z/1+Z"``: response point and excitation point. By default
+        their numbers.
 
     Examples
     --------
@@ -82,13 +82,13 @@ class FRFSet(EqualByValue):
 
     @property
     def over_base(self) -> bool:
-        """Whether they are motions over that of a base."""
+        """Whether they are transmissibilities from a base."""
         return self.frfs[0].quantity.over_base
 
     def per_force(self, *, mass: float) -> FRFSet:
         """Return the FRFs as motions per force, for a mass, kg, on the base, if they are not yet.
 
-        Poles and damping are those of any mass.
+        Poles and damping do not depend on that mass.
         """
         if not self.over_base:
             return self
@@ -117,7 +117,7 @@ class FRFSet(EqualByValue):
         band : (float, float), optional
             Hz; by default two octaves to either side of where the points together move most.
         count : int, optional
-            Exactly this many; by default those that matter.
+            Exactly this many; by default the significant ones.
 
         Raises
         ------
@@ -137,7 +137,7 @@ class ModeShape(EqualByValue):
     Attributes
     ----------
     mode : Mode
-        Pole and errors; its residue is that of the point that moves most.
+        Pole and errors; its residue is that of the point with the largest motion.
     residues : complex array, shape (n,)
         Residues of the receptances at n points, m/(N s).
     residue_se : array, shape (n,)

@@ -118,9 +118,9 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         One per file read.
     window_rate : float or None
         Decay a of an exponential window :math:`e^{-at}` that the records were multiplied by, 1/s; 0
-        if there was none, nan if one is stated and not its decay, None if nothing is said.
+        without a window, nan if its decay is not stated, None if unknown.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Examples
     --------

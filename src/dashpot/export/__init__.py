@@ -99,12 +99,12 @@ def deck_for(
     temperature : float, optional
         Temperature of the seals, K; by default that of the fit.
     **choices
-        Arguments of the target; None counts as not given.
+        Arguments of the target; None is the same as omitted.
 
     Raises
     ------
     ExportError
-        If there is no such target, it takes no such choice, or refuses the fit.
+        If the target is unknown, does not have such an option, or refuses the fit.
     """
     target = SOLVER_NAMES.get(target.lower(), target)
     find_writer(target)

@@ -1,4 +1,4 @@
-"""Criterion on a deck that goes beyond the test behind its solid."""
+"""Criterion on a deck that extends beyond the test of its solid."""
 
 from __future__ import annotations
 

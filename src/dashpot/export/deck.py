@@ -44,17 +44,17 @@ CARRIERS = MappingProxyType(
 """Forms of each target that can represent nonlinear springs."""
 
 _CUBIC_RANGE = 2.0
-"""Range of the table of a cubic spring, over the largest tested amplitude."""
+"""Range of the table of a cubic spring, relative to the largest tested amplitude."""
 _CUBIC_POINTS = 80
 _UNTESTED_AMPLITUDE = 0.01
-"""Largest amplitude, m, that is assumed where none was tested."""
+"""Default largest amplitude, m, if none was tested."""
 _NODE_DISTANCE_RATIO = 1000
 """Distance of the nodes over the largest amplitude: elements that follow them hardly rotate."""
 
 
 @dataclass(frozen=True)
 class NonlinearElements:
-    """Sliders and a cubic spring in parallel with a model; empty where it is linear.
+    """Sliders and a cubic spring in parallel with a model; empty if it is linear.
 
     Attributes
     ----------
@@ -138,8 +138,8 @@ class NonlinearElements:
                 f"  cubic spring: k3 = {text(self.k3)} {force}/{length}^3, by straight lines to "
                 f"{text(_CUBIC_RANGE * high)} {length} either way; beyond it is another one"
             )
-        tested = f"displacement amplitudes tested: {low:.4g} to {high:.4g} {length}"
-        return [*lines, f"{tested}; whatever moves less or farther is EXTRAPOLATED"]
+        tested_text = f"displacement amplitudes tested: {low:.4g} to {high:.4g} {length}"
+        return [*lines, f"{tested_text}; whatever moves less or farther is EXTRAPOLATED"]
 
     def refuse_unsupported(self, target: str, form: str) -> None:
         """Raise where the target's form holds neither friction nor a cubic spring.
@@ -215,9 +215,9 @@ class DeckText(str):
     verdict : Verdict or None
         Verdict of the fit behind it, over the rows written; None for a bare solid.
     checks : tuple of Check
-        Those of the fit, and whether it informs the rows.
+        Checks of the fit, and whether its valid band includes the rows.
     overrides : tuple of str
-        What was wrong and written all the same.
+        Reasons against the export that were overridden.
     """
 
     verdict: Verdict | None
@@ -250,9 +250,9 @@ class Deck:
     form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
     fit : Fit or NonlinearFit or None
-        Where the solid comes from; None for a bare one.
+        Source of the solid; None for a bare one.
     overrides : tuple of str
-        What was wrong and written all the same, one sentence each.
+        Reasons against the export that were overridden, one sentence each.
     """
 
     solid: Solid
@@ -330,11 +330,11 @@ class Deck:
                 f"{modulus!r}); give --modulus 1MPa, the true one"
             )
             if self.material:
-                tensile, third = self.model.k_0 / 1e6, self.model.k_0 / 3e6
+                modulus_mpa, shear_modulus_mpa = self.model.k_0 / 1e6, self.model.k_0 / 3e6
                 advice = (
-                    f"and the fit does not say of what its modulus of {tensile:.4g} MPa is; give "
-                    f"--modulus {tensile:.4g}MPa if it was measured in shear, a third of it, "
-                    f"--modulus {third:.4g}MPa, if in tension or compression"
+                    f"and the fit does not say of what its modulus of {modulus_mpa:.4g} MPa is; "
+                    f"give --modulus {modulus_mpa:.4g}MPa if it was measured in shear, a third of "
+                    f"it, --modulus {shear_modulus_mpa:.4g}MPa, if in tension or compression"
                 )
             raise ExportError(
                 f"a {target} material needs the instantaneous shear modulus of the rubber, "
@@ -442,9 +442,13 @@ class Deck:
             checks.append(nominal_in_valid_band(self.is_extrapolated(nominal), nominal))
         if table is not None and self.band is not None:
             f = table.frequency.tolist()
-            outside = [item for item in f if self.is_extrapolated(item)]
+            outside_frequencies = [item for item in f if self.is_extrapolated(item)]
             checks.append(
-                rows_in_valid_band(len(outside), len(f), *((outside or f)[i] for i in (0, -1)))
+                rows_in_valid_band(
+                    len(outside_frequencies),
+                    len(f),
+                    *((outside_frequencies or f)[i] for i in (0, -1)),
+                )
             )
         return tuple(checks)
 
@@ -452,8 +456,8 @@ class Deck:
         if self.fit is None:
             return None
         # the fit's own checks are counted, as its text counts them
-        failed = tuple(check for check in band_checks if check.failed)
-        return verdict((*self.fit.checks, *failed), headline=self.fit._headline)
+        failed_checks = tuple(check for check in band_checks if check.failed)
+        return verdict((*self.fit.checks, *failed_checks), headline=self.fit._headline)
 
     def _format_header_lines(self) -> list[str]:
         units, specimen = self.units, self.specimen

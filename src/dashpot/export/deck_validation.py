@@ -69,9 +69,9 @@ def option_of(argument: str) -> str:
 def target(
     *forms: str, line: tuple[str, ...] = (), **requirements: tuple[str, ...]
 ) -> Callable[[Callable[..., DeckText]], Target]:
-    """Make what writes the cards of an opened deck a target of its name, as a decorator.
+    """Decorator that registers a function which writes the cards of a deck as a target of its name.
 
-    The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
+    The target takes the solid and the arguments of :func:`open_deck` in place of the deck. Its
     first form is the default; of a seal line, the first of those that hold a `line`. `requirements`
     has the forms that read an argument which others would leave unread.
     """
@@ -139,9 +139,8 @@ def open_deck(
 ) -> Deck:
     """Return the deck of a solid or a fit, or refuse it.
 
-    A bare solid is written with "not stated" wherever its pedigree is unknown: it has nothing
-    that could be missing. A fit must know its temperature and contact length, and every
-    parameter must be identified.
+    A solid without a fit is written with "not stated" for its origin. A fit must know its
+    temperature and contact length, and every parameter must be identified.
 
     Parameters
     ----------
@@ -149,15 +148,15 @@ def open_deck(
     target, form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
     forms : sequence of str
-        Those that the target knows.
+        Choices of the target.
     units : str
         ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     specimen : Specimen, optional
-        Replaces what the fit knows of its specimen; its temperature, where the fit knows one,
-        is that which the deck is asked for.
+        Replaces the specimen of the fit; its temperature, where the fit knows one, is that which
+        the deck is requested.
     allow : collection of str
         Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
-        applies leaves an OVERRIDE line in the header.
+        applies adds an OVERRIDE line to the header.
 
     Raises
     ------
@@ -196,7 +195,7 @@ def open_deck(
 
 
 def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
-    """Return the fit at the temperature asked for; one that nobody noted is only said now."""
+    """Return the fit at the requested temperature; if the fit has none, this one is noted in it."""
     temperature = None if specimen is None else specimen.temperature
     if temperature is None or (fit.temperatures is None and fit.specimen.temperature is None):
         return fit
@@ -209,9 +208,9 @@ def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
         ) from None
     if fit.temperatures is None:
         return shifted_fit
-    tested = temperature_tested(fit.temperatures, temperature)
+    check = temperature_tested(fit.temperatures, temperature)
     # the fit's own checks are counted, as its text counts them
-    checks = (*shifted_fit.checks, *((tested,) if tested.failed else ()))
+    checks = (*shifted_fit.checks, *((check,) if check.failed else ()))
     return replace(shifted_fit, evidence=replace(shifted_fit.evidence, checks=checks))
 
 
@@ -258,7 +257,7 @@ def list_allowed_problems(
 
 
 def _refuse_impossible(deck: Deck) -> None:
-    """Raise where nothing can be overlooked: there is no right number to write."""
+    """Raise an error that no option can allow: there is no valid number to write."""
     model = deck.model
     if model.k_0 == 0 and model.b == 0 and not deck.nonlinear_elements.parts:
         raise ExportError("the model has neither stiffness nor damping; there is nothing to write")
@@ -312,8 +311,8 @@ def _problems(deck: Deck) -> dict[str, str]:
 def _format_caution(fit: Fit | NonlinearFit) -> str | None:
     """Return why parameters of a fit are not identified; None if its verdict is "use".
 
-    What is called so may be used: an arm that single data cannot place still adds up to limits that
-    hold. k_inf is no question here; what it is at most stands in the header.
+    Verdicts that allow an export: an arm that single data cannot place still adds up to limits that
+    hold. k_inf is no question here; its upper limit is in the header.
     """
     if fit.checks and fit.verdict.use == "use":
         return None

@@ -80,7 +80,7 @@ def tabulate(
         Tolerance of the FRF, relative.
     damping : {"loss_factor", "damping"}
     edges : tuple of float
-        Frequencies, Hz, that get a point of their own, such as the ends of the valid band.
+        Frequencies, Hz, included as points, such as the ends of the valid band.
     rounded : callable
         Rounds a number as the deck prints it: the error includes the rounding.
 
@@ -121,7 +121,7 @@ class _LinearInterpolation:
 
     solid: Solid
     damping: Damping
-    rounded: Callable[[float], float]
+    round_value: Callable[[float], float]
 
     def values(self, f: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return storage stiffness and damping at `f`, Hz, as printed."""
@@ -129,8 +129,8 @@ class _LinearInterpolation:
         K = self.solid.complex_stiffness(omega=omega)
         second_column = K.imag / (K.real if self.damping == "loss_factor" else omega)
         return (
-            np.array([self.rounded(v) for v in K.real]),
-            np.array([self.rounded(v) for v in second_column]),
+            np.array([self.round_value(v) for v in K.real]),
+            np.array([self.round_value(v) for v in second_column]),
         )
 
     def error(self, f: FloatArray) -> float:
@@ -152,7 +152,7 @@ class _LinearInterpolation:
     ) -> tuple[float, float]:
         """Return the next point and how far away it is in ln f: the error grows with its square."""
         for trial in range(60):
-            next_point = min(stop, self.rounded(start * float(np.exp(interval))))
+            next_point = min(stop, self.round_value(start * float(np.exp(interval))))
             if not next_point > start:
                 break
             value = self.error(np.array([start, next_point]))

@@ -16,7 +16,7 @@ from dashpot.solids.maxwell import Solid
 DIRECTION_NAMES = ("normal to the line", "across it", "along it")
 """The springs of a station, in the order of every deck: components 1, 2 and 3."""
 _DIGITS = 12
-"""Digits of a direction: frames that differ by rounding are one."""
+"""Digits of a direction: frames that differ by rounding count as equal."""
 _X = (1.0, 0.0, 0.0)
 
 
@@ -26,15 +26,15 @@ class LineStation:
 
     Attributes
     ----------
-    place : (float, float, float)
+    position : (float, float, float)
         Deck units.
     frame : tuple of three directions
-        Normal, across and along; each square to the others, of length 1.
+        Orthonormal directions: normal, across and along.
     shares : (float, float, float)
-        Shares of the solid of each way; 0 is no spring.
+        Share of the solid in each direction; 0 for no spring.
     """
 
-    place: tuple[float, ...] = (0.0, 0.0, 0.0)
+    position: tuple[float, ...] = (0.0, 0.0, 0.0)
     frame: tuple[tuple[float, ...], ...] = (_X, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     shares: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
@@ -46,25 +46,25 @@ class SpringRow:
     Attributes
     ----------
     solids : (Solid, Solid, Solid)
-        Models of each way, SI; a station carries its share of them.
+        Model of each direction, SI; a station has its share of it.
     stations : tuple of LineStation
-    remarks : tuple of str
-        What the header says of them.
+    comments : tuple of str
+        Lines of the header on the springs.
     """
 
     solids: tuple[Solid, Solid, Solid]
     stations: tuple[LineStation, ...] = (LineStation(),)
-    remarks: tuple[str, ...] = ()
+    comments: tuple[str, ...] = ()
 
     @cached_property
     def shares(self) -> dict[tuple[float, float, float], int]:
-        """Every three shares that there are, and their rank."""
+        """Rank of each distinct set of shares."""
         entries = dict.fromkeys(station.shares for station in self.stations)
         return {shares: rank for rank, shares in enumerate(entries)}
 
     @cached_property
     def frames(self) -> dict[tuple[tuple[float, ...], ...], int]:
-        """Every frame in which something acts along more than the x axis, and its rank."""
+        """Rank of each distinct frame that differs from the global axes."""
         entries = dict.fromkeys(station.frame for station in self.stations)
         rotated_frames = [
             frame for frame in entries if self.direction_count > 1 or not np.allclose(frame[0], _X)
@@ -89,7 +89,7 @@ class SpringRow:
         )
 
     def springs(self, shares: tuple[float, ...]) -> list[tuple[int, Solid]]:
-        """Return the springs of a station, each by its way, 0 to 2, and what it is, SI."""
+        """Return the springs of a station as direction, 0 to 2, and solid, SI."""
         rows = zip(self.solids, shares, strict=True)
         return [
             (direction, solid * share) for direction, (solid, share) in enumerate(rows) if share > 0
@@ -113,41 +113,46 @@ def make_springs(deck: Deck, line: Stations | None, shear: Shear | None = None) 
             "--length 100mm (Python: Specimen(length=...), m)"
         )
     shear = shear or Shear()
-    # what is not pressed as stated is as it was tested: its secant
+    # without a stated compression the secant stiffness of the test is valid
     law = None if line.compression is None else deck.elastic_law
     per_metre = SealSection(deck.solid, None if law is None else law * (1 / metres), shear=shear)
     directions = per_metre.ways(line)
-    # of the solid in the header where it is that, else of a metre
+    # shares refer to the solid in the header, or for a separate solid to one metre
     items = [isinstance(value, Solid) for value in (0.0, shear.across, shear.along)]
     shares = [
         direction.share / (1.0 if item else metres)
         for direction, item in zip(directions, items, strict=True)
     ]
-    carried = directions[0].share > 0
-    if not carried.any():
+    has_contact = directions[0].share > 0
+    if not has_contact.any():
         raise ExportError("no station of the seal line touches: its compression is below 0 m")
     solids = [direction.solid for direction in directions]
     return SpringRow(
         (solids[0], solids[1], solids[2]),
-        tuple(_stations(deck, line, shares, carried, turns=not shear.holds)),
-        tuple(_remarks(deck, line, shares[0][carried], shear)),
+        tuple(_stations(deck, line, shares, has_contact, is_axisymmetric=not shear.holds)),
+        tuple(_remarks(deck, line, shares[0][has_contact], shear)),
     )
 
 
 def _stations(
-    deck: Deck, line: Stations, shares: list[FloatArray], carried: BoolArray, *, turns: bool
+    deck: Deck,
+    line: Stations,
+    shares: list[FloatArray],
+    has_contact: BoolArray,
+    *,
+    is_axisymmetric: bool,
 ) -> list[LineStation]:
-    """Return the stations that touch; the frame may turn freely about a normal without shear."""
+    """Return the stations in contact; without shear the frame has any angle to the normal."""
     normal = line.normal
     across, along = line.across, line.tangent
-    if turns:
+    if is_axisymmetric:
         along = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
         along = along / np.linalg.norm(along, axis=1)[:, None]
         across = np.cross(normal, along)
     frames = np.stack((normal, across, along), axis=1).round(_DIGITS) + 0.0
     stations = []
-    for i in np.flatnonzero(carried).tolist():
-        # shares that differ by rounding are one
+    for i in np.flatnonzero(has_contact).tolist():
+        # shares that differ by rounding count as equal
         a, b, c = (float(f"{share[i]:.9g}") for share in shares)
         frame = tuple(tuple(row) for row in frames[i].tolist())
         position = tuple((line.place[i] / deck.units.length).tolist())
@@ -156,13 +161,13 @@ def _stations(
 
 
 def _remarks(deck: Deck, line: Stations, shares: FloatArray, shear: Shear) -> list[str]:
-    unit, word = deck.units.length, deck.units.words[0]
+    unit, unit_name = deck.units.length, deck.units.words[0]
     lowest, highest = float(f"{shares.min():.9g}"), float(f"{shares.max():.9g}")
-    name = f"{lowest:.6g}" if lowest == highest else f"{lowest:.6g} to {highest:.6g}"
+    share_text = f"{lowest:.6g}" if lowest == highest else f"{lowest:.6g} to {highest:.6g}"
     description = (
-        f"seal line: {line.length.sum() / unit:.6g} {word}, {len(shares)} elements, "
-        f"{line.length.mean() / unit:.6g} {word} apart on average, each with {name} of the "
-        "stiffness above"
+        f"seal line: {line.length.sum() / unit:.6g} {unit_name}, {len(shares)} elements, "
+        f"{line.length.mean() / unit:.6g} {unit_name} apart on average, each with {share_text} of "
+        "the stiffness above"
     )
     remaining = len(line.length) - len(shares)
     if remaining:

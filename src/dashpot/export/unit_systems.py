@@ -101,7 +101,7 @@ UNIT_SYSTEMS = MappingProxyType(
 
 _UNITS_ASKED = f"add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
 NO_UNITS = f"no unit system is given; {_UNITS_ASKED}"
-"""Message, with all else that is missing, if no unit system was chosen."""
+"""Message if no unit system was chosen, with all other missing choices."""
 
 
 def unit_system(name: str | None) -> UnitSystem:
@@ -145,15 +145,15 @@ def format_fixed_width(value: float, width: int) -> str:
     if _finite(value) == 0:
         return "0."
     for digits in range(min(17, width), 0, -1):
-        rounded = f"{value:.{digits - 1}E}"
-        mantissa, _, power = rounded.partition("E")
+        rounded_text = f"{value:.{digits - 1}E}"
+        mantissa, _, power = rounded_text.partition("E")
         fixed_point = f"{value:.{max(digits - 1 - int(power), 0)}f}" if abs(int(power)) < 17 else ""
         for candidate in (
             _ensure_decimal_point(fixed_point),
             re.sub(r"^(-?)0(?=\.)", r"\1", _ensure_decimal_point(fixed_point)),
             f"{_ensure_decimal_point(mantissa)}E{int(power)}",
         ):
-            if candidate and len(candidate) <= width and float(candidate) == float(rounded):
+            if candidate and len(candidate) <= width and float(candidate) == float(rounded_text):
                 return candidate
     raise ExportError(f"{value!r} does not fit into {width} columns")
 
@@ -191,14 +191,14 @@ def _ensure_decimal_point(number: str) -> str:
 
 
 def convert_to_printable_ascii(line: str) -> str:
-    """Printable ASCII: a file name can hold anything, a solver reads no more.
+    """Printable ASCII: a file name can contain any character, a solver reads only these.
 
     >>> convert_to_printable_ascii("known to ±1 %, up to 1.2·10⁶ Hz")
     'known to +/-1 %, up to 1.2e6 Hz'
     """
-    spelt = ascii_only(line.translate(_SPELT))
-    return "".join(sign if " " <= sign <= "~" else "?" for sign in spelt)
+    ascii_text = ascii_only(line.translate(_SPELT))
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in ascii_text)
 
 
 _SPELT = str.maketrans({"±": "+/-", "²": "^2", "°": "deg"})
-"""Signs that sentences of a verdict hold, as a solver's comment spells them."""
+"""ASCII spelling of the signs in sentences of a verdict, for comments of a deck."""

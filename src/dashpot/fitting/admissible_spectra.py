@@ -56,7 +56,7 @@ MIN_REFINEMENT_GAIN = 0.05
 CALIBRATION = 5.0 / 3.841
 # rows with no more of any unit column are rounding
 ROUNDING = 1e-9
-# a column below this part of the largest is nothing
+# relative size below which a column is negligible
 MIN_COLUMN_SHARE = 1e-12
 # a ratio is found when one more step would move its numerator by this part of a standard error
 RATIO_TOLERANCE = 1e-3
@@ -88,7 +88,7 @@ class SpectralData(Protocol):
         """Shortest and longest relaxation time that it could show, s."""
         ...
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool) -> RelaxationRows:
+    def rows(self, log_tau: FloatArray, *, with_slopes: bool) -> RelaxationRows:
         """Rows of the design matrix, which depend on the solid."""
         ...
 
@@ -107,7 +107,7 @@ class AdmissibleSpectra:
     limit : float
         Limit of the deviance, :func:`deviance_limit`.
     extra : array, shape (n,), optional
-        Further relaxation times of the grid, s: those of the fit.
+        Further relaxation times of the grid, s, usually of the fit.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class AdmissibleSpectra:
         order = _spread(len(log_tau))
         all_rows = []
         for test in tests:
-            test_rows = test.rows(log_tau[order], slopes=False)
+            test_rows = test.rows(log_tau[order], with_slopes=False)
             arms = np.empty_like(test_rows.arms)
             arms[:, order] = test_rows.arms
             all_rows.append(
@@ -203,7 +203,7 @@ class AdmissibleSpectra:
         Parameters
         ----------
         misfit : float
-            Sum of squares that the fit leaves of every sample.
+            Residual sum of squares of the fit over every sample.
         fixed_misfit : float
             What of it no spectrum can remove, and the rows do not hold.
 
@@ -221,7 +221,7 @@ class AdmissibleSpectra:
             )
 
     def compute_misfit(self, s: FloatArray) -> float:
-        """Return sum of squares that a spectrum, in unit columns, leaves."""
+        """Return the residual sum of squares of a spectrum in unit columns."""
         misfit = self.columns @ s[self.shown] - self.target
         return float(misfit @ misfit)
 
@@ -305,7 +305,7 @@ class AdmissibleSpectra:
 
 
 def _project_spectrum(v: FloatArray, spectrum: FloatArray) -> float:
-    """V . k, of what v asks for."""
+    """V . k for the functional v."""
     is_requested = v != 0
     return float(v[is_requested] @ spectrum[is_requested])
 
@@ -421,7 +421,7 @@ def _compute_named_rig_share(
     target_row = np.append(1.0, np.exp(-time / tau))
 
     def variance(data: Sequence[RelaxationData]) -> float:
-        rows = [relaxation_data.rows(np.log(tau), slopes=False) for relaxation_data in data]
+        rows = [relaxation_data.rows(np.log(tau), with_slopes=False) for relaxation_data in data]
         matrix = np.vstack([np.column_stack((row.spring, row.arms)) for row in rows])
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
         coefficients = np.linalg.lstsq((matrix / scale).T, target_row / scale, rcond=1e-9)[0]
@@ -450,9 +450,9 @@ def compute_upper_limit(spectra: AdmissibleSpectra, v: FloatArray) -> float:
 
 # what the points met and the lines that enclose them allow differs by less, relatively
 REGION_TOLERANCE = 0.01
-# directions in which the set is felt, at most
+# largest number of directions of the support function
 MAX_DIRECTIONS = 40
-# so many times the stiffness of a mass is as good as infinite
+# ratio to the dynamic stiffness of the mass that counts as infinite
 INFINITE_STIFFNESS_RATIO = 1e9
 _TINY = float(np.finfo(float).tiny)
 

@@ -68,7 +68,7 @@ def build_record_block(
     weights: FloatArray | None = None,
     tau_range: tuple[float, float] | None = None,
 ) -> DataBlock:
-    """Return the rows of one record: what a solid and its rig give, and the force.
+    """Return the block of one record: columns of the solid and its rig, and the force as target.
 
     A few hundred rows on which a fit is that to every sample.
 
@@ -89,9 +89,9 @@ def build_record_block(
     columns : mapping of str to array, shape (n,)
         Further terms of the recorded motion, a value at every sample to the end of the hold.
     weights : array, shape (n,), optional
-        Weights of those samples: what is known of the motion, 1 from where it is known.
+        Weights of those samples by the error of the motion; 1 where the motion is known.
     tau_range : (float, float), optional
-        Relaxation times that are asked about, s, where the window of the record is not enough.
+        Relaxation times of interest, s, if wider than the window of the record.
     """
     suffix = "" if index is None else f"@{index}"
     offset, drift = (f"{name}{suffix}" if name in terms else None for name in ("offset", "drift"))
@@ -150,7 +150,7 @@ def build_delay_blocks(
 
 
 def bic_penalty_per_arm(blocks: Sequence[DataBlock]) -> float:
-    """Return what BIC asks one more arm to gain, in noise variances."""
+    """Return the gain in noise variances by which BIC accepts one more arm."""
     stack = Stack(blocks)
     return (1 + len(stack.groups)) * float(np.log(stack.samples))
 
@@ -186,7 +186,7 @@ def build_prior_rows(
 
 
 def _build_delayed_force(test: RampHold, block: DataBlock, solution: Solution) -> DelayedForce:
-    """Return the force of the first solution as one that comes late, N/s."""
+    """Return the change of the force of the first solution by a delay, N/s."""
     time, x, _ = motion(test)
     k = solution.arms[solution.groups.index(block.arm_group)]
     k_g = solution.coefficient(block.fixed_names[0]) + float(k.sum())
@@ -196,12 +196,12 @@ def _build_delayed_force(test: RampHold, block: DataBlock, solution: Solution) -
 
 
 def first_sample(test: RampHold) -> int:
-    """Return the first sample of a full fit: those before contact are spent on what they show."""
+    """Return the first sample of a full fit; earlier ones determine priors."""
     return build_load_cell_priors(test).first_sample
 
 
 def is_multi_step(test: RampHold) -> bool:
-    """True if the plate moves on to another depth after the first ramp: there is no one hold."""
+    """True if the plate moves to another depth after the first ramp: there are several holds."""
     return _compute_hold_travel(test) > _OTHER_DEPTH_MOTION
 
 
@@ -262,7 +262,7 @@ def regularise_clock(time: FloatArray) -> FloatArray:
 
 
 def build_solid(solution: Solution) -> GeneralizedMaxwell:
-    """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
+    """Return the solid with its arms and, if any, its parallel dashpot."""
     k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
         max(solution.coefficient("k_inf"), 0.0),
@@ -293,23 +293,23 @@ class FitData:
         judged.
     encoders : sequence of Encoder, optional
         Encoders of each record, where the recorded motion is fitted.
-    bind : callable, optional
+    build_priors : callable, optional
         Makes the priors of nuisance terms from the standard deviation of one independent residual
         of each record, N; from None by what the records show before a fit.
     priors : tuple of DataBlock
-        What was known of fixed coefficients before the data.
+        Priors of fixed coefficients.
     """
 
     blocks: Sequence[DataBlock]
     samples: Sequence[DataBlock]
     in_time: bool = False
     encoders: Sequence[Encoder] | None = None
-    bind: Callable[[Sequence[float] | None], tuple[DataBlock, ...]] | None = None
+    build_priors: Callable[[Sequence[float] | None], tuple[DataBlock, ...]] | None = None
     priors: tuple[DataBlock, ...] = ()
 
     @property
     def rows(self) -> tuple[DataBlock, ...]:
-        """The data to solve, and what was known before them."""
+        """The data blocks and the prior blocks."""
         return (*self.blocks, *self.priors)
 
     @property
@@ -324,7 +324,9 @@ class FitData:
 
     def weight_priors(self, spreads: Sequence[float] | None = None) -> FitData:
         """Return the data with priors whose weight is that of residuals with these spreads, N."""
-        return self if self.bind is None else replace(self, priors=self.bind(spreads))
+        return (
+            self if self.build_priors is None else replace(self, priors=self.build_priors(spreads))
+        )
 
     @cached_property
     def peak(self) -> float:
@@ -346,7 +348,7 @@ def build_fit_data(
         [block.exact for block in blocks],
         in_time=True,
         encoders=None if design.method == "hold" else [*map(Encoder.from_record, records)],
-        bind=partial(build_prior_rows, records, blocks, design),
+        build_priors=partial(build_prior_rows, records, blocks, design),
     )
 
 
@@ -359,10 +361,10 @@ class InitialFit(NamedTuple):
     solutions : sequence of Solution
         Every number of arms from none up, or the last alone.
     series : tuple of Series
-        What the last of them leaves of each record, N: as it was before its priors were weighed.
+        Residual of the last one for each record, N, before its priors were weighted.
     noises : tuple of Noise
     noise_solution : Solution
-        The one that left the series.
+        The selected one of the series.
     """
 
     data: FitData
@@ -377,7 +379,7 @@ class InitialFit(NamedTuple):
         return tuple(series.values for series in self.series)
 
     def get_residuals(self, solution: Solution) -> tuple[ResidualSeries, ...]:
-        """Return the residual of each record, if it is available; else nothing."""
+        """Return the residual of each record; empty if not available."""
         return self.series if solution is self.noise_solution else ()
 
 
@@ -385,16 +387,16 @@ def fit_all_orders(
     data: FitData,
     max_arms: int,
     *,
-    auto: bool = True,
+    is_automatic: bool = True,
     thorough: bool = False,
     only_max_arms: bool = False,
     log_tau_start: FloatArray | None = None,
 ) -> InitialFit:
     """Solve up to `max_arms` arms, with the weight of the priors set by the residual noise.
 
-    Where ``auto`` chooses the number, records in time need no more arms than one beyond those
-    that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last, which with
-    `log_tau_start` is the one next to these ln tau.
+    Where ``is_automatic`` chooses the number, records in time need no more arms than one beyond
+    those that could gain what BIC asks for one. ``only_max_arms`` leaves out all but the last,
+    which with `log_tau_start` is the one next to these ln tau.
     """
     data = data.weight_priors()
 
@@ -410,7 +412,11 @@ def fit_all_orders(
             )
             return (solution,)
         return solve_orders(
-            data.rows, max_arms, negligible=negligible, every_order=not auto, thorough=thorough
+            data.rows,
+            max_arms,
+            negligible=negligible,
+            every_order=not is_automatic,
+            thorough=thorough,
         )
 
     solutions = solve_once()

@@ -69,9 +69,9 @@ class SolidEstimate(NamedTuple):
     estimate : ParameterEstimate
         Estimate of its parameters.
     has_fewer_arms : bool
-        It has fewer arms than were asked for.
+        It has fewer arms than requested.
     at_bound : bool
-        A bound of what is sought holds it.
+        A parameter is at a bound.
     """
 
     solid: Solid
@@ -95,7 +95,7 @@ def build_fit(
     ----------
     estimate : SolidEstimate
     evidence : Evidence
-        Its checks in the order in which they are shown, those of the records first.
+        Its checks in display order, those of the records first.
     provenance : Provenance
     unit, elastic_law, temperatures
         As `Fit` holds them.
@@ -121,7 +121,7 @@ def build_fit(
 def _restrict_to_loss_band(fit: Fit) -> Fit:
     """Return a fit whose errors are those of its covariance, its band where they are small enough.
 
-    Where they are so at no line, a check says it; where no error is known nothing is claimed.
+    Where they are so at no line, a check says it; without a known error there is no band.
     """
     if not MAX_LOSS_FACTOR_ERROR < fit._error_in_band[1] < np.inf:
         return fit
@@ -175,11 +175,11 @@ def list_nuisances(
     Parameters
     ----------
     names : sequence of str
-        Names of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
+        Names of columns, ``"offset@0"`` of the first test; those of the solid are skipped.
     value, error : callable
         Coefficient and standard error of a column.
     unit : str
-        Unit of what was measured.
+        Unit of the measured stiffness.
     prior_sds : mapping of str to float, optional
         Standard deviations that were known before the fit.
     """
@@ -196,7 +196,7 @@ def list_nuisances(
 
 
 def collect_provenance(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
-    """Return where the fit of relaxation tests comes from; its piece is the deepest's."""
+    """Return the provenance of a fit of relaxation tests, with the specimen of the deepest test."""
     deepest_test = max(tests, key=lambda test: test.depth)
     return Provenance(
         method, list_sources(tests), (*list_steps(tests), *steps), deepest_test.specimen
@@ -211,7 +211,7 @@ class Residuals(NamedTuple):
 
     Attributes
     ----------
-    every : sequence of array
+    by_record : sequence of array
         One per record, N.
     rms : float
         Over all records, N.
@@ -219,7 +219,7 @@ class Residuals(NamedTuple):
         Samples per independent residual.
     """
 
-    every: Sequence[FloatArray]
+    by_record: Sequence[FloatArray]
     rms: float
     kappa: float
 
@@ -249,7 +249,7 @@ def run_relaxation_checks(
     arms_selected : bool
         Fewer arms are rejected.
     in_arms : bool
-        The solid was fitted by its arms: each is asked for.
+        The fitted parameters are those of the arms.
     """
     window = RelaxationWindow(
         record_window(records), "the record", (" (two samples)", " (the hold)")
@@ -303,12 +303,12 @@ def run_solid_checks(
         k_inf_positive(model, float(error[0]), end),
         k_end_determined(model, float(error[0]), records, end),
         select_gravest_check(arms_where_force_relaxes(solid, record) for solid, record in pairs),
-        select_gravest_check(map(force_residual_small, records, residuals.every)),
+        select_gravest_check(map(force_residual_small, records, residuals.by_record)),
         residuals_white(
             residuals.kappa, residuals.rms, max(record.force_noise for record in records)
         ),
         *(_check_fast_arms(records, model, error) if in_arms and not solids else ()),
-        residuals_steady(residuals.every, rounding=ROUNDING * peak, peak=peak),
+        residuals_steady(residuals.by_record, rounding=ROUNDING * peak, peak=peak),
     ]
 
 

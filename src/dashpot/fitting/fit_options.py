@@ -135,7 +135,7 @@ def refuse_shifts(subject: str, fit_options: FitOptions) -> None:
 
 
 def refuse_law(options: FitOptions) -> None:
-    """Refuse an elastic law that is none, or that contradicts the method or the starts."""
+    """Refuse an unknown elastic law, or one that contradicts the method or the starts."""
     law = options.law
     require_choice("law", law, RampLawOption, FitError)
     if law == "nonlinear" and options.method == "hold":
@@ -150,7 +150,7 @@ def refuse_law(options: FitOptions) -> None:
 
 
 def refuse_family(options: FitOptions) -> None:
-    """Refuse a family that is none, or that contradicts the arms or the elastic law."""
+    """Refuse an unknown family, or one that contradicts the arms or the elastic law."""
     checked_family(options.family, options.arms)
     if options.family == "fractional" and options.law == "nonlinear":
         raise FitError(

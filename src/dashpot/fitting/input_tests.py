@@ -31,7 +31,7 @@ DEFAULT_STEP = Step("by_default", (), "prepared by default: the fit was given th
 
 
 def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
-    """Return one or several tests, prepared; what was done to a record as read is in its steps.
+    """Return one or several tests, prepared; the changes of a record as read are in its steps.
 
     Raises
     ------
@@ -48,8 +48,8 @@ def ramp_holds(tests: Tests) -> tuple[RampHold, ...]:
 def split_depths(test: RelaxationTest, **options: Any) -> tuple[RampHold, ...]:
     """Return the loadings of one record that hold, one to a depth, each as a record of its own.
 
-    Of several to one depth the one with the longest hold. What a later one remembers of those
-    before is left out, and a check says how much that is.
+    Of several to one depth the one with the longest hold. The effect of earlier loadings on later
+    ones is neglected, and a check states its size.
 
     Parameters
     ----------
@@ -170,12 +170,12 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
 
 
 def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
-    """Return which temperature, K, is the reference: the one asked for, or nearest to 23 degC.
+    """Return which temperature, K, is the reference: the one requested, or nearest to 23 degC.
 
     Raises
     ------
     FitError
-        If no test is of the temperature asked for.
+        If no test is of the temperature requested.
     """
     magnitude = np.abs(temperatures - (STANDARD_TEMPERATURE if target is None else target))
     if target is not None and magnitude.min() > SAME_TEMPERATURE:
@@ -216,7 +216,7 @@ class EndStiffness(NamedTuple):
 
 
 def refuse_copies(records: Sequence[RampHold]) -> None:
-    """Refuse a record that is given twice, as it is or resampled.
+    """Refuse a record given twice, unchanged or resampled.
 
     Raises
     ------

@@ -32,7 +32,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # a dashpot is an arm far faster than anything in the window
 DASHPOT_TAU_RATIO = 1e-3
 SOLID_PARAMETERS = ("k_inf", "b")
-# of a doubtful drift, what a baseline of 10 s and a data sheet leave
+# ratio of the drift error with a baseline of 10 s and a data sheet to the default
 NAMED_DRIFT_RATIO = 0.2
 LN_10 = float(np.log(10.0))
 EXACT_PRIOR = Prior(0.0)
@@ -48,7 +48,7 @@ class ThermalShift(NamedTuple):
     slope : float
         How much further each decade of tau shifts.
     shift_sd, slope_sd : float
-        What is not known of ln a_T and of the slope; 0 at the reference.
+        Uncertainty of ln a_T and of the slope; 0 at the reference.
     """
 
     log_a: float = 0.0
@@ -142,19 +142,19 @@ class RelaxationData:
     kappa : float
         :math:`S/s^2`: so many samples say the same thing.
     terms : NuisanceTerms
-        What is known of private columns; the others are free.
+        Priors of private columns; the others are free.
     model : GeneralizedMaxwell
         The solid whose force is late, and whose size the depth decides.
     delay, size : float
         Standard deviations of the delay, s, and of the relative size of the force.
     certain : DataBlock
-        The test without the columns that only doubt the motion.
+        The test without the columns for errors of the motion.
     misfit : float
-        Sum of squares that the fit leaves of every sample, in units of the noise.
+        Residual sum of squares of the fit over every sample, in units of the noise.
     thermal_shift : ThermalShift or None
-        How the solid that is asked about lies at the temperature of the test.
+        Shift of the sought solid to the temperature of the test.
     unmeasured_effects : UnmeasuredEffects or None
-        Doubts beside those that have a column of their own.
+        Unmeasured effects without a separate column.
     drift : Prior
         As the fit that is asked about held it, N/s; `terms` are those of the doubtful rig.
     """
@@ -217,7 +217,7 @@ class RelaxationData:
         self,
         log_tau: FloatArray,
         *,
-        slopes: bool = True,
+        with_slopes: bool = True,
         extra_priors: Mapping[str, Prior] = MappingProxyType({}),
     ) -> RelaxationRows:
         """Rows that depend on the solid, whitened for the effects of the rig.
@@ -235,7 +235,7 @@ class RelaxationData:
             np.concatenate(
                 (shift.log_tau(log_tau), np.log(self.model.tau), effect_log_tau, [shortest])
             ),
-            slopes or doubtful,
+            with_slopes or doubtful,
         )
         spring = evaluation.fixed[:, kinds.index("k_inf")]
         fast_column = evaluation.arms[:, -1] / np.exp(shortest)
@@ -271,9 +271,9 @@ class RelaxationData:
     def compute_rig_gradient(self, solid: Solid) -> FloatArray:
         r"""Return the gradient of each uncertainty of the rig on a solid, J'c, shape (p + 1, d).
 
-        Of data that are claimed, each doubt with a column c; J is free of what the fit knew of
-        offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
-        those of a fractional solid, then b; N/m, s and N s/m.
+        Of data that are claimed, each doubt with a column c; J excludes the fit's priors of offset,
+        drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or those
+        of a fractional solid, then b; N/m, s and N s/m.
         """
         model, priors, fitted_drift = solid.maxwell, dict(self.terms.priors), self.drift
         # a seal that warms is sought where several temperatures were fitted

@@ -252,7 +252,7 @@ class SelectedModel:
 
     @cached_property
     def shortage(self) -> Shortage | None:
-        """The arms that the rules take, where fewer were asked for; None if those are enough.
+        """The arms that the rules take, where fewer were requested; None if these are enough.
 
         Of a number that the rules chose the same, where it is the most that they tried and the
         residual is still correlated: the spectrum is wider than those arms.
@@ -278,12 +278,12 @@ class SelectedModel:
 
     @property
     def _is_wider_than_tried(self) -> bool:
-        """Whether the most arms that were tried were taken, and leave a correlated residual."""
+        """Whether the largest tried number of arms was selected and its residual is correlated."""
         choice, kappa = self.choice, self.estimate.kappa
-        return choice is not None and choice.capped and kappa > MIN_CORRELATED_KAPPA
+        return choice is not None and choice.is_largest_tried and kappa > MIN_CORRELATED_KAPPA
 
     def check_arm_count(self, unit: str) -> tuple[Check, ...]:
-        """Whether the arms that were asked for are enough, residuals in `unit`; and the samples."""
+        """Whether the arms that were requested are enough, residuals in `unit`; and the samples."""
         estimate = self.estimate
         all_checks = (samples_independent(estimate.effective, len(estimate.names), estimate.kappa),)
         if self.requested_arms is None and not self._is_wider_than_tried:
@@ -369,20 +369,20 @@ def validate_arm_count(arms: object, max_arms: object) -> int:
 def select_order(
     data: FitData, options: FitOptions, *, first: InitialFit | None = None
 ) -> SelectedModel:
-    """Fit every number of arms; take the number that the data support, or that was asked for.
+    """Fit every number of arms; take the number that the data support, or that was requested.
 
     Parameters
     ----------
     data : FitData
     options : FitOptions
-        ``"auto"`` arms chooses by BIC and significance; of a number the data may bear fewer.
+        ``"auto"`` arms chooses by BIC and significance; a requested number may exceed the data.
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """
     auto, max_arms = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
     if auto:
         max_arms = min(max_arms, max_determinable_arms(data.blocks))
-    first = first or fit_all_orders(data, max_arms, auto=auto, thorough=options.thorough)
+    first = first or fit_all_orders(data, max_arms, is_automatic=auto, thorough=options.thorough)
     data, noises = first.data, first.noises
     samples, peak, in_time = data.samples, data.peak, data.in_time
     scores = _score_orders(first.solutions[: max_arms + 1], data, noises)

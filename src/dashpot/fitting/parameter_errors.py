@@ -71,7 +71,7 @@ class Encoder(NamedTuple):
     step : float
         Step q of the readings, m; 0 if they show none.
     onset, contact_error : float
-        First contact, s, and the standard deviation of the position where it was found, m.
+        First contact, s, and the standard deviation of its position, m.
     """
 
     time: FloatArray
@@ -171,7 +171,7 @@ def _compute_pulse_row(
 # Uncertainty of a solution, from residuals in order of time.
 
 
-# residual over the largest force that rounding of the data leaves
+# relative residual by rounding of the data
 _ROUNDING = 1e-10
 
 
@@ -255,7 +255,7 @@ class SolutionEstimate(ParameterCovariance):
     noise_gain: float
 
     @property
-    def spread(self) -> float:
+    def residual_sd(self) -> float:
         """Standard deviation of one independent residual, N: the rms times root kappa."""
         return float(np.sqrt(self.sse / self.effective))
 
@@ -330,7 +330,7 @@ def estimate_covariance(
     covariance = information.covariance(np.sum(gains, axis=0), other_columns=error_rows)
     residuals = tuple(residual_series.values for residual_series in series)
     return SolutionEstimate(
-        jacobian.names, covariance, residuals, noises, solution, information.turn,
+        jacobian.names, covariance, residuals, noises, solution, information.parameter_directions,
         noise_gain_ratio(information, gains[:count]),
     )  # fmt: skip
 
@@ -547,9 +547,9 @@ class _ProfileScaling:
         if np.all(np.isfinite(block)):
             variance = float(gradient[is_used] @ block @ gradient[is_used])
         else:
-            variance = unit_variance * self.estimate.spread**2
+            variance = unit_variance * self.estimate.residual_sd**2
         error = float(np.sqrt(variance))
-        scale = variance / unit_variance if unit_variance > 0 else self.estimate.spread**2
+        scale = variance / unit_variance if unit_variance > 0 else self.estimate.residual_sd**2
         step = 0.7 * error
         if coordinate is not Coordinate.LINEAR:
             step = min(step, 0.5)
@@ -638,7 +638,8 @@ def compute_rig_sensitivity(
         next_column = own_columns.stop
     information = make_directions(jacobians)
     shifts = [
-        information.turn @ (columns.matrix[: len(column.unmeasured)].T @ column.unmeasured)
+        information.parameter_directions
+        @ (columns.matrix[: len(column.unmeasured)].T @ column.unmeasured)
         for column, columns in zip(all_columns, information.columns, strict=True)
     ]
     return np.hstack(shifts)[:total_count]

@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 
 _MIN_SHARE = 0.02
-"""Part of a stiffness that is left of it, however far it is moved."""
+"""Smallest fraction of a stiffness after a change."""
 
 
 class SolidParameters(NamedTuple):
     """Named parameters of a fitted solid, with their covariance.
 
-    The covariance is zero for what the fit holds.
+    The covariance is zero for parameters that the fit holds fixed.
     """
 
     names: tuple[str, ...]
@@ -72,7 +72,8 @@ def get_parameter_values(fit: Fit) -> FloatArray | None:
 def compute_covariance_axes(covariance: FloatArray) -> FloatArray:
     """Return one standard error along each axis of a covariance, a row each, shape (p, p).
 
-    The sign of an axis is that of its first part that is not small: no library chooses it.
+    The sign of an axis is that of its first component that is not small, so that it does not depend
+    on the library.
     """
     eigenvalues, eigenvectors = np.linalg.eigh(covariance)
     rows = (eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))).T
@@ -132,7 +133,7 @@ LINE_FACTOR = 1.5
 def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -> StiffnessBounds:
     r"""Return limits of the stiffness that the standard errors of a fit allow.
 
-    This is the formal band: it knows nothing of arms that the fit does not have. The errors of the
+    This is the formal band: it does not include arms that the fit lacks. The errors of the
     parameters p move each value to first order, as they do in the errors that the fit states:
 
     .. math:: \sigma_y^2 = \frac{\partial y}{\partial p} \operatorname{cov}(p)
@@ -226,18 +227,17 @@ def frf_band(
     r"""Return limits of the response of a mass on `seals` seals, by both kinds of ignorance.
 
     With :math:`|A| = \omega^2 / |n K^* - m\omega^2|`, the limits follow from the nearest and the
-    farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`; those of
-    :math:`|T| = |K^*| / |K^* - m\omega^2/n|` from its distances to the origin and that point. For
-    the unresolved arms that set is convex, and known by its support in every direction asked. The
-    resonance lies where :math:`K' = m\omega^2/n` for one of them, its height between the largest
-    lower and the largest upper limit.
+    farthest point of the set of (K', K'') to :math:`(m\omega^2/n, 0)`; those of :math:`|T| = |K^*|
+    / |K^* - m\omega^2/n|` from its distances to the origin and that point. For the unresolved arms
+    that set is convex, and given by its support function. The resonance lies where :math:`K' =
+    m\omega^2/n` for one of them, its height between the largest lower and the largest upper limit.
 
     Parameters
     ----------
     fit : Fit
         Fit of one seal.
     tests : RampHold, RelaxationTest or sequence of them
-        What it was fitted to.
+        Fitted tests.
     mass : float
         kg.
     frequency : array_like, shape (n,)
@@ -265,7 +265,7 @@ def frf_band(
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
         stiffness_ranges = np.transpose(
-            [predicted.reach(spectra, angular_frequency) for angular_frequency in omega]
+            [predicted.magnitude_limits(spectra, angular_frequency) for angular_frequency in omega]
         )
         return _widen_to_contain(
             stiffness_ranges, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
@@ -311,43 +311,47 @@ def formal_frf_band(
 class PredictedFRF:
     """Predicted FRF of a mass on seals: see :func:`frf_band`."""
 
-    on: MassOnSeals
+    mass_on_seals: MassOnSeals
     kind: Kind
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.on.mass) and self.on.mass > 0):
-            raise DataError(f"mass = {self.on.mass!r} kg; expected a number > 0")
+        if not (np.isfinite(self.mass_on_seals.mass) and self.mass_on_seals.mass > 0):
+            raise DataError(f"mass = {self.mass_on_seals.mass!r} kg; expected a number > 0")
 
     @property
     def _excited_mass(self) -> float:
         """Return the mass, kg, that the base accelerates; 1 for a force at the mass."""
         over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
-        return self.on.mass + self.on.coupled if over_base else 1.0
+        return self.mass_on_seals.mass + self.mass_on_seals.coupled if over_base else 1.0
 
     def magnitude(self, stiffness: ComplexArray, omega: FloatArray) -> FloatArray:
         """Magnitude of the response on seals of one such stiffness each, shape (..., n)."""
-        dynamic_stiffness = np.abs(self.on.seals * stiffness - self.on.mass * omega**2)
+        dynamic_stiffness = np.abs(
+            self.mass_on_seals.seals * stiffness - self.mass_on_seals.mass * omega**2
+        )
         with np.errstate(divide="ignore"):
             if self.kind is Kind.TRANSMISSIBILITY:
                 return np.asarray(
-                    np.abs(self.on.seals * stiffness + self.on.coupled * omega**2)
+                    np.abs(
+                        self.mass_on_seals.seals * stiffness + self.mass_on_seals.coupled * omega**2
+                    )
                     / dynamic_stiffness
                 )
             return np.asarray(self._excited_mass * omega**2 / dynamic_stiffness)
 
-    def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
+    def magnitude_limits(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Return lowest and highest magnitude over all spectra that the tests do not reject."""
         from dashpot.fitting.admissible_spectra import (
             compute_distance_range,
             compute_transmissibility_range,
         )
 
-        ratio = omega**2 / self.on.seals
+        ratio = omega**2 / self.mass_on_seals.seals
         if self.kind is Kind.TRANSMISSIBILITY:
             return compute_transmissibility_range(
-                spectra, omega, self.on.mass * ratio, self.on.coupled * ratio
+                spectra, omega, self.mass_on_seals.mass * ratio, self.mass_on_seals.coupled * ratio
             )
-        nearest, farthest = compute_distance_range(spectra, omega, self.on.mass * ratio)
+        nearest, farthest = compute_distance_range(spectra, omega, self.mass_on_seals.mass * ratio)
         ratio = ratio * self._excited_mass
         # where a spectrum without loss may resonate, nothing limits the response
         return ratio / farthest, ratio / nearest if nearest > 0 else np.inf
@@ -440,7 +444,7 @@ def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float
 
 
 def _widen_to_contain(limits: FloatArray, values: FloatArray) -> FloatArray:
-    """Limits, shape (2, n), that hold the fit itself."""
+    """Limits, shape (2, n), that contain the fit itself."""
     return np.array([np.minimum(limits[0], values), np.maximum(limits[1], values)])
 
 

@@ -161,7 +161,7 @@ def _compute_filter_changes(
 
 
 def _solve_parameters(record: RampHold, arms: int, method: Method) -> dict[str, float]:
-    """Return every parameter of the model with so many arms by its name."""
+    """Return every parameter of the model with a number of arms by its name."""
     refusal = eq5_obstacle(record) if method == "hold" else None
     if refusal is not None:
         raise FitError(refusal)
@@ -251,8 +251,8 @@ def fit(
         and says where the two differ. A ramp that is not linear is explained by arms alone.
     intervals : bool
         False returns the optimum of the same model alone, without errors, checks or bounds: for a
-        first look, or where a computation asks for many fits. A number of arms left to choose,
-        another family than arms, and a bent elastic law need their errors all the same.
+        first look, or for computations with many fits. A number of arms left to choose, another
+        family than arms, and a bent elastic law need their errors all the same.
     vertical : "free", "T/T_r" or "1"
         What the factor b_T of the stiffnesses may be, where the tests are of several temperatures.
     shift_law : "auto", "wlf", "arrhenius" or "free"
@@ -362,7 +362,7 @@ def _record_law_option(fit: Fit, law: RampLawOption) -> Fit:
 
 
 def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: FitOptions) -> Fit:
-    """Return the fit of a linear model, or of a nonlinear ramp where no linear model fits."""
+    """Return the fit of a linear model, or of a nonlinear ramp if no linear model fits."""
     motion = DelayedMotion.from_records(records, setup)
     initial_fit = None
     fractional_fit = None
@@ -408,7 +408,7 @@ def build_point_fit(
     motion: DelayedMotion, initial_fit: InitialFit, setup: FitSetup, arms: int
 ) -> Fit:
     """Return a fit with the optimum alone, without errors or checks."""
-    records = motion.holds.records
+    records = motion.hold_blocks.records
     solution = initial_fit.solutions[: arms + 1][-1]
     model = build_solid(solution)
     terms = list_nuisances(
@@ -435,12 +435,12 @@ def _build_linear_fit(
     options: FitOptions,
 ) -> Fit:
     """Return the fit of a linear model, with errors, limits, band and checks."""
-    records, selection = motion.holds.records, family_selection.best
+    records, selection = motion.hold_blocks.records, family_selection.best
     band = find_informed_band(
         records,
         selection.data.rows,
         stiffness=max(selection.model.k_0, 1e-300),
-        noise=max(selection.estimate.spread, 1e-6 * selection.data.peak, 1e-300),
+        noise=max(selection.estimate.residual_sd, 1e-6 * selection.data.peak, 1e-300),
     )
     # the limits hold for any spectrum, so the few arms of the fit suffice for the weights
     data = _build_limit_data(records, family_selection.arms, setup)
@@ -543,7 +543,7 @@ def _run_checks(
     motion: DelayedMotion, selection: SelectedModel, setup: FitSetup, end_of_hold: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
-    records, model, estimate = motion.holds.records, selection.model, selection.estimate
+    records, model, estimate = motion.hold_blocks.records, selection.model, selection.estimate
     choice, error = selection.choice, selection.error
     has_arms_only = not isinstance(selection, FractionalFit)
     all_checks = [
@@ -569,7 +569,7 @@ def _run_checks(
     if setup.method == "full" and has_arms_only:
         all_checks.append(
             checks.hold_and_full_agree(
-                model, motion.holds.fit_hold_equation(model), error, end=end_of_hold
+                model, motion.hold_blocks.fit_hold_equation(model), error, end=end_of_hold
             )
         )
     return tuple(all_checks)
@@ -579,7 +579,7 @@ def _check_load_cells(
     motion: DelayedMotion, selection: SelectedModel, end_of_hold: EndOfHold | None
 ) -> list[Check]:
     """Return the checks of offset, drift and delay against their priors."""
-    estimate, records = selection.estimate, motion.holds.records
+    estimate, records = selection.estimate, motion.hold_blocks.records
     get_coefficient = motion.coefficients(estimate.solution.coefficient)
     names = estimate.solution.fixed_names
 

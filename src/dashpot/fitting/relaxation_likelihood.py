@@ -54,7 +54,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 _LOAD_CELL_TERMS = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
 MIN_TAU = 1e-6
-# readings that stand for a while on the way, at most
+# largest number of pauses of the encoder during the ramp
 MAX_PAUSES = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
@@ -73,9 +73,9 @@ HUM_RATIO = 20.0
 SLOW_NOISE_RATIO = 2.0
 # standard errors of a shift within which other spectra may move it, and never less than this, ln
 _FREE_SE, _MIN_SHIFT = 5.0, 0.007
-# standard errors of a slope from which on arms do shift apart
+# significance of a slope, in standard errors
 _SIGNIFICANT_SE = 3.0
-# another temperature may change every stiffness by so much more than b_T
+# relative change of stiffness with temperature beyond b_T, sd
 _GAIN_SD = 0.02
 
 
@@ -88,18 +88,19 @@ def build_relaxation_data(
     shift: ThermalShift | None = None,
     shift_slopes: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
-    r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
+    r"""Weight a test by its residual, and include the uncertainty of all rig effects on the force.
 
-    What is before first contact only shows offset and drift, and is spent on their priors. A
+    Samples before first contact determine only offset and drift, and are used in their priors. A
     reading that stands, such as the first and that of the hold, is uniform within a count q of the
-    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts
-    and noise makes the samples worth less. Either looks like an arm faster than the ramp.
+    encoder, a standard deviation of :math:`q/\sqrt{12}`; while it moves, what is left of counts and
+    noise makes the samples worth less. Either looks like an arm faster than the ramp.
 
     Parameters
     ----------
     test : RampHold
     fit : Fit
-        The solid whose response to a small motion stands for the doubt; its method is kept.
+        The solid whose response to a small motion gives the effect of motion errors; its method is
+        kept.
     single_fit : Fit, optional
         Fit of this test alone, where `fit` is of more than this test: its solid leaves the noise.
     for_limits : bool
@@ -107,8 +108,8 @@ def build_relaxation_data(
         (:func:`compute_unmeasured_effects`). A fit of several tests is a point, and not of the
         doubtful rig: what could be moved by so much would hide that the tests disagree.
     shift : ThermalShift, optional
-        How the solid that is asked about lies at the temperature of the test and of `fit`: the
-        seal may then have warmed while it was recorded.
+        Shift of the solid of interest at the temperature of the test and of `fit`: the seal may
+        then have warmed while it was recorded.
     shift_slopes : (float, float)
         Slopes of ln a_T and ln b_T there, 1/K.
 
@@ -191,7 +192,7 @@ def _build_delay_columns(
 ) -> dict[str, tuple[FloatArray, float]]:
     """Return the columns of a force that is so late, s, with their standard deviations.
 
-    They are of the size that was found: the chord is exact there, where the tangent is not.
+    They have the size of the fitted delay: there the chord is exact, unlike the tangent.
     """
     slow_model = _keep_slow_arms(model, SLOW_ARM * test.step)
     displacement = slow_model.force(time, np.interp(time - delay, time, x, left=0.0))
@@ -205,7 +206,7 @@ def _build_delay_columns(
 
 
 def _find_fitted_delay(fit: Fit) -> float:
-    """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
+    """The delay of the force of one test, s, where it is too large for a linearisation; else 0."""
     delays = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
     delay = delays[0] if fit.method == "full" and delays else 0.0
     return delay if abs(delay) > LINEAR_DELAY else 0.0
@@ -332,7 +333,7 @@ def _add_rig_columns(
     start: float,
     reference_time: float = 0.0,
 ) -> RelaxationData:
-    """The data with what its rig may add, as sums of its own columns: right to some per cent.
+    """The data with rig effects as sums of its own columns, accurate to some per cent.
 
     The motion that is answered is `time_and_motion`, s and m; the rows begin at `start`, s, and
     their drift counts from `reference_time`, s, all from the first sample on.
@@ -365,7 +366,7 @@ def _add_rig_columns(
 def estimate_noise_power(residual: FloatArray) -> float:
     r"""Return the power S of noise in the band of the arms: its variance, if it is white.
 
-    The mean periodogram between 8 and 160 cycles per record, lines of hum left out; below, where
+    The mean periodogram between 8 and 160 cycles per record, lines of hum omitted; below, where
     the noise wanders. A standard deviation counts a hum as noise, and so does a sum of
     autocovariances; an arm does not see it.
     """
@@ -466,10 +467,10 @@ def compute_unmeasured_effects(
         model,
         time,
         x,
-        since=time + test.time[0] - test.ramp_end,
+        time_since_stop=time + test.time[0] - test.ramp_end,
         ramp_time=test.ramp_time,
         depth=test.depth,
-        settles=not test.changed_readings,
+        has_settling=not test.changed_readings,
     )
     peak = float(np.abs(model.force(time, x)).max())
     if test.preload and peak > 0:
@@ -487,7 +488,7 @@ def compute_unmeasured_effects(
         )
     # its temperature is that of its contact, however long the machine stood before
     rest_time = max(test.onset - test.ramp_time - test.time[0], 0.0)
-    warming_force = compute_warming(time, x, model, since=rest_time)
+    warming_force = compute_warming(time, x, model, start_time=rest_time)
     terms["warming"] = warming_force, build_warming_prior(test.specimen).sd
     if test.machine.force_filter is None:
         lines = build_folded_mains(time, step=test.step)
@@ -527,7 +528,7 @@ def select_motion_samples(test: RampHold, time: FloatArray) -> IndexArray:
 
 
 def _select_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
-    """Return the first and the last reading that stand, and the longest of those between them."""
+    """Return the first and the last constant reading, and the longest between them."""
     all_rests = find_rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first_rest, last_rest = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(all_rests) > 1:

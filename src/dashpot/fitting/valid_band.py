@@ -141,7 +141,7 @@ class SolidErrors:
     ----------
     spectra : AdmissibleSpectra
     solid : Solid
-    creep : bool
+    is_compliance : bool
         Whether the spectra are of compliance.
     stiffness : float or None
         Relative error of the stiffness at every line, if it is known already.
@@ -149,19 +149,19 @@ class SolidErrors:
 
     spectra: AdmissibleSpectra
     solid: Solid
-    creep: bool = False
+    is_compliance: bool = False
     stiffness: float | None = None
 
     def __call__(self, frequency: float) -> tuple[float, float]:
         """Return the relative errors of stiffness and loss factor at a frequency, Hz."""
         omega = 2 * np.pi * frequency
         K = complex(self.solid.complex_stiffness(omega=omega))
-        columns = self.spectra.compliance_at if self.creep else self.spectra.stiffness_at
+        columns = self.spectra.compliance_at if self.is_compliance else self.spectra.stiffness_at
         storage, loss = columns(omega)
         if not self.spectra.shown[1]:
             # data without a column of a dashpot: the fastest arm represents it
             loss[1] = 0.0
-        magnitude, angle = (1 / abs(K) if self.creep else abs(K)), float(np.angle(K))
+        magnitude, angle = (1 / abs(K) if self.is_compliance else abs(K)), float(np.angle(K))
         eta = K.imag / K.real if K.real > 0 else np.inf
         if self.stiffness is None:
             lowest, highest = self.spectra.limit_functional(
@@ -230,7 +230,7 @@ def find_hold_band(
     Parameters
     ----------
     spectra : AdmissibleSpectra
-        Every spectrum that the holds do not reject.
+        Spectra that the holds do not reject.
     solid : Solid
         The fit.
     band : (float, float)

@@ -305,7 +305,7 @@ class ArmInsertion:
     def _descend(
         self,
         start: FloatArray,
-        rivals: Sequence[FloatArray],
+        known_optima: Sequence[FloatArray],
         *,
         restricted: BoolArray | None = None,
         expected_positive: BoolArray | None = None,
@@ -316,7 +316,7 @@ class ArmInsertion:
             start,
             restricted=restricted,
             expected_positive=expected_positive,
-            rivals=rivals,
+            known_optima=known_optima,
             step_tolerance=step_tolerance,
             cost_tolerance=0.0 if step_tolerance == FINAL_TOLERANCE else FLAT_DEVIANCE,
         )
@@ -370,8 +370,8 @@ class Solution(FrozenArrays):
         Sum of squared residuals of the full data.
     samples : int
         Full-data sample count.
-    requested : int
-        Arms asked for; more than N if the data reject the others.
+    requested_arms : int
+        Arms requested; more than N if the data reject the others.
     evaluations : int
         Trials of ln tau, over all starts.
     converged : bool
@@ -393,7 +393,7 @@ class Solution(FrozenArrays):
     fixed: FloatArray
     sse: float
     samples: int
-    requested: int
+    requested_arms: int
     evaluations: int
     converged: bool
     relative_offset: float
@@ -461,7 +461,7 @@ def solve(
     arms : int
         How many relaxation times, >= 0.
     log_tau_start : array, shape (arms,), optional
-        One start of your own; without it the engine finds the starts.
+        One start of your own; by default the engine finds the starts.
     near_log_tau : array, shape (arms,), optional
         Where an optimum may be: next to it no other start is tried, if no positive spectrum with
         any number of arms would gain `negligible` noise variances on what is there.
@@ -478,7 +478,7 @@ def solve(
     Returns
     -------
     Solution
-        With fewer arms than asked for if a further arm with k > 0 would not lower the SSE.
+        With fewer arms than requested if a further arm with k > 0 would not lower the SSE.
 
     Raises
     ------
@@ -513,7 +513,7 @@ def solve_orders(
 
     The tuple ends where a further arm with k > 0 no longer lowers the SSE. With `negligible` it
     also ends one order after the first that is within so many noise variances of the best
-    positive spectrum with any number of arms, so that no order left out could gain more; unless
+    positive spectrum with any number of arms, so that no order omitted could gain more; unless
     `every_order` one is wanted, which is then found from a single start.
     """
     chain = ArmInsertion(_validate_blocks(blocks, max_arms), thorough=thorough)
@@ -522,7 +522,7 @@ def solve_orders(
 
 
 def iterate_orders(blocks: Sequence[DataBlock], max_arms: int) -> Iterator[Solution]:
-    """Yield the solutions of :func:`solve_orders` one by one, each found when asked for."""
+    """Yield the solutions of :func:`solve_orders` one by one, each found when requested."""
     chain = ArmInsertion(_validate_blocks(blocks, max_arms))
     for arms in range(max_arms + 1):
         chain.extend(arms)
@@ -631,7 +631,7 @@ def _solution(
         fixed=point.beta[:q],
         sse=sse,
         samples=stack.samples,
-        requested=requested,
+        requested_arms=requested,
         evaluations=evaluations,
         converged=local.converged and not bool(at_bound.any()),
         relative_offset=relative_offset(point, sse),
@@ -664,7 +664,7 @@ class OptimalityCertificate:
         :math:`\max_\tau D(\tau)/|r|`, the cosine between the residual and the best further
         column, what is already fitted swept out; <= 0 proves that the gap is zero.
     tau : float or None
-        Where that maximum lies, s; None if no further arm would gain anything.
+        Time of that maximum, s; None if no further arm would gain anything.
     """
 
     optimal: bool

@@ -54,7 +54,7 @@ T = TypeVar("T", bound="Trial")
 class Trial(Protocol):
     """Trial parameters with all linear ones solved.
 
-    `theta` (p,) and `beta` (q,); the sum of squares `sse`, infinite where the model says nothing;
+    `theta` (p,) and `beta` (q,); the sum of squares `sse`, infinite where the model is not defined;
     `gradient` J'r (p,) and `curvature` J'J (p, p) of the reduced residual.
     """
 
@@ -68,7 +68,7 @@ class Trial(Protocol):
     def gradient(self) -> FloatArray: ...  # noqa: D102
     @property
     def curvature(self) -> FloatArray: ...  # noqa: D102
-    def ahead(self, step: FloatArray) -> Self: ...  # noqa: D102
+    def step_ahead(self, step: FloatArray) -> Self: ...  # noqa: D102
 
 
 class Objective(NamedTuple, Generic[T]):
@@ -76,7 +76,7 @@ class Objective(NamedTuple, Generic[T]):
 
     Attributes
     ----------
-    at : callable
+    evaluate : callable
         ``at(theta, last) -> trial``, `last` the trial that the descent stands at, None at first.
     low, high : array, shape (p,)
     floor : float
@@ -85,7 +85,7 @@ class Objective(NamedTuple, Generic[T]):
         Sum of squares below which a residual is rounding.
     """
 
-    at: Callable[[FloatArray, T | None], T]
+    evaluate: Callable[[FloatArray, T | None], T]
     low: FloatArray
     high: FloatArray
     floor: float = 0.0
@@ -170,7 +170,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
         ):
             return LocalOptimum(current, count, True)
         if damping < LINEAR_STEP and has_converged(change, last, expected_fall, sse):
-            return LocalOptimum(current.ahead(step), count, True)
+            return LocalOptimum(current.step_ahead(step), count, True)
         new = at(trial, current)
         if current.sse < new.sse < np.inf and change >= TAIL_CHANGE:
             # along a valley that bends the step ends on its side: from there to its floor
@@ -212,7 +212,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
 def _is_predicted(
     hessian_correction: FloatArray | None, old: Trial, new: Trial, step: FloatArray
 ) -> bool:
-    """Whether what was learned of the Hessian foretells by how much a step lowers the SSE."""
+    """Whether the learned Hessian predicts the decrease of the SSE by a step."""
     if hessian_correction is None:
         return True
     predicted_fall = -float(step @ (2 * old.gradient + (old.curvature + hessian_correction) @ step))
@@ -327,7 +327,7 @@ class Rows(NamedTuple):
     Attributes
     ----------
     y : array, shape (n,)
-        What is to be explained; what no coefficient changes stands in it with its sign turned.
+        Target, including constant terms with opposite sign.
     A : array, shape (n, q)
         The columns of beta.
     slope : callable, optional
@@ -341,11 +341,11 @@ class Rows(NamedTuple):
 
 
 Model: TypeAlias = Callable[[FloatArray], Rows]
-"""Rows at a theta; raises DataError where the model says nothing."""
+"""Rows at a theta; raises DataError where the model is not defined."""
 
 
 class Parameter(NamedTuple):
-    """Component of theta: its range, the size of a step, and that of a difference."""
+    """Component of theta: its range, the size of a step, and of a finite difference."""
 
     low: float = -np.inf
     high: float = np.inf
@@ -441,7 +441,7 @@ class Problem:
         step_tolerance: float = FINAL_TOLERANCE,
         cost_tolerance: float = 0.0,
     ) -> list[Optimum]:
-        """Return where descents from some starts end, as :meth:`solve` asks of them.
+        """Return the optima of descents from some starting points, for :meth:`solve`.
 
         One that comes nearer than `same_distance`, in sizes of the parameters, to the end of
         another is not followed.
@@ -501,7 +501,7 @@ class Problem:
         )
 
     def _evaluate_trial(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
-        """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""
+        """The best beta at a scaled theta; infinite SSE where the model is not defined."""
         scale = self.bounds[2]
         likely_positive = None if last is None else last.beta > 0
         unscaled = theta * scale
@@ -541,7 +541,7 @@ class _AtTheta:
     def curvature(self) -> FloatArray:
         return self.optimum.curvature * np.outer(self.scale, self.scale)
 
-    def ahead(self, step: FloatArray) -> _AtTheta:
+    def step_ahead(self, step: FloatArray) -> _AtTheta:
         """Return the trial a short step away."""
         theta = self.optimum.problem._evaluate_trial(self.theta + step, self)
         return theta if theta.sse <= self.sse * (1 + 1e-8) + self.rounding else self
@@ -582,7 +582,7 @@ class Optimum:
 
     @cached_property
     def cost(self) -> float:
-        """Sum of squares of every row: what is minimised."""
+        """Sum of squares of all rows, the objective."""
         return float(self.all_residuals @ self.all_residuals)
 
     @property
@@ -592,7 +592,7 @@ class Optimum:
 
     @property
     def rounding_sse(self) -> float:
-        """Sum of squares that rounding leaves."""
+        """Sum of squares due to rounding."""
         return _ROUNDING_POWER * float(self.rows.y @ self.rows.y)
 
     @property
@@ -683,7 +683,7 @@ def require_optimum(
     Raises
     ------
     FitError
-        If the model says nothing of the record from any start.
+        If the model is not defined at any starting point.
     """
     optimum = problem.solve(
         starts,

@@ -53,7 +53,7 @@ class StackRows(NamedTuple):
 class Stack:
     """Stacked blocks, their columns matched by name and group.
 
-    The linear parameters stand as all fixed names, then the arms of the first group, of the
+    The linear parameters are ordered as all fixed names, then the arms of the first group, of the
     second, and so on: p = q + G N.
     """
 
@@ -90,7 +90,7 @@ class Stack:
 
     @property
     def rounding_sse(self) -> float:
-        """Sum of squares that a finished descent leaves of exact data."""
+        """Residual sum of squares of a finished descent on exact data."""
         return max(self.rounding_floor, FINAL_TOLERANCE**2 * self.energy)
 
     def get_nonnegative_mask(self, arms: int, *, signed: bool) -> BoolArray:
@@ -100,7 +100,7 @@ class Stack:
         return nonnegative_mask & (not signed)
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
-        """Return the stacked design matrix, slopes if asked for, and target."""
+        """Return the stacked design matrix, slopes if requested, and target."""
         rows_of_blocks = [block.evaluate(log_tau, derivative) for block in self.blocks]
         arms, q = len(log_tau), len(self.names)
         column_count = arms * len(self.groups)
@@ -164,9 +164,9 @@ class StackTrial(NamedTuple):
 
         .. math:: J_j = -(I - QQ') D_j \beta_j - Q R^{-T} e_j (D_j' r)
 
-        (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several
-        groups add up. The two terms are orthogonal, and only the first meets r. Everything that
-        they need stands in the triangular factor of one QR,
+        (G. H. Golub and V. Pereyra, *SIAM J. Numer. Anal.* 10, 1973); arms shared by several groups
+        add up. The two terms are orthogonal, and only the first meets r. They are computed from the
+        triangular factor of one QR,
 
         .. math:: [\Phi, D, y] \to
             \begin{bmatrix} R & Q'D & Q'y \\ 0 & D_\perp & r \end{bmatrix}
@@ -206,7 +206,7 @@ class StackTrial(NamedTuple):
             log_tau, beta, sse, gradient, curvature, inverse_rows @ transposed - coefficients
         )
 
-    def ahead(self, step: FloatArray) -> StackTrial:
+    def step_ahead(self, step: FloatArray) -> StackTrial:
         """Return the point a short step away, where beta is linear and the SSE is flat."""
         rotated_step = (self.turn @ step[..., None])[..., 0]
         return self._replace(log_tau=self.log_tau + step, beta=self.beta + rotated_step)
@@ -226,8 +226,8 @@ def solve_at(
 ) -> StackTrial:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
 
-    With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
-    Columns that are dependent to 13 digits have an infinite SSE.
+    With `restricted`, those coefficients stay >= 0; an arm at zero has no derivative. Columns that
+    are dependent to 13 digits have an infinite SSE.
     """
     stack.trials += 1
     rows = stack.evaluate(log_tau)
@@ -271,7 +271,7 @@ def descend(
     *,
     restricted: BoolArray | None = None,
     expected_positive: BoolArray | None = None,
-    rivals: Sequence[FloatArray] = (),
+    known_optima: Sequence[FloatArray] = (),
     step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
     damping: float = 1e-3,
@@ -279,7 +279,7 @@ def descend(
     """As :func:`dashpot.numerics.least_squares.descend`, in ln tau, inside the
     window.
 
-    Returns None when it runs into one of the `rivals` (optima already known) or when the
+    Returns None when it runs into one of the `known_optima` (optima already known) or when the
     start cannot be evaluated.
     """
     low, high = (np.full(len(start), end) for end in stack.bounds)
@@ -291,7 +291,9 @@ def descend(
         objective,
         np.sort(start),
         expected_positive=expected_positive,
-        is_known_optimum=(lambda log_tau: _is_near_rival(log_tau, rivals)) if rivals else None,
+        is_known_optimum=(lambda log_tau: _is_near_rival(log_tau, known_optima))
+        if known_optima
+        else None,
         step_tolerance=step_tolerance,
         cost_tolerance=cost_tolerance,
         damping=damping,
@@ -304,8 +306,8 @@ def is_inside_window(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
     return all(low < value < high for value in log_tau.tolist())
 
 
-def _is_near_rival(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
-    return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
+def _is_near_rival(log_tau: FloatArray, known_optima: Sequence[FloatArray]) -> bool:
+    return bool(np.abs(np.sort(log_tau) - known_optima).max(axis=1).min() < 1e-2)
 
 
 def relative_offset(point: StackTrial, sse: float) -> float:
@@ -360,8 +362,7 @@ class ColumnGrid(NamedTuple):
     ) -> tuple[ColumnGrid, FloatArray]:
         """Return the lattice, and the target in its coordinates.
 
-        `is_free` says which fixed columns have a coefficient that is not held at zero; all, by
-        default.
+        `is_free` marks the fixed columns with a coefficient not fixed at zero; all, by default.
         """
         stack_rows = stack.evaluate(log_tau, derivative=False)
         target, phi, q = stack_rows.target, stack_rows.phi, len(stack.names)
@@ -443,7 +444,7 @@ class Grid:
 
     @cached_property
     def residual_sse(self) -> float:
-        """Sum of squares that the best spectrum leaves."""
+        """Residual sum of squares of the best spectrum."""
         residual = self.aim - self.columns @ self.spectrum.ravel()
         return float(residual @ residual)
 
@@ -564,7 +565,7 @@ def find_best_triple(grid: Grid) -> FloatArray | None:
 
 
 def _compute_triple_gain(grid: Grid, sets: IndexArray) -> FloatArray:
-    """Return what triples of grid points, (3, sets), explain of the sum of squares: Cramer's rule.
+    """Return the sum of squares explained by triples of grid points, (3, sets): Cramer's rule.
 
     Zero where a coefficient would not be positive, or two points are one.
     """

@@ -57,7 +57,7 @@ def solve_linear(
     -------
     beta : array, shape (q,)
     basis : callable
-        ``basis()``, orthonormal, shape (n, r): found when asked for.
+        ``basis()``, orthonormal, shape (n, r), computed when called.
     """
     column_norms = np.sqrt(np.einsum("ij,ij->j", A, A))
     column_norms[column_norms == 0] = 1.0
@@ -251,11 +251,11 @@ class ActiveSet(NamedTuple):
         R, which need not be triangular.
     inverse : array, shape (k, k)
         R^-1.
-    along : array, shape (k,)
+    projection : array, shape (k,)
         Q'y.
-    rest : array, shape (n,)
-        What these columns leave of y.
-    least : float
+    residual : array, shape (n,)
+        Residual of y.
+    residual_square : float
         Its square.
     """
 
@@ -263,9 +263,9 @@ class ActiveSet(NamedTuple):
     basis: FloatArray
     factor: FloatArray
     inverse: FloatArray
-    along: FloatArray
-    rest: FloatArray
-    least: float
+    projection: FloatArray
+    residual: FloatArray
+    residual_square: float
 
     def find_farthest_point(
         self, objective: FloatArray | None, squared: float
@@ -273,14 +273,18 @@ class ActiveSet(NamedTuple):
         """Return its farthest point, the multiplier (inf without an aim), and what is left of y."""
         if objective is None or not len(self.active):
             free = 0.0 if objective is None else np.inf
-            return np.asarray(self.inverse @ self.along), free, self.rest
+            return np.asarray(self.inverse @ self.projection), free, self.residual
         h = objective[self.active] @ self.inverse
         power = float(h @ h)
         if power == 0.0:
-            return np.asarray(self.inverse @ self.along), np.inf, self.rest
-        multiplier = sqrt(max(squared - self.least, 0.0) / power)
+            return np.asarray(self.inverse @ self.projection), np.inf, self.residual
+        multiplier = sqrt(max(squared - self.residual_square, 0.0) / power)
         step = multiplier * h
-        return self.inverse @ (self.along + step), multiplier, self.rest - step @ self.basis
+        return (
+            self.inverse @ (self.projection + step),
+            multiplier,
+            self.residual - step @ self.basis,
+        )
 
 
 class NonnegativeConfidenceRegion:
@@ -308,7 +312,7 @@ class NonnegativeConfidenceRegion:
         Parameters
         ----------
         start : array, shape (m,), optional
-            Non-negative; the columns where it is not zero are tried first.
+            Non-negative; its non-zero columns are tried first.
         """
         return self._search_active_sets(
             None, 0.0, np.zeros(len(self._rows)) if start is None else start
@@ -380,14 +384,14 @@ class NonnegativeConfidenceRegion:
     def _compute_gain(
         self, residual: FloatArray, objective: FloatArray | None, multiplier: float
     ) -> FloatArray:
-        """Return what each column would add; any of the aim is a gain to a face that has none."""
+        """Return the gain of each column; any of the aim is a gain to a face that has none."""
         if objective is not None and isinf(multiplier):
             return objective.copy()
         gain = np.asarray(self._rows @ residual)
         return gain if objective is None else gain + multiplier * objective
 
     def _get_cached_face(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
-        """Return the face of these columns, factored where it was not met before."""
+        """Return the face of these columns, factored unless cached."""
         key = np.sort(active).tobytes()
         face = self._cached_faces.get(key)
         if face is not None:
@@ -450,9 +454,9 @@ class NonnegativeConfidenceRegion:
         )
         inverse[:-1, :-1], inverse[-1, -1] = face.inverse, 1 / length
         inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
-        coefficient = float(unit_column @ face.rest)
-        residual = face.rest - coefficient * unit_column
-        extended = np.concatenate((face.along, [coefficient]))
+        coefficient = float(unit_column @ face.residual)
+        residual = face.residual - coefficient * unit_column
+        extended = np.concatenate((face.projection, [coefficient]))
         return ActiveSet(
             active, basis, factor, inverse, extended, residual, float(residual @ residual)
         )

@@ -1,1 +1,1 @@
-"""Planning of tests: what they can determine, before they are run."""
+"""Planning of tests: the quantities they can determine, before they are run."""

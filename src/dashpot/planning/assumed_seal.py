@@ -13,7 +13,7 @@ from dashpot.solids.demo_seals import PAPER, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
 
-# an arm of this part of the instantaneous stiffness is what sponge rubber may hide
+# share of the instantaneous stiffness of an arm that may be undetected in sponge rubber
 USUAL_PART = 0.1
 # an arm of the model this near, as a factor in time, already stands for the unseen one
 NEAR_FACTOR = 3.0

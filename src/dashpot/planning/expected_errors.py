@@ -10,10 +10,9 @@ deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` 
 
 with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
 motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
-known of it before. What machine and climate may add without a trace moves the fit, and is in C as
-it is in
-the intervals of a fit. An impact record must be long enough for the mass to come to rest, and its
-pulse short enough to make it ring.
+known of it before. Undetected effects of machine and climate change the fit, and are included in C
+as in the intervals of a fit. An impact record must be long enough for the mass to come to rest, and
+its pulse short enough to make it ring.
 """
 
 from __future__ import annotations
@@ -58,10 +57,10 @@ class ExpectedError:
     ramp_time, hold_time : float
         s.
     storage_sd, loss_factor_sd : float
-        Expected standard deviation over the value, dimensionless; infinite if the test says
-        nothing.
+        Expected standard deviation over the value, dimensionless; infinite if the test does not
+        determine it.
     arm_sd : float or None
-        That of the stiffness of the unresolved arm; None if none was supposed.
+        Standard deviation of the stiffness of the unresolved arm; None without one.
     repeated : tuple of float
         Temperatures at which the test is repeated, K; all are fitted together.
     """
@@ -168,7 +167,7 @@ class ExpectedArm:
     Attributes
     ----------
     k, tau : float
-        Stiffness and relaxation time of the arm that was supposed, N/m and s.
+        Stiffness and relaxation time of the assumed arm, N/m and s.
     half_k, half_tau, half_b : float
         As the test is planned; b = k tau.
     named_k, named_tau, named_b : float
@@ -238,7 +237,7 @@ class ExpectedEnd(Serialisable):
     time : float
         T, s.
     stiffness : float
-        k(T) of the solid that was supposed, N/m.
+        k(T) of the assumed solid, N/m.
     half_width : float
         Half width of its 95 % limits, over the value: all that machine and climate may do without a
         trace is in them.
@@ -318,7 +317,7 @@ class RecordNeed:
     for_decay, for_lines : float
         Six time constants, and five lines in the half-power band, s.
     record : float or None
-        The record that was planned, s.
+        Planned length of the record, s.
     peak_error : float or None
         Relative error of the peak read off the lines, by the truncation of the record; at the
         worst position of the lines.
@@ -343,7 +342,7 @@ class Pulse:
     duration : float
         s.
     level_db : float
-        Force spectrum at the frequency asked for, relative to 0 Hz, dB.
+        Force spectrum at the frequency requested, relative to 0 Hz, dB.
     band_10db, band_20db : float
         Where the spectrum has fallen by 10 and 20 dB, Hz.
     first_zero : float

@@ -44,7 +44,7 @@ from dashpot.vibration.mass_on_seals import mass_for_peak
 
 
 MIN_GAIN = 0.9
-"""A repeat is advised if it lowers the standard deviation below this part of that without it."""
+"""A repeat is advised if it lowers the standard deviation below this fraction."""
 
 
 def list_advice(
@@ -259,21 +259,21 @@ class Plan(HasChecks, Serialisable):
     arm : (float, float) or None
         Stiffness, N/m, and relaxation time, s, of the arm that the test may not show.
     expected : ExpectedError
-        Errors of the test as asked, with its repeats.
+        Errors of the requested test with its repetitions.
     alternatives : tuple of ExpectedError
         Errors of the test alone and at each other temperature, of the other method, of faster
-        ramps, of the test repeated at 0 degC if no other was asked for, and with a hammer test.
+        ramps, of the test repeated at 0 degC if no other was requested, and with a hammer test.
     band : (float, float)
         Frequency range of the relaxation test, Hz.
     record : RecordNeed
     pulse : Pulse or None
     checks : tuple of Check
     advice : tuple of str
-        What to change, most useful first.
+        Advised changes, most useful first.
     temperature : float
         Temperature of the test, K.
     repeats : tuple of Repeat
-        Where it is repeated, as asked.
+        The requested repetitions.
     arms : tuple of ExpectedArm
         Expected errors of each arm of the seal, but for the unseen one, by the test without its
         repeats.
@@ -354,7 +354,7 @@ def plan(
 ) -> Plan:
     r"""Return the expected errors of a test at a frequency, before it is run, and advice.
 
-    The seal is assumed to have an arm at :math:`\tau = 1/\omega`, where it matters most for
+    The seal is assumed to have an arm at :math:`\tau = 1/\omega`, where it has most effect on
     damping. The Cramer-Rao bound gives the errors of storage stiffness and loss factor there
     (:mod:`dashpot.planning.expected_errors`), with the priors of offset, drift and delay that the
     fit has. For a hammer test: the length of record that it needs, and the band that its tip

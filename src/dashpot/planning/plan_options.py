@@ -49,7 +49,8 @@ class HammerPlan:
     Attributes
     ----------
     mass : float, optional
-        kg, of the block on `seals` seals; by default the one that puts the peak where it matters.
+        kg, of the block on `seals` seals; by default the one with the peak at the frequency of
+        interest.
     seals : float
     record : float, optional
         Length of the planned record of a hit, s.

@@ -33,7 +33,7 @@ class PlannedRows(NamedTuple):
     Attributes
     ----------
     rows : array, shape (m, p)
-        Sensitivities, reduced to a triangle, above what is known beforehand.
+        Sensitivities, reduced to a triangle, above the priors.
     unmeasured : array, shape (m, d)
         Effects of the rig that the fit does not estimate, one standard deviation each.
     """
@@ -92,7 +92,7 @@ class Bench(PlannedRamp):
     def sensitivity(self, model: GeneralizedMaxwell, time: FloatArray | None = None) -> FloatArray:
         r"""Return J = dF / d(k_inf, k, ln tau[, offset, drift[, delay]]), shape (n, p), N per unit.
 
-        The offset is that at the middle of the baseline; `time` (n,) is that of every sample.
+        The offset refers to the middle of the baseline; `time` (n,) is the time of every sample.
         """
         t = self.time() if time is None else time
         speed = self.depth / self.ramp_time
@@ -195,7 +195,7 @@ class Bench(PlannedRamp):
         ))  # fmt: skip
         nodes = time_since_ramp + self.ramp_time
         x = self.depth * np.minimum(nodes / self.ramp_time, 1.0)
-        warming = compute_warming(nodes, x, model, since=-min(self.baseline, self.ramp_time))
+        warming = compute_warming(nodes, x, model, start_time=-min(self.baseline, self.ramp_time))
         terms = {"warming": (warming, DEFAULT_UNCERTAINTIES["warming"].size)}
         # of a seal that was pressed before; what it carries in the middle of the rest is offset
         times = np.append(nodes + self.baseline, self.baseline / 2)
@@ -206,7 +206,7 @@ class Bench(PlannedRamp):
             model,
             nodes,
             x,
-            since=time_since_ramp,
+            time_since_stop=time_since_ramp,
             ramp_time=self.ramp_time,
             depth=self.depth,
         )
@@ -233,7 +233,7 @@ class Repeat:
     temperature : float
         K.
     a_t, b_t : float
-        Shift factors of time and of stiffness that are supposed there, dimensionless.
+        Assumed shift factors of time and of stiffness, dimensionless.
     """
 
     temperature: float

@@ -1,7 +1,7 @@
 """Figures: functions from results to a `Picture`, and writers of pictures.
 
-A :class:`~dashpot.plot.picture.Picture` is a frozen value, what is drawn before anything draws it.
-:func:`save` writes it as SVG, PNG or PDF; :func:`to_svg` gives the text of the first,
+A :class:`~dashpot.plot.picture.Picture` is a frozen description of a drawing, independent of its
+format. :func:`save` writes it as SVG, PNG or PDF; :func:`to_svg` gives the text of the first,
 :func:`to_figure` a :class:`matplotlib.figure.Figure`. matplotlib is loaded for PNG and PDF only.
 
 The names stand in ``__init__.pyi``, those of an extension in its rows; each is imported when it is
@@ -17,7 +17,7 @@ _find, _list = build_lazy_exports(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """Return what draws a figure: of the core, or of an extension."""
+    """Return the function that draws a figure: of the core, or of an extension."""
     return __dir__() if name == "__all__" else find_handler("plot", name) or _find(name)
 
 

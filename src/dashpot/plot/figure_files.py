@@ -35,7 +35,7 @@ FONTS = ["Arial", "Liberation Sans", "Helvetica", "DejaVu Sans"]
 
 
 def to_figure(picture: Picture) -> Figure:
-    """Return the picture as a matplotlib figure of its own: no global state knows of it."""
+    """Return the picture as a matplotlib figure, without pyplot's global state."""
     from matplotlib.figure import Figure
     from matplotlib.font_manager import fontManager
 
@@ -49,9 +49,9 @@ def to_figure(picture: Picture) -> Figure:
     for x, y, layout in sheet.strips:
         for frame in layout.frames:
             canvas.frame(frame, x, y)
-    for x, y, mark in sheet.key:
+    for x, y, mark in sheet.legend:
         canvas.sample(mark, x, y - 4)
-    for word in sheet.words:
+    for word in sheet.labels:
         canvas.word(word, 0, 0)
     return figure
 
@@ -66,18 +66,18 @@ class _Canvas:
         self.letters = [get_font(findfont(name)) for name in fonts]
 
     def frame(self, frame: Frame, x: float, y: float) -> None:
-        """Axes, then what is inside them, then words."""
+        """Axes, then their contents, then labels."""
         from matplotlib.patches import Rectangle
 
         box = frame.box
-        for axis_line in frame.hairs:
+        for axis_line in frame.axis_lines:
             points = np.array([(axis_line.x0, axis_line.y0), (axis_line.x1, axis_line.y1)])
             self.line(points + np.array((x, y)), Pen(axis_line.colour, axis_line.width), None)
         corner = (x + box.x, y + box.y)
         clip = Rectangle(corner, box.width, box.height, transform=self.ax.transData)
         for mark in frame.inner:
             self.inner(mark, np.array(corner), clip)
-        for word in (*frame.ticks, *frame.words):
+        for word in (*frame.ticks, *frame.labels):
             self.word(word, x, y)
 
     def inner(self, mark: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
@@ -133,7 +133,7 @@ class _Canvas:
         markers.set_clip_path(clip)
 
     def word(self, word: Word, x: float, y: float) -> None:
-        """Letters as they stand: nothing in them is read as mathematics."""
+        """Draw a label, without parsing mathematics in it."""
         from matplotlib.patheffects import withStroke
 
         anchors = {"start": "left", "middle": "center", "end": "right"}
@@ -167,7 +167,7 @@ class _Canvas:
 def save(
     picture: Picture, path: str | Path, *, dpi: float = 300.0, size: FigureSize | None = None
 ) -> None:
-    """Write `picture` to `path`; the suffix says how: .pdf, .png or .svg.
+    """Write `picture` to `path`; the suffix gives the format: .pdf, .png or .svg.
 
     `size` is ``"column"``, 85 mm wide as in a journal, or ``"slide"``; else its own.
 

@@ -118,7 +118,7 @@ def half_power(value: ComplexArray) -> list[int]:
 
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
-# what people read: the unit, and the factor from SI
+# display unit, and its factor from SI
 DISPLAY_UNITS = {
     Kind.RECEPTANCE: ("mm/N", convert_to_unit(1.0, "mm/N")),
     Kind.MOBILITY: ("(mm/s)/N", convert_to_unit(1.0, "mm/s")),
@@ -171,7 +171,7 @@ class PredictionBand:
 
 
 def make_prediction_bands(bounds: FRFBounds | None) -> tuple[PredictionBand, ...]:
-    """Return what a prediction leaves open, the wider first."""
+    """Return the bands of a prediction, the wider first."""
     if bounds is None:
         return ()
     return (
@@ -193,7 +193,7 @@ def frf(
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
 
-    The peak of the first one is named, unless it is the end of what is shown.
+    The peak of the first one is labelled, unless it lies at the end of the axis.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def frf(
     intervals : sequence of array, shape (2, n), or None
         Such limits of each of the others, at its lines.
     stamp : str
-        What the figure says of its origin; by default the files of the first FRF.
+        Origin of the data, printed below the figure; by default the files of the first FRF.
     """
     same_kind = [measured, *(other.to(measured.quantity) for other in other_frfs)]
     names = [*labels, *[""] * (len(same_kind) - len(labels))]
@@ -252,7 +252,7 @@ def _peak_inside(frf: FRF) -> tuple[float, float] | None:
 
 
 def _shade_valid_band(panel: Panel, band: tuple[float, float]) -> Panel:
-    """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
+    """The part of the axis that a test informs, shaded; if none is visible, a text says so."""
     low, high = panel.x.limits
     if not band[0] < band[1] or band[1] < low or band[0] > high:
         text = f"valid {format_band(band)}: all of this is extrapolated"
@@ -283,7 +283,7 @@ def comparison(
     band, interval : optional
         As in :func:`frf`.
     stamp : str
-        What the figure says of its origin; by default the files of the measured FRF.
+        Origin of the data, printed below the figure; by default the files of the measured FRF.
     """
     value = () if interval is None else (PredictionBand(*interval),)
     strip = _bode(curves_of(comparison, joint, failed=failed), make_prediction_bands(band) or value)
@@ -311,7 +311,7 @@ def resonance(
     Parameters
     ----------
     comparison : Comparison or None
-        None where nothing was measured.
+        None without a measurement.
     predicted : FRF
         Over as wide a range as is at hand: its peak may lie beyond the measured lines.
     joint, failed, band, stamp : optional
@@ -321,7 +321,7 @@ def resonance(
     height : float
         Height of the plotted part, px.
     """
-    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
+    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, alternative=rival)
     view = about_peaks(curves)
     panel = magnitude_panel(
         curves, make_prediction_bands(band)[:1], view=view, height=height, tagged=True
@@ -347,7 +347,7 @@ def nyquist(
     failed : bool
         The last of three is of a joint fit that is not to be used.
     stamp : str
-        What the figure says of its origin; by default the files of the first FRF.
+        Origin of the data, printed below the figure; by default the files of the first FRF.
     """
     pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
     unit, scale = DISPLAY_UNITS[measured.quantity]
@@ -372,7 +372,7 @@ def nyquist(
     panel = Panel(
         Scale(f"real part of {kind}, {unit}", compute_padded_limits(values.real, margin=0.08)),
         Scale(f"imaginary part of {kind}, {unit}", compute_padded_limits(values.imag, margin=0.08)),
-        (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
+        (Rule(0.0, REF, is_horizontal=True), Rule(0.0, REF), *marks),
         height=300,
         square=True,
     )
@@ -391,7 +391,7 @@ def resonance_curves(
     *,
     joint: Comparison | None = None,
     failed: bool = False,
-    rival: FRF | None = None,
+    alternative: FRF | None = None,
 ) -> list[Curve]:
     """Return the curves of :func:`resonance`, each with its peak."""
     if comparison is None:
@@ -402,8 +402,10 @@ def resonance_curves(
         at, top = _peak_of(predicted)
         if not frequency_range[0] < at < frequency_range[1]:
             curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
-    if rival is not None:
-        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
+    if alternative is not None:
+        curves.append(
+            Curve(alternative, "other family from relaxation", SIMPLER[0], _peak_of(alternative))
+        )
     return curves
 
 
@@ -515,12 +517,12 @@ def _bode(curves: Sequence[Curve], prediction_bands: Sequence[PredictionBand]) -
 
 
 def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
-    """Return the coherence of a measured FRF over the same axis; none of what has none."""
+    """Return the coherence of a measured FRF over the same axis; empty without coherence."""
     if measured.coherence is None:
         return ()
     axes = (frequency, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
     # 0.9 is what ISO 7626-5 asks for
-    marks = (Rule(0.9, REF, across=True),
+    marks = (Rule(0.9, REF, is_horizontal=True),
              Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
     return (Panel(*axes, marks, height=50),)
 
@@ -579,7 +581,7 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
 
 
 def _half_power(curve: Curve) -> list[Mark]:
-    """Return the width of a measured peak at -3 dB, drawn where it is."""
+    """Return the width of a measured peak at -3 dB as a line."""
     if (
         curve.pen is not MEASURED
         or curve.peak is None

@@ -90,7 +90,7 @@ class AxisLine(NamedTuple):
 class Polyline(NamedTuple):
     """Curves inside the axes, from their upper left corner, px; one array per unbroken part.
 
-    `name` and `edge` say what is read off them.
+    `name` and `edge` are the labels for a cursor.
     """
 
     parts: tuple[FloatArray, ...]
@@ -124,9 +124,9 @@ class Frame(NamedTuple):
     panel: Panel
     box: Box
     inner: tuple[Polyline | Fill | Markers, ...]
-    hairs: tuple[AxisLine, ...]
+    axis_lines: tuple[AxisLine, ...]
     ticks: tuple[Word, ...]
-    words: tuple[Word, ...]
+    labels: tuple[Word, ...]
 
 
 class StripLayout(NamedTuple):
@@ -142,7 +142,7 @@ class PlacedStrip(NamedTuple):
 
     x: float
     y: float
-    laid: StripLayout
+    layout: StripLayout
 
 
 class Sheet(NamedTuple):
@@ -150,8 +150,8 @@ class Sheet(NamedTuple):
 
     height: float
     strips: tuple[PlacedStrip, ...]
-    key: tuple[tuple[float, float, Keyed], ...]
-    words: tuple[Word, ...]
+    legend: tuple[tuple[float, float, Keyed], ...]
+    labels: tuple[Word, ...]
 
 
 @cache
@@ -185,7 +185,7 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
 
 
 def _beneath(panel: Panel) -> float:
-    """Return what numbers and words below a panel take, px."""
+    """Return the height of numbers and texts below a panel, px."""
     lines = panel.below.count("\n") + 1 if panel.below else 0
     return 10 + ROW * lines if panel.drawing else 2 * ROW + 6
 
@@ -199,7 +199,7 @@ def _upright(panel: Panel) -> list[tuple[float, str]]:
 
 
 def arrange_sheet(picture: Picture) -> Sheet:
-    """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
+    """Return the layout of a figure file: strips in rows, key, stamp."""
     y, strips = MARGIN, []
     for columns, panel_groups in picture.strip_rows:
         strip_width = (picture.width - 2 * MARGIN - PANEL_SPACING * (columns - 1)) / columns
@@ -300,7 +300,7 @@ def _rows_above(panel: Panel, width: float) -> int:
 
 
 def _broken(text: str, width: float) -> list[str]:
-    """Return text in lines of at most so many px, broken at spaces."""
+    """Return text in lines of limited width, px, broken at spaces."""
     lines = [""]
     # a number stays with its unit
     for word in re.findall(r"(?:\S*\d (?=[a-zA-Z%°µ]))?\S+\s*", text):
@@ -311,7 +311,7 @@ def _broken(text: str, width: float) -> list[str]:
 
 
 def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
-    """Return what stands above the axes: what they show upright, the title, a note."""
+    """Return the labels above the axes: y label, title, note."""
     words = (
         []
         if panel.without_y_label or panel.drawing
@@ -407,11 +407,15 @@ def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers
         corners = np.array([(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])])
         return [Fill((corners,), mark.colour, mark.tint, mark.hatched)] if x[1] > x[0] else []
     if isinstance(mark, Rule):
-        at = float(place(panel.y if mark.across else panel.x, mark.at))
+        at = float(place(panel.y if mark.is_horizontal else panel.x, mark.position))
         if not 0 <= at <= 1:
             return []
         w, h = box.width, box.height
-        ends = [(0, h * (1 - at)), (w, h * (1 - at))] if mark.across else [(w * at, 0), (w * at, h)]
+        ends = (
+            [(0, h * (1 - at)), (w, h * (1 - at))]
+            if mark.is_horizontal
+            else [(w * at, 0), (w * at, h)]
+        )
         return [Polyline((np.array(ends, dtype=float),), mark.pen)]
     return [
         Markers(
@@ -458,7 +462,7 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 def _place_tags(
     tags: list[Tag], panel: Panel, box: Box, inner: tuple[Polyline | Fill | Markers, ...]
 ) -> list[Word]:
-    """Words beside their points, inside the axes, clear of each other, and best of all else."""
+    """Labels beside their points, inside the axes, without overlap."""
     drawn_points = _strokes(inner, box) if tags else np.zeros((0, 2))
     tag_points = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
     boxes = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, tag_points, strict=True)
@@ -595,7 +599,7 @@ def _get_hatched_rings(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -
 
 
 def _count_crossed_points(box: Box, points: FloatArray) -> int:
-    """Return how much of what is drawn runs through some words."""
+    """Return by how much the drawing overlaps some labels."""
     x, y = points.T
     is_across = (x > box.x) & (x < box.x + box.width)
     return int(np.count_nonzero(is_across & (y > box.y + 2) & (y < box.y + box.height - 2)))
@@ -645,7 +649,7 @@ def _place_end_names(
 
 
 def _is_free_box(available_box: Box, box: Box, boxes: list[Box]) -> bool:
-    """Return whether some words stand inside the axes, and on nothing."""
+    """Return whether some labels lie inside the axes without overlap."""
     parallel = (
         box.x - 2 <= available_box.x
         and available_box.x + available_box.width <= box.x + box.width + RIGHT

@@ -18,9 +18,9 @@ from dashpot.base.result_mixins import load_function
 COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
 _SMALL = 3
-"""Small multiples beside each other in it."""
+"""Number of small multiples in a row of a column."""
 _DRAWINGS = 2
-"""Drawings of a thing, which have no axes to read."""
+"""Number of drawings in a row of a column."""
 SLIDE, MIN_STRIP = 640.0, 300.0
 """px of a slide, and of each of the strips that stand side by side on one."""
 
@@ -52,7 +52,7 @@ PREDICTED = Pen("fit", 2.0, (7, 4))
 JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
 FIT_BAND, DATA_ON_FIT = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
-"""A fit as a band, and what was measured as the thin line upon it: a miss leaves the band."""
+"""Pens of a fit, drawn as a band, and of the measurement, a thin line on it."""
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
 
@@ -124,12 +124,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Rule:
-    """Straight line through the whole panel, vertical unless `across`."""
+    """Straight line through the whole panel, vertical unless `is_horizontal`."""
 
-    at: float
+    position: float
     pen: Pen
     label: str = ""
-    across: bool = False
+    is_horizontal: bool = False
 
 
 @dataclass(frozen=True)
@@ -156,9 +156,8 @@ Mark: TypeAlias = Keyed | Tag
 class Scale:
     """Scale of an axis: a quantity with its unit, and the range shown.
 
-    An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` one is
-    of what is counted, and has none between two of it. `tick_names` stand at `ticks` in place of
-    their numbers.
+    An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` scale
+    counts items, and has ticks only at integers. `tick_names` replace the numbers at `ticks`.
     """
 
     label: str
@@ -184,13 +183,13 @@ class Panel:
     note : str
         A few words in the upper right corner.
     square : bool
-        A unit of x is as long as one of y.
+        Equal scales of x and y.
     without_y_label : bool
-        What it shows upright is said elsewhere, and not above its axes.
+        No y label above the axes: it is given elsewhere.
     drawing : bool
-        Without axes: a drawing of a thing, whose place in space says nothing.
+        A drawing without axes.
     below : str
-        Words under a drawing, in the middle: what it is of.
+        Centred caption under a drawing.
     """
 
     x: Scale
@@ -221,15 +220,15 @@ class Picture:
     Attributes
     ----------
     name : str
-        Letters, digits and hyphens; what ids begin with.
+        Letters, digits and hyphens; prefix of ids.
     caption : str
-        What a reader without the figure can follow.
+        Text for readers who cannot see the figure.
     strips : tuple of tuple of Panel
         Panels one below the other share the horizontal axis; strips stand side by side.
     columns : int
-        How many strips stand in a row.
+        Number of strips in a row.
     stamp : str
-        File, specimen, date, mass, and SIMULATED if so: stands on every figure that leaves.
+        File, specimen, date, mass, and SIMULATED if so; printed on every saved figure.
     rows : tuple of int
         Strips in each row, where rows differ: small multiples stand below what they explain.
     """
@@ -278,7 +277,7 @@ class Picture:
 
     @property
     def key(self) -> tuple[Keyed, ...]:
-        """One mark for each label: what was measured, then the others as they are drawn.
+        """One mark for each label: first measurements, then the others in order.
 
         What a tag names at its line stands in no key; a tag of another panel names no line.
         """

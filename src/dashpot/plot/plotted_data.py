@@ -58,7 +58,7 @@ def _positive(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _assign_bins(x: FloatArray, bins: int, log: bool) -> tuple[IndexArray, IndexArray]:
-    """Number the bin of every sample 0, 1, 2..., empty bins left out; where each bin starts."""
+    """Number the bin of every sample 0, 1, 2..., empty bins omitted; where each bin starts."""
     scale = np.log(x) if log else x
     span = scale[-1] - scale[0] or 1.0
     raw = np.minimum((scale - scale[0]) / span * bins, bins - 1).astype(np.intp)
@@ -86,7 +86,7 @@ def stamp(
     mass: float | None = None,
     seals: float | None = None,
 ) -> str:
-    """One line that stands on a figure wherever it goes.
+    """Line of text with the origin of the data, part of every figure.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def stamp(
 
 
 def _is_simulated(specimen: Specimen | None) -> bool:
-    """Return a record in memory says so in its notes."""
+    """Return the notes on the source; a record in memory has one."""
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 
@@ -145,13 +145,13 @@ def select_plot_unit(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, 
 
 
 def read_as(unit: str) -> tuple[str, float]:
-    """Return the word and the factor in which people read what is in a unit of SI."""
+    """Return the customary unit of an SI unit, and its factor."""
     word = get_display_unit(unit)
     return word, convert_to_unit(1.0, word)
 
 
 def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:
-    """Return limits that hold every finite value with a margin; 0 and 1 if there is none."""
+    """Return limits that contain every finite value with a margin; 0 and 1 if there is none."""
     values = np.concatenate([np.asarray(a, dtype=float).ravel() for a in arrays])
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
@@ -160,7 +160,7 @@ def compute_padded_limits(*arrays: FloatArray, margin: float = 0.06) -> tuple[fl
 
 
 def compute_padded_log_limits(*arrays: FloatArray, margin: float = 1.25) -> tuple[float, float]:
-    """Return limits of a logarithmic axis that hold every array, less what is not above zero."""
+    """Return limits of a logarithmic axis that include every positive value."""
     positive_values = np.concatenate([np.asarray(a).ravel() for a in arrays])
     positive_values = positive_values[np.isfinite(positive_values) & (positive_values > 0)]
     return float(positive_values.min()) / margin, float(positive_values.max()) * margin

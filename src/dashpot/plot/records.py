@@ -38,7 +38,7 @@ from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 ACCEPTED = Pen("fit", 1.1)
 USABLE_DB = 20.0
-"""The hammer excites the part where its force is within so many dB of that at 0 Hz."""
+"""Drop of the force spectrum below 0 Hz up to which the hammer excites the part, dB."""
 
 
 class PlottedHit(NamedTuple):
@@ -75,7 +75,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
     frf : FRF
         The FRF estimated from it, which carries the verdict on every hit.
     stamp : str
-        What the figure says of its origin; by default the files of the FRF.
+        Origin of the data, printed below the figure; by default the files of the FRF.
     """
     verdicts = {hit.name: hit for hit in frf.hits}
     plotted_hits = [
@@ -96,7 +96,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
 def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     """Frequency, Hz, and magnitude of the force pulse, dB re its value at 0 Hz.
 
-    Only the pulse is transformed, padded with zeros: what follows it is noise.
+    Only the pulse is transformed, padded with zeros: later samples are noise.
     """
     pulse = hit.force[hit.pulse(0.02)]
     size = max(1 << 14, len(pulse))
@@ -139,7 +139,7 @@ def _spectra(plotted_hits: Sequence[PlottedHit]) -> Panel:
             indices_below = np.flatnonzero(level < -USABLE_DB)
             ends.append(float(frequency[indices_below[0]] if indices_below.size else frequency[-1]))
     top = min(2.2 * min(ends), 0.5 * plotted_hits[0].block.rate) if ends else lines[0][0][-1]
-    marks: list[Mark] = [Rule(-USABLE_DB, REF, across=True)]
+    marks: list[Mark] = [Rule(-USABLE_DB, REF, is_horizontal=True)]
     note = ""
     if ends:
         marks.append(Span(0.0, min(ends), "fit", "band that every accepted hit excites"))
@@ -211,9 +211,9 @@ def columns(
     names : sequence of str
     roles : sequence of str or None
     values : array, shape (n, m)
-        In the file's units; a column without numbers is left out.
+        In the file's units; a column without numbers is omitted.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
 
     Raises
     ------

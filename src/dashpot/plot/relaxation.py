@@ -92,11 +92,11 @@ def fit(
     fit : Fit
         The chosen one.
     prepared : RampHold
-        What it was fitted to.
+        Fitted record.
     alternatives : sequence of Fit
-        Others to hold against it, such as one arm against two.
+        Other fits for comparison, such as one arm against two.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """
     plotted_fits = make_plotted_fits(fit, alternatives, prepared)
     # the chosen one first
@@ -190,7 +190,7 @@ def residual_panel(
 ) -> Panel:
     """Measured less fitted force against log time, and the noise it should be.
 
-    Time counts from so many s after first contact; by default from it.
+    Time counts from `start`, s, after first contact; by default from it.
     """
     start = None if axis is None else time_origin + axis.limits[0]
     time, residual = curve.residual(prepared, start)
@@ -202,7 +202,10 @@ def residual_panel(
     noise = scale * prepared.force_noise
     marks: list[Mark] = [Area(x, low, high, curve.pen.colour, "residual: range of samples")]
     if noise > 0:
-        pair = Rule(noise, REF, "noise, one SD", across=True), Rule(-noise, REF, across=True)
+        pair = (
+            Rule(noise, REF, "noise, one SD", is_horizontal=True),
+            Rule(-noise, REF, is_horizontal=True),
+        )
         marks += pair
     marks.append(Line(x, mean, Pen(curve.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
@@ -226,12 +229,12 @@ def _ranges(
 
 
 def fitted_force(fit: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-    """Return time from first contact and the force that the fit says at it, N.
+    """Return time from first contact and the fitted force, N.
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
     drift begins there. Every other answers to the motion behind the recorded displacement, bent by
-    the elastic law. Offset, drift and delay are those that the fit found; of a fit to other tests
-    too, offset and drift are those that leave least.
+    the elastic law. Offset, drift and delay are the fitted ones; of a fit to other tests too,
+    offset and drift are those that leave least.
     """
     fit = _shift_to_temperature(fit, prepared)
     solid = _select_depth_solid(fit, prepared.depth)

@@ -58,7 +58,7 @@ class PlottedQuantity:
     random: FloatArray
     phase: FloatArray
     mass: FloatArray
-    good: tuple[float, float]
+    usable_band: tuple[float, float]
 
     @property
     def nested_errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -111,9 +111,9 @@ def dynamic_stiffness(
     panels = []
     for line in build_plotted_quantities(measured):
         marks: list[Mark] = []
-        if np.isfinite(line.good).all():
-            marks.append(Span(span[0], line.good[0], "away", "not usable", True, 1.0))
-            marks.append(Span(line.good[1], span[1], "away", hatched=True, tint=1.0))
+        if np.isfinite(line.usable_band).all():
+            marks.append(Span(span[0], line.usable_band[0], "away", "not usable", True, 1.0))
+            marks.append(Span(line.usable_band[1], span[1], "away", hatched=True, tint=1.0))
         f, plotted = average_octave_bands(measured.frequency, line)
         for error, label, tint in zip(
             plotted.nested_errors, errors, (0.15, 0.25, 0.4), strict=True
@@ -190,7 +190,7 @@ def average_octave_bands(
 
     scatter = np.sqrt(np.add.reduceat((weight * line.random) ** 2, starts)) / total
     return mean(f), PlottedQuantity(
-        line.name, mean(line.value), scatter, mean(line.phase), mean(line.mass), line.good
+        line.name, mean(line.value), scatter, mean(line.phase), mean(line.mass), line.usable_band
     )
 
 
@@ -201,7 +201,7 @@ def compute_octave_extent(f: FloatArray, value: FloatArray) -> tuple[FloatArray,
 
 
 def _bins(f: FloatArray, per_octave: int) -> IndexArray:
-    """Return where every part of an octave begins, empty ones left out."""
+    """Return where every part of an octave begins, empty ones omitted."""
     number = np.floor(per_octave * np.log2(f / f[0]))
     return np.flatnonzero(np.concatenate(([True], np.diff(number) > 0)))
 
@@ -216,13 +216,13 @@ def _span(measured: DynamicStiffness) -> tuple[float, float]:
 
 
 def _view(plotted: PlottedQuantity, f: FloatArray) -> tuple[float, float]:
-    """Return limits that show the usable part with its errors, not the excesses beside it."""
-    usable = (f >= plotted.good[0]) & (f <= plotted.good[1])
+    """Return limits that show the usable part with its errors, without the excesses outside it."""
+    usable = (f >= plotted.usable_band[0]) & (f <= plotted.usable_band[1])
     shown_lines = usable if usable.any() else np.ones(len(f), dtype=bool)
     error = plotted.nested_errors[0]
     low = float(np.min((plotted.value - error)[shown_lines]))
     high = float(np.max((plotted.value + error)[shown_lines]))
-    if plotted.name != "storage" and not plotted.good[1] > 2 * plotted.good[0]:
+    if plotted.name != "storage" and not plotted.usable_band[1] > 2 * plotted.usable_band[0]:
         # a lightly damped part is usable at its peak only: leave space for what is not
         median_value = float(np.median(plotted.value[shown_lines]))
         low, high = (
@@ -265,7 +265,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
     marks: list[Mark] = [
         Span(limits[0], low, "away", "unresolved range", hatched=True, tint=1.0),
         Span(high, limits[1], "away", hatched=True, tint=1.0),
-        Rule(k_inf, SECANT, f"{words.plateau}, {words.fit}", across=True),
+        Rule(k_inf, SECANT, f"{words.plateau}, {words.fit}", is_horizontal=True),
     ]
     if joint is not None:
         marks += _stems(joint, *joint_pen(failed=joint.verdict.use == "do not use"))
@@ -353,17 +353,17 @@ def stiffness(
     ----------
     fit : Fit
     parameters, unresolved_bounds : StiffnessBounds, optional
-        What the standard errors allow; what any spectrum allows that the test cannot reject.
+        Limits by the standard errors; the limits over all spectra that the test does not reject.
     joint : Fit, optional
         The fit to relaxation and FRF together.
     measured : DynamicStiffness, optional
-        Stiffness of one seal directly from the FRF, drawn as points where it is good.
+        Stiffness of one seal directly from the FRF, drawn as points where it is accurate.
     data : StiffnessSweep, optional
         The sweep that was fitted, drawn as points.
     mark : float, optional
         A frequency to point at, such as the measured resonance, Hz.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """
     f = _frequencies(fit, measured, data, unresolved_bounds, mark)
     words = _words(fit)
@@ -483,19 +483,19 @@ def _frequencies(
 
 
 def _sweep(data: StiffnessSweep, name: str, factor: float) -> Dots:
-    """Return what was measured of it."""
+    """Return the measured values."""
     values = data.loss / data.storage if name == "loss_factor" else factor * getattr(data, name)
     return Dots(data.frequency, np.asarray(values), "measured", "measured")
 
 
 def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
-    """Return the FRF in thirds of an octave where it is good, with one standard deviation."""
+    """Return the FRF in third octaves where it is accurate, with one standard deviation."""
     if measured is None:
         return []
     lines = {quantity.name: quantity for quantity in build_plotted_quantities(measured)}
     line = lines["damping" if name == "loss" else name]
     f, plotted = average_octave_bands(measured.frequency, line, per_octave=3)
-    is_good = (f >= plotted.good[0]) & (f <= plotted.good[1])
+    is_good = (f >= plotted.usable_band[0]) & (f <= plotted.usable_band[1])
     factor = convert_to_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
     value, error = factor * plotted.value, factor * plotted.nested_errors[0]
     points = Dots(

@@ -56,14 +56,16 @@ def swatch(mark: Keyed, *, name: str) -> str:
 def to_svg(picture: Picture) -> str:
     """Return the picture as an SVG file: every strip, the key, the stamp."""
     name, sheet = validate_svg_id(picture.name), arrange_sheet(picture)
-    body = [_patterns([f for placed_strip in sheet.strips for f in placed_strip.laid.frames], name)]
+    body = [
+        _patterns([f for placed_strip in sheet.strips for f in placed_strip.layout.frames], name)
+    ]
     for x, y, item in sheet.strips:
         frames = "".join(_frame(frame, name) for frame in item.frames)
         body.append(f'<g transform="translate({x:.1f} {y:.1f})">{frames}</g>')
-    for i, (x, y, mark) in enumerate(sheet.key):
+    for i, (x, y, mark) in enumerate(sheet.legend):
         sample = _sample(mark, f"{name}-{i}")
         body.append(f'<g transform="translate({x:.1f} {y - 10:.1f})">{sample}</g>')
-    body += map(_word, sheet.words)
+    body += map(_word, sheet.labels)
     size = f"{picture.width:.0f} {sheet.height:.0f}"
     width, height = size.split()
     return style.on_paper(
@@ -85,7 +87,7 @@ def validate_svg_id(name: str) -> str:
 
 
 def _text(words: str) -> str:
-    """Words as XML holds them: nothing of markup, and no character that XML forbids."""
+    """Text escaped for XML, without characters that XML forbids."""
     return escape("".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in words))
 
 
@@ -115,17 +117,18 @@ def _frame(frame: Frame, name: str) -> str:
         f'<g class="panel" data-x="{limits(frame.panel.x)}" data-y="{limits(frame.panel.y)}" '
         f'data-box="{x:.2f} {y:.2f} {w:.2f} {h:.2f}" data-label="{_text(frame.panel.x.label)}|'
         f'{_text(frame.panel.y.label)}">'
-        f'<g class="ticks">{"".join(map(_hair, frame.hairs))}{"".join(map(_word, frame.ticks))}</g>'
+        f'<g class="ticks">{"".join(map(_hair, frame.axis_lines))}'
+        f"{''.join(map(_word, frame.ticks))}</g>"
         f'<svg class="plot" x="{x:.2f}" y="{y:.2f}" width="{w:.2f}" height="{h:.2f}" '
         f'viewBox="0 0 {FINE * w:.0f} {FINE * h:.0f}" preserveAspectRatio="none">{inner}</svg>'
-        f"{''.join(map(_word, frame.words))}</g>"
+        f"{''.join(map(_word, frame.labels))}</g>"
     )
 
 
 # -- marks ----------------------------------------------------------------------------------------
 
 
-def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
+def _path(parts: Iterable[FloatArray], *, is_closed: bool = False) -> str:
     """Return the data of a path: whole units, each point from the last one."""
     sentences = []
     for part in parts:
@@ -136,7 +139,7 @@ def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
         sentences.append(
             start + (f"l{' '.join(map(str, steps.ravel().tolist()))}" if len(steps) else "")
         )
-    return "".join(sentences).replace(" -", "-") + "z" * closed
+    return "".join(sentences).replace(" -", "-") + "z" * is_closed
 
 
 def _pen(pen: Pen) -> str:
@@ -156,7 +159,7 @@ def _inner(mark: Polyline | Fill | Markers, name: str) -> str:
         read += f' data-edge="{mark.edge}"' if mark.edge else ""
         return f'<path{read} d="{_path(mark.parts)}" fill="none" {_pen(mark.pen)} {FIXED_STROKE}/>'
     if isinstance(mark, Fill):
-        d = _path(mark.parts, closed=True)
+        d = _path(mark.parts, is_closed=True)
         plain_path = f'<path d="{d}" fill="var(--{mark.colour})" fill-opacity="{mark.tint:g}"/>'
         lines = f'<path d="{d}" fill="url(#{name}-{mark.colour})"/>' if mark.hatched else ""
         return plain_path + lines

@@ -32,7 +32,7 @@ def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatAr
 
 
 def numbers(scale: Scale, length: float, spacing: float) -> tuple[float, ...]:
-    """Return values that bear a number: as many round ones as stand `spacing` px on `length` px.
+    """Return values with a number: as many round ones as stand `spacing` px on `length` px.
 
     Of an axis that has fewer than three so, a logarithmic one fewer than five, closer ones if they
     are short: two numbers say little of it.

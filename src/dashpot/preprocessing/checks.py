@@ -36,31 +36,31 @@ LIMIT_REASON = "by physics; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
 GROSS_PRELOAD = 0.2
-# what a smaller one still relaxes is in the limits, and no law bends by so much of its depth
+# below this the limits include the relaxation of the preload, and the law's curvature is negligible
 LARGE_PRELOAD = 0.1
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
 MIN_FLAT_SAMPLES = 5.0
 MAX_UNRESOLVED_ERROR = 0.125
-# K that a temperature may be misread by, and that a chamber may drift over a record
+# largest error of a stated temperature, and largest drift over a record, K
 MAX_TEMPERATURE_ERROR, MAX_TEMPERATURE_DRIFT = 1.0, 1.0
 # a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
 # 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
 GROSS_FACTOR = 2.0
-# of a hold: a channel that stood still, and a force that did so for too long
+# shares of a hold with a frozen channel: failed, and grave
 MAX_FROZEN_SHARE, GROSS_FROZEN_SHARE = 0.005, 0.1
 # of the depth: a plate that moved; of the hold: in which it is braked
 MOVED_SHARE, BRAKED_SHARE = 1e-3, 0.05
-# bends of a motion that steps, at least
+# smallest number of bends of a stepped motion
 MIN_STEPPED_BENDS = 8
-# of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
+# largest pause, and largest jump of an even clock, relative to the time from onset
 MAX_PAUSE, MAX_CLOCK_JUMP = 0.25, 1e-3
-# of the force of earlier loadings, and of the depth, that their memory may be off by
+# largest misfit of earlier loadings, relative to their force, and error of the face, to the depth
 MAX_HISTORY_MISFIT, MAX_FACE_ERROR = 0.03, 0.01
-# of the depth, which the plate may have moved by between rows that are missing
+# motion between rows, relative to the depth, that shows missing rows
 MAX_HISTORY_JUMP = 0.1
-# of the depth; m/N, the give of a soft machine with its load cell
+# largest deflection relative to the depth, and compliance of a soft machine with load cell, m/N
 MAX_DEFLECTION, USUAL_COMPLIANCE = 0.025, 5e-5
 MACHINE_NAME = compile_on_use(
     r"(?i)cross[ -]?head|tra[vw]ers|querhaupt|kolben|maschinenweg|standardweg|\bxhd\b|\bgrip"
@@ -138,13 +138,13 @@ def check_temperature(specimen: Specimen) -> list[Check]:
 @criterion(
     "samples", ">=", MIN_BASELINE, "our choice: the fewest that give a scatter", grade="note"
 )
-def baseline_recorded(before: Baseline) -> Finding:
+def baseline_recorded(baseline: Baseline) -> Finding:
     """A baseline before contact gives the tare."""
-    count = f"{before.samples} sample{'s' * (before.samples != 1)}"
+    count = f"{baseline.samples} sample{'s' * (baseline.samples != 1)}"
     return Finding(
-        f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
-        f"{format_quantity(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
-        float(before.samples),
+        f"{baseline.samples} samples ({baseline.duration:.3g} s) before contact give the tare to "
+        f"{format_quantity(baseline.noise / max(baseline.samples, 1) ** 0.5, 'mN', '.2g')}",
+        float(baseline.samples),
         failure=f"The record has {count} before contact; at least {MIN_BASELINE:.0f} are needed. "
         "The fitted offset alone sets the zero of the force",
         remedy="Start the record a second before the ramp.",
@@ -180,16 +180,18 @@ def contact_found(touch: Touch, depth: float, *, is_given: bool) -> Finding:
     grade="note",
     other_grade=f"limit beyond {LARGE_PRELOAD}; stop beyond {GROSS_PRELOAD} of a plate that moves",
 )
-def preload_absent(carried: float, loading_rise: float, *, moving: bool = False) -> Finding:
+def preload_absent(
+    initial_force: float, loading_rise: float, *, is_moving: bool = False
+) -> Finding:
     """The force before the ramp is close to zero."""
-    preload_ratio = abs(carried) / loading_rise
+    preload_ratio = abs(initial_force) / loading_rise
     message = "There is no preload before the ramp"
-    if carried:
+    if initial_force:
         message = (
-            f"The load cell reads {carried:.3g} N as the ramp starts, "
+            f"The load cell reads {initial_force:.3g} N as the ramp starts, "
             f"{round_to_error(100 * preload_ratio, digits=2)} % of the rise"
         )
-    is_late = moving and preload_ratio > GROSS_PRELOAD
+    is_late = is_moving and preload_ratio > GROSS_PRELOAD
     return Finding(
         message,
         preload_ratio,
@@ -218,7 +220,7 @@ def ramp_recorded(loading_rise: float, change: float) -> Finding:
 
 
 def refuse_late_start(location: str, loading_rise: float, change: float) -> None:
-    """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
+    """Raise DataError if the record begins after its ramp: a fit would be meaningless."""
     check = ramp_recorded(loading_rise, change)
     if check.failed:
         raise DataError(f"{location}: {decapitalise_sentence(check.message_with_remedy)}")
@@ -240,7 +242,7 @@ def single_loading(
 ) -> Finding:
     """The record has one loading, or the user chose one.
 
-    `earlier_loadings` are those before the one that is fitted, with a hold or without.
+    `earlier_loadings` are those before the fitted one, with a hold or without.
     """
     cycle = cycles[index]
     message, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "file-part", "cycle=N")
@@ -271,7 +273,7 @@ def single_loading(
     "simulation: conditioned seals that soften",
 )
 def history_explained(
-    earlier_loadings: EarlierLoadings, *, broken: bool, was_pressed: bool = False
+    earlier_loadings: EarlierLoadings, *, has_missing_rows: bool, was_pressed: bool = False
 ) -> Finding:
     """The model also fits the loadings before the one that is fitted."""
     message = (
@@ -280,7 +282,7 @@ def history_explained(
     )
     if not earlier_loadings.converged:
         message += ". How its face recovers was not found"
-    if broken:
+    if has_missing_rows:
         message += ". Rows are missing while the plate moved"
     if was_pressed:
         message = "The record begins with the seal pressed, before the loading that is fitted"
@@ -289,7 +291,7 @@ def history_explained(
         earlier_loadings.misfit,
         "The seal softened, was set, or moved otherwise, so what it remembers is not known",
         "Let it rest before the test, or condition it more often.",
-        always_fails=broken or was_pressed or not earlier_loadings.converged,
+        always_fails=has_missing_rows or was_pressed or not earlier_loadings.converged,
     )
 
 
@@ -325,7 +327,8 @@ def face_recovered(
 def earlier_loading_negligible(value: float) -> Finding:
     """Earlier loadings have little effect on the one that is fitted.
 
-    `value` is what the seal has not recovered when its ramp begins, of its depth or of its force.
+    `value` is the compression or force from which the seal has not recovered when its ramp begins,
+    relative to depth or force.
     """
     return Finding(
         f"When its ramp begins the seal has not recovered by {100 * value:.2g} %",
@@ -338,12 +341,14 @@ def earlier_loading_negligible(value: float) -> Finding:
 def history_checks(
     record: RampHold, earlier_loadings: EarlierLoadings, first_contact: Touch, *, was_pressed: bool
 ) -> list[Check]:
-    """Return the checks of what came before the loading that is fitted."""
+    """Return the checks of the loadings before the fitted one."""
     stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
     pauses, change = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
     is_jump = np.abs(change) > MAX_HISTORY_JUMP * record.depth
     broken = bool(np.any(is_jump & (pauses > 5 * median(np.diff(record.time)))))
-    all_checks = [history_explained(earlier_loadings, broken=broken, was_pressed=was_pressed)]
+    all_checks = [
+        history_explained(earlier_loadings, has_missing_rows=broken, was_pressed=was_pressed)
+    ]
     plate, face = record.plate, record.displacement[stop:corner]
     if plate is not None and first_contact.gap > 0:
         indices_without_contact = np.flatnonzero(plate[stop:corner] < face)
@@ -438,7 +443,7 @@ def clock_steady(test: ClockedTest, time: FloatArray | None = None) -> Finding:
 
 
 def _find_clock_jump(time: FloatArray, onset: float, shortest: float) -> Finding | None:
-    """The leap of an even clock that is longest for its place, if any is long."""
+    """The largest relative jump of an even clock, if it is too large."""
     jumps = find_clock_jumps(time)
     if not jumps or not has_few_pauses(time):
         return None
@@ -495,8 +500,8 @@ def readings_not_repeated(test: RampHold, force: FloatArray, displacement: Float
     ----------
     test : RampHold
     force, displacement : array, shape (n,)
-        Signals of the same samples, as they stand in the file: a tare or a line of hum taken off
-        would leave no two readings equal bit for bit.
+        Signals of the same samples, as in the file: a tare or a line of hum taken off would leave
+        no two readings equal bit for bit.
     """
     hold, time = test.hold, test.time[test.hold]
     f, x = force[hold], displacement[hold]
@@ -697,7 +702,7 @@ def check_records(
 ) -> tuple[Check, ...]:
     """Return the checks of the records, each at its worst over `tests`.
 
-    `solids` are those that were fitted, one to a test: what such a solid explains is no fault.
+    `solids` are the fitted ones, one per test: what such a solid explains is no fault.
     """
     stillness_checks = [hold_is_still(test, method=method) for test in tests]
     pairs = zip(tests, solids or [None] * len(tests), strict=True)
@@ -712,7 +717,7 @@ def check_records(
 
 @cache_on_record
 def _check_record(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...], tuple[Check, ...]]:
-    """The checks of one record whatever is fitted: before its hold, behind it, and of its depth."""
+    """The checks of one record for any fit: before its hold, after it, and of its depth."""
     last_loading = test.last_loading
     loading_checks = (
         force_not_clipped(last_loading),
@@ -931,8 +936,8 @@ def strain_small(test: RampHold) -> Finding:
 def force_rise(test: RampHold, solid: GeneralizedMaxwell | None = None) -> tuple[float, float]:
     """Return how far the force climbs from its lowest tenth to the last tenth of the hold, N.
 
-    The second value is what noise, and a half per cent of the force, would explain. The part
-    that a creeping plate explains by the secant stiffness is taken off first, or with a `solid` its
+    The second value is the rise explained by noise and half a per cent of the force. The part that
+    a creeping plate explains by the secant stiffness is taken off first, or with a `solid` its
     whole answer to the recorded motion.
     """
     force, x = test.force[test.hold], test.displacement[test.hold]

@@ -35,7 +35,7 @@ class Baseline(NamedTuple):
         Mean, and standard deviation about a straight line, N.
     slope, slope_error : float
         Slope of that line, N/s; the error is infinite where the baseline is too short.
-    middle : float
+    mean_time : float
         Its mean time, s.
     """
 
@@ -45,7 +45,7 @@ class Baseline(NamedTuple):
     noise: float
     slope: float
     slope_error: float
-    middle: float
+    mean_time: float
 
     @property
     def long_enough(self) -> bool:
@@ -74,12 +74,12 @@ def subtract_tare(
     drift: float | str | None,
     location: str,
 ) -> tuple[FloatArray, Step]:
-    """Take off the tare, and the drift if it was asked for.
+    """Subtract the tare, and the drift if requested.
 
     Raises
     ------
     DataError
-        If the drift of a baseline is asked for that is too short to show one.
+        If the drift is requested, but the baseline is too short for it.
     """
     if drift == "baseline" and not baseline.long_enough:
         raise DataError(
@@ -103,7 +103,7 @@ def subtract_tare(
         f"; {format_quantity(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
     )
     parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
-    return force - tare - rate * (time - baseline.middle), Step("tare", parameters, message)
+    return force - tare - rate * (time - baseline.mean_time), Step("tare", parameters, message)
 
 
 class Contact(NamedTuple):
@@ -188,7 +188,7 @@ def _search_contact(x: FloatArray, f: FloatArray, first: int) -> Contact:
 
 
 def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
-    """Return what is fitted to the force, shape (trials, n, 3)."""
+    """Return the design matrices for the force, shape (trials, n, 3)."""
     compression = np.maximum(x - contact[:, None], 0.0)
     relative_compression = compression / np.maximum(compression.max(axis=1, keepdims=True), 1e-300)
     return np.stack(
@@ -197,11 +197,15 @@ def _build_contact_columns(x: FloatArray, contact: FloatArray) -> FloatArray:
 
 
 def _compute_misfits(
-    reading: FloatArray, mean: FloatArray, count: IndexArray, contact: FloatArray, within_sse: float
+    displacement: FloatArray,
+    mean: FloatArray,
+    count: IndexArray,
+    contact: FloatArray,
+    within_sse: float,
 ) -> FloatArray:
     """Return the sum of squares for each trial contact, by singular values of all at once."""
     weight = np.sqrt(count)
-    columns, force = weight[:, None] * _build_contact_columns(reading, contact), weight * mean
+    columns, force = weight[:, None] * _build_contact_columns(displacement, contact), weight * mean
     basis, singular_values, right_vectors = np.linalg.svd(columns, full_matrices=False)
     is_determined = singular_values > 1e-10 * singular_values[:, :1]
     coefficients = np.where(is_determined, force @ basis, 0.0)
@@ -218,7 +222,7 @@ def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> flo
     """Return standard error of the contact: in the Jacobian its column is the slope of the rise.
 
     Where the force starts as a square, a straight part and a shift are one: the straight
-    part is then left out.
+    part is then omitted.
     """
     (columns,) = _build_contact_columns(x, np.array([contact]))
     solution = np.linalg.lstsq(columns, f, rcond=1e-10)[0]
@@ -258,7 +262,7 @@ def find_first_contact(
     rest_position: float,
     level: float,
     least_gap: float,
-    rested: bool,
+    is_rested: bool,
 ) -> Touch:
     """Return the first contact: behind an air gap, or where the plate rested.
 
@@ -272,12 +276,12 @@ def find_first_contact(
         Displacement before the ramp and in the hold, m.
     least_gap : float
         Smallest gap that is detected, m.
-    rested : bool
+    is_rested : bool
         False if the record starts on the ramp: then at least 20 quiet samples must show the air,
         for there is no other baseline.
     """
     contact = find_contact(displacement, force, noise=noise)
-    if contact is None or (not rested and contact.sample < 20):
+    if contact is None or (not is_rested and contact.sample < 20):
         return Touch(rest_position, 0.0)
     air_gap = contact.displacement - rest_position
     if not max(least_gap, 3 * contact.standard_error) < air_gap < 0.9 * (level - rest_position):

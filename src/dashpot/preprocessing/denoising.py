@@ -1,9 +1,9 @@
 r"""Denoising of a recorded displacement.
 
-A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a
-spike of force. The true force shows none, since nothing moved: taken at its word, the record would
-rule out fast arms that are there (errors in variables). So what the encoder saw is freed of its
-counts and of its noise first.
+A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a spike
+of force. The true force has no such noise, since the plate did not move: without a correction the
+fit would exclude fast arms that exist (errors in variables). So quantisation and noise are first
+removed from the encoder signal.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from dashpot.solids.maxwell import arm_response
 
 # half widths of the windows that compete, in samples: each some 1.4 times the one before
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
-# means of windows disagree if they are farther apart than this many standard deviations
+# difference of window means, in standard deviations, above which they disagree
 MAX_MEAN_DISTANCE = 2.5
 # what scatters after reading between counts, as a part of a count, and what is off while it moves
 COUNT_SCATTER, COUNT_REMAINDER = 0.025, 0.2
 # a mean leaves more than this part of the noise only where the motion bends
 MIN_NOISE_SHARE = 0.1
-# a reading that stays so many times as long as its neighbours is a rest
+# ratio of durations above which a constant reading is a rest
 REST_FACTOR = 4.0
 # readings so few samples apart repeat their errors, as counts beat with samples
 BEAT_SAMPLES = 5.0
@@ -35,7 +35,7 @@ CORNERS = 6
 MIN_LOST_FORCE, SHARED_ERROR_SAMPLES = 0.06, 2.0
 # the most that counts bend a motion, in counts, and three standard deviations of what noise does
 MAX_COUNT_BEND, NOISE_BEND = 0.11, 3 * 6**0.5 / 8
-# equal neighbours so much closer than the depth are arithmetic, not counts
+# relative difference below which equal neighbours are rounding, not quantisation
 MIN_COUNT = 1e-6
 # second difference, in counts, from which a quarter of it is more than half a count
 MIN_SHARP_BEND = 2.0
@@ -84,14 +84,14 @@ def estimate_interpolation_noise(
     r"""Return the interpolation error of a motion as white noise, m, shape (n,).
 
     A bend misses :math:`m = h^2 \ddot x/8`, always to its hollow side: samples that bend alike
-    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to a ramp after the ramp, and
-    where what is lost of the force shows in its noise.
+    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to one ramp time after the ramp,
+    where the lost force exceeds the noise.
 
     Parameters
     ----------
     test : RampHold
     time, x, residual : array, shape (n,)
-        s, and what :func:`denoise_displacement` returns, m.
+        Time, s, and the result of :func:`denoise_displacement`, m.
     """
     motion_errors = compute_interpolation_bends(test, time, x, residual)
     motion_errors[time > test.ramp_end + test.ramp_time] = 0.0
@@ -115,7 +115,7 @@ def estimate_interpolation_noise(
 def compute_interpolation_bends(
     test: RampHold, time: FloatArray, x: FloatArray, residual: FloatArray
 ) -> FloatArray:
-    r"""Return what a straight line between samples misses, m, shape (n,): :math:`h^2 \ddot x/8`.
+    r"""Return the error of linear interpolation, m, shape (n,): :math:`h^2 \ddot x/8`.
 
     Less what counts and noise bend; parameters as for :func:`estimate_interpolation_noise`.
     """
@@ -134,7 +134,7 @@ def compute_interpolation_bends(
 
 
 def compute_largest_bend(motion_errors: FloatArray) -> float:
-    """Return the largest of what is missed but for a few sharp corners."""
+    """Return the largest interpolation error except at a few sharp corners."""
     return float(np.partition(motion_errors, -CORNERS)[-CORNERS])
 
 
@@ -221,7 +221,7 @@ def find_rests(
 
 
 def _estimate_count_noise(time: FloatArray, displacement: FloatArray, step: float) -> FloatArray:
-    r"""Return what reading between counts leaves, as white noise, shape (n,).
+    r"""Return the interpolation error between counts, as white noise, shape (n,).
 
     While a reading stays for t, a straight line misses a motion whose velocity changes by
     :math:`\Delta v` from the reading before to the one after by up to :math:`t\,\Delta v/16`. A
@@ -265,7 +265,7 @@ def _compute_stay_times(
 def _remove_flicker(values: FloatArray, count: float) -> FloatArray:
     """Running median of 7 samples where it is off by a count: a swing turns by more of them.
 
-    It leaves a rising staircase as it is.
+    It does not change a rising staircase.
     """
     padded_values = np.pad(values, FLICKER_SAMPLES // 2, mode="edge")
     ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER_SAMPLES).T)

@@ -39,15 +39,15 @@ RETURN_SHARE = 0.1
 
 
 class EarlierLoadings(NamedTuple):
-    """Earlier loadings whose memory is computed.
+    """Earlier loadings whose effect on the fitted one is computed.
 
     Attributes
     ----------
     misfit : float
-        Largest root mean square of the force of one of them less what the solid of the last
-        loading gives, over that of its force.
+        Largest rms deviation of the force of one of them from the response of the fitted solid,
+        over the rms of its force.
     arms : int
-        Arms of that solid.
+        Number of arms of that solid.
     converged : bool
         Whether solid and face were found, each with the other.
     """
@@ -60,7 +60,7 @@ class EarlierLoadings(NamedTuple):
 def is_bonded(
     force: FloatArray, compression: FloatArray, *, noise: float, peak: float, depth: float
 ) -> bool:
-    """Return whether a plate that goes back is pulled at: the seal is bonded to it.
+    """Return whether the force on a retracting plate is tensile: the seal is bonded to it.
 
     Force and compression of the loadings before the last, N and m; the force is 0 in air.
     """
@@ -76,7 +76,7 @@ def follow_history(record: RampHold) -> tuple[RampHold, EarlierLoadings]:
     Parameters
     ----------
     record : RampHold
-        With earlier loadings. Where it has a `plate`, its displacement is not looked at.
+        With earlier loadings. If it has a `plate`, its displacement is not used.
     """
     plate = record.plate
     if plate is None:

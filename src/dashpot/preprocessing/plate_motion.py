@@ -41,21 +41,21 @@ class IdealRamp(NamedTuple):
     ----------
     speed : float
         m/s.
-    at, level : float
+    reference_time, reference_displacement : float
         One point of it, s and m.
     first, last : int
         The samples it was fitted to.
     """
 
     speed: float
-    at: float
-    level: float
+    reference_time: float
+    reference_displacement: float
     first: int
     last: int
 
     def time_of(self, displacement: float) -> float:
         """Return the time at which the line passes `displacement`, s."""
-        return self.at + (displacement - self.level) / self.speed
+        return self.reference_time + (displacement - self.reference_displacement) / self.speed
 
 
 def ideal_ramp(
@@ -110,13 +110,13 @@ class PlateMotion:
         -1 if the record counted compression downwards.
     cycles : tuple of RampHoldCycle
         Every loading found.
-    index : int
+    cycle_index : int
         Which of them is used.
-    line : IdealRamp
+    straight_ramp : IdealRamp
         The straight part of its first ramp.
-    rest, level : float
-        Displacement before the first ramp and where it is first held, m.
-    start, departure, stop : int
+    rest_position, hold_position : float
+        Displacement before the first ramp and in the first hold, m.
+    start, last_rest_sample, stop : int
         The first sample kept, the last one at rest, and the last one of the last hold.
     segments : tuple of MotionSegment
         Segments of the whole record; empty where the times were given.
@@ -124,19 +124,19 @@ class PlateMotion:
 
     sign: int
     cycles: tuple[RampHoldCycle, ...]
-    index: int
-    line: IdealRamp
-    rest: float
-    level: float
+    cycle_index: int
+    straight_ramp: IdealRamp
+    rest_position: float
+    hold_position: float
     start: int
-    departure: int
+    last_rest_sample: int
     stop: int
     segments: tuple[MotionSegment, ...] = ()
 
     @property
     def cycle(self) -> RampHoldCycle:
         """The loading used."""
-        return self.cycles[self.index]
+        return self.cycles[self.cycle_index]
 
 
 def find_motion(
@@ -254,8 +254,8 @@ def follow_contact(
         return motion
     first = lifted_segments[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
-    cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
-    plate_motion = _select_cycle(test, motion.sign, cycles, motion.index)
+    cycles = (*motion.cycles[: motion.cycle_index], cycle, *motion.cycles[motion.cycle_index + 1 :])
+    plate_motion = _select_cycle(test, motion.sign, cycles, motion.cycle_index)
     return replace(plate_motion, stop=motion.stop, segments=motion.segments)
 
 
@@ -309,7 +309,7 @@ def list_earlier_presses(motion: PlateMotion) -> tuple[MotionSegment, ...]:
 
 
 def begins_with_release(motion: PlateMotion) -> bool:
-    """Return whether the record begins with a plate that goes back: the seal was pressed before."""
+    """Return whether the record begins with a retracting plate: the seal was pressed before."""
     moving_segments = [segment for segment in motion.segments if segment.kind != "hold"]
     first_move = moving_segments[0] if moving_segments else None
     return (
@@ -341,13 +341,14 @@ def _select_cycle(
         else ramp.first
     )
     return PlateMotion(
-        sign=sign, cycles=cycles, index=index, line=line, rest=stand, level=level, start=start,
-        departure=departure_index, stop=_find_last_held(x, cycle.hold, resolution),
+        sign=sign, cycles=cycles, cycle_index=index, straight_ramp=line,
+        rest_position=stand, hold_position=level, start=start,
+        last_rest_sample=departure_index, stop=_find_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
 
 def _format_advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
-    """Return what may be wrong with a displacement that is never held."""
+    """Return the possible faults of a displacement without a hold."""
     has_motion = any(segment.kind != "hold" for segment in find_segments(time, x))
     if find_cycles(find_segments(time, -x)):
         return "with the other sign it would ramp and rest. Leave out sign, or give the other"

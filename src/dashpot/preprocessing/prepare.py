@@ -133,7 +133,7 @@ def prepare(
     _refuse_options(sign=sign, drift=drift, force_range=force_range)
     motion = _find_plate_motion(test, location, sign, cycle, (onset, ramp_end, hold_end))
     despiked_force = remove_spikes(test.time, test.force)
-    if motion.departure - motion.start < MIN_BASELINE:
+    if motion.last_rest_sample - motion.start < MIN_BASELINE:
         checks.refuse_late_start(location, *_compute_force_changes(despiked_force, motion))
     force_sign = _determine_force_sign(despiked_force, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, force_sign * test.force
@@ -207,7 +207,7 @@ def prepare(
         if not with_checks
         else [
             checks.single_loading(
-                motion.index,
+                motion.cycle_index,
                 motion.cycles,
                 is_requested=cycle is not None,
                 earlier_loadings=list_earlier_presses(motion),
@@ -215,7 +215,7 @@ def prepare(
             checks.baseline_recorded(baseline),
             checks.contact_found(first_contact, record.depth, is_given=contact is not None),
             checks.preload_absent(
-                preload, rise, moving=earlier_loading is None and motion.cycle.rest is None
+                preload, rise, is_moving=earlier_loading is None and motion.cycle.rest is None
             ),
             checks.overshoot_small(loading, ramp_count=motion.cycle.ramp_count),
             checks.samples_unbroken(loading),
@@ -276,7 +276,7 @@ def _check_history(
         )
     no_history = EarlierLoadings(0.0, 0, converged=True)
     return (
-        [checks.history_explained(no_history, broken=False, was_pressed=True)]
+        [checks.history_explained(no_history, has_missing_rows=False, was_pressed=True)]
         if begins_loaded
         else []
     )
@@ -330,9 +330,9 @@ def _find_earlier_loading(
     least_gap = _compute_least_gap(test.displacement_quantum, motion)
     baseline, first_touch = find_contact(first_motion, least_gap=least_gap)
     first_sample = (
-        first_motion.departure
+        first_motion.last_rest_sample
         + 1
-        + int(np.argmax(x[first_motion.departure + 1 :] > first_touch.displacement))
+        + int(np.argmax(x[first_motion.last_rest_sample + 1 :] > first_touch.displacement))
     )
     levels = [
         baseline_result.level
@@ -340,16 +340,18 @@ def _find_earlier_loading(
         if baseline_result.long_enough
     ]
     tare = [*levels, 0.0][0]
-    earlier_samples = slice(first_sample, motion.departure + 1)
+    earlier_samples = slice(first_sample, motion.last_rest_sample + 1)
     pulls_back = is_bonded(
         force[earlier_samples] - tare,
         x[earlier_samples] - first_touch.displacement,
         noise=noise,
         peak=peak,
-        depth=motion.level - first_touch.displacement,
+        depth=motion.hold_position - first_touch.displacement,
     )
     if pulls_back:
-        return _EarlierLoading(first_touch, Touch(motion.rest, 0.0), baseline, True, first_sample)
+        return _EarlierLoading(
+            first_touch, Touch(motion.rest_position, 0.0), baseline, True, first_sample
+        )
     # lifted off, the force is zero before the last loading; on the seal before the first
     is_lifted = last_touch.gap > 0 and last_baseline.long_enough
     return _EarlierLoading(
@@ -411,7 +413,7 @@ def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[floa
     """Return the largest change of the force in the ramps, and its change in the hold."""
     ramp_force = force[motion.start : motion.cycle.hold.first + 1]
     hold_force = force[: motion.stop + 1]
-    initial_force = median(force[motion.start : motion.departure + 1])
+    initial_force = median(force[motion.start : motion.last_rest_sample + 1])
     extreme_force = float(ramp_force[np.argmax(np.abs(ramp_force - initial_force))])
     final_force = median(hold_force[-max((motion.stop - motion.cycle.hold.first) // 10, 1) :])
     return extreme_force - initial_force, final_force - extreme_force
@@ -419,8 +421,8 @@ def _compute_force_changes(force: FloatArray, motion: PlateMotion) -> tuple[floa
 
 def _determine_force_sign(force: FloatArray, motion: PlateMotion) -> int:
     """Return 1 if the force rises as the plate presses, else -1."""
-    rest_force = median(force[motion.start : motion.departure + 1][-50:])
-    loaded_force = force[motion.line.last : motion.stop + 1]
+    rest_force = median(force[motion.start : motion.last_rest_sample + 1][-50:])
+    loaded_force = force[motion.straight_ramp.last : motion.stop + 1]
     extreme_force = loaded_force[np.argmax(np.abs(loaded_force - rest_force))]
     return 1 if extreme_force >= rest_force else -1
 
@@ -436,7 +438,7 @@ def _find_contact(
     delay_sd: float,
 ) -> tuple[Baseline, Touch]:
     """Return the baseline before first contact, and first contact."""
-    rest_samples = slice(motion.start, motion.departure + 1)
+    rest_samples = slice(motion.start, motion.last_rest_sample + 1)
     baseline = estimate_baseline(time[rest_samples], force[rest_samples])
     if provided_contact is not None:
         contact_displacement = motion.sign * provided_contact
@@ -445,13 +447,15 @@ def _find_contact(
                 f"contact = {provided_contact:g} m lies at or beyond the held displacement, "
                 f"{motion.sign * motion.cycle.hold.level:g} m; expected it before"
             )
-        first_contact = Touch(contact_displacement, contact_displacement - motion.rest)
+        first_contact = Touch(contact_displacement, contact_displacement - motion.rest_position)
     else:
-        peak = motion.line.last + int(np.argmax(force[motion.line.last : motion.stop + 1]))
+        peak = motion.straight_ramp.last + int(
+            np.argmax(force[motion.straight_ramp.last : motion.stop + 1])
+        )
         loading_samples = slice(motion.start, peak + 1)
         level, noise = baseline.level, baseline.noise
         # a drift is no contact; it is followed no further than half a baseline beyond its end
-        time_from_middle = np.minimum(time - baseline.middle, baseline.duration)
+        time_from_middle = np.minimum(time - baseline.mean_time, baseline.duration)
         steady_force = force - baseline.slope * time_from_middle
         if not baseline.long_enough:
             level = median(force[loading_samples][:5])
@@ -462,10 +466,10 @@ def _find_contact(
                 displacement[loading_samples],
                 steady_force[loading_samples] - level,
                 noise=max(noise, 1e-6 * (float(force[peak]) - level)),
-                rest_position=motion.rest,
+                rest_position=motion.rest_position,
                 level=motion.cycle.hold.level,
                 least_gap=least_gap,
-                rested=motion.cycle.rest is not None,
+                is_rested=motion.cycle.rest is not None,
             )
 
         first_contact = _correct_delayed_contact(
@@ -473,7 +477,9 @@ def _find_contact(
         )
     if first_contact.gap > 0:
         # the first half of the air gap is surely without contact
-        approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * first_contact.gap
+        approach = (
+            x[motion.start : motion.stop + 1] > motion.rest_position + 0.5 * first_contact.gap
+        )
         quiet_samples = slice(
             motion.start, max(motion.start + int(np.argmax(approach)), rest_samples.stop)
         )
@@ -494,7 +500,10 @@ def _correct_delayed_contact(
     first_contact = find_touch(x)
     if not first_contact.gap > 0:
         return first_contact
-    ramp_corners = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
+    ramp_corners = (
+        motion.straight_ramp.time_of(motion.rest_position),
+        motion.straight_ramp.time_of(motion.hold_position),
+    )
     stop = int(
         np.searchsorted(
             time, ramp_corners[1] + SPAN_AFTER_RAMP * (ramp_corners[1] - ramp_corners[0])
@@ -510,10 +519,10 @@ def _correct_delayed_contact(
         )
 
     best_touch, delay_estimate = first_contact, estimate_delay(first_contact.displacement)
-    if first_contact.gap <= MAX_DELAY_SD * delay_sd * motion.line.speed:
-        rest_estimate = estimate_delay(motion.rest)
+    if first_contact.gap <= MAX_DELAY_SD * delay_sd * motion.straight_ramp.speed:
+        rest_estimate = estimate_delay(motion.rest_position)
         if rest_estimate.deviance < delay_estimate.deviance - MIN_DEVIANCE_GAIN:
-            best_touch, delay_estimate = Touch(motion.rest, 0.0), rest_estimate
+            best_touch, delay_estimate = Touch(motion.rest_position, 0.0), rest_estimate
     for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
         # the displacement at the time at which the force of each sample arose
         first_contact = find_touch(np.interp(time - delay_estimate.delay, time, x))
@@ -525,8 +534,8 @@ def _correct_delayed_contact(
 
 
 def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:
-    """Return the smallest air gap that is distinguished from none, m."""
-    return max(2 * encoder_step, 0.005 * (motion.cycle.hold.level - motion.rest))
+    """Return the smallest detectable air gap, m."""
+    return max(2 * encoder_step, 0.005 * (motion.cycle.hold.level - motion.rest_position))
 
 
 def _determine_phase_times(
@@ -540,11 +549,11 @@ def _determine_phase_times(
     last_time = float(time[motion.stop])
     if onset is None:
         onset = max(
-            _snap_to_sample(motion.line.time_of(first_contact.displacement), time, step),
+            _snap_to_sample(motion.straight_ramp.time_of(first_contact.displacement), time, step),
             float(time[0]),
         )
     if ramp_end is None:
-        ramp_end = _snap_to_sample(motion.line.time_of(motion.level), time, step)
+        ramp_end = _snap_to_sample(motion.straight_ramp.time_of(motion.hold_position), time, step)
     return onset, ramp_end, last_time if hold_end is None else min(hold_end, last_time)
 
 
@@ -577,7 +586,7 @@ def _build_record(
         compression = np.maximum(x - first_contact.displacement, 0.0)
         # before the plate moves, the encoder shows scatter only
         if first_contact.gap >= 0:
-            compression[: motion.departure + 1] = 0.0
+            compression[: motion.last_rest_sample + 1] = 0.0
     else:
         span, first_contact = slice(0, motion.stop + 1), earlier_loading.touch
         compression = x - first_contact.displacement
@@ -636,7 +645,7 @@ def _set_broadband_noise(record: RampHold) -> RampHold:
 
 
 def _subtract_hum(record: RampHold) -> RampHold:
-    """Return the record without the hum that its hold shows, if it is evenly sampled."""
+    """Return the record without the hum found in its hold, if it is evenly sampled."""
     hold_samples = record.hold
     time, force = record.time[hold_samples], record.force[hold_samples]
     if not is_evenly_sampled(time):
@@ -799,7 +808,9 @@ def _make_segments_step(motion: PlateMotion, record: RampHold) -> Step:
         f"{motion.cycle.words()}; the {len(record.time)} samples from {record.time[0]:.6g} s to "
         f"{record.time[-1]:.6g} s are kept"
     )
-    return Step("segments", (("cycle", f"{motion.index + 1} of {len(motion.cycles)}"),), message)
+    return Step(
+        "segments", (("cycle", f"{motion.cycle_index + 1} of {len(motion.cycles)}"),), message
+    )
 
 
 def _make_contact_step(first_contact: Touch) -> Step:
@@ -814,9 +825,10 @@ def _make_contact_step(first_contact: Touch) -> Step:
 
 def _make_ramp_step(record: RampHold, motion: PlateMotion) -> Step:
     message = (
-        f"the ramp runs at {format_quantity(motion.line.speed, 'mm/s')} from {record.onset:.6g} s "
-        f"to {record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} "
-        f"s ({record.hold_time:.5g} s), at {format_quantity(record.depth, 'mm', '.5g')}"
+        f"the ramp runs at {format_quantity(motion.straight_ramp.speed, 'mm/s')} from "
+        f"{record.onset:.6g} s to {record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to "
+        f"{record.hold_end:.6g} s ({record.hold_time:.5g} s), at "
+        f"{format_quantity(record.depth, 'mm', '.5g')}"
     )
     parameters = (
         ("onset_s", repr(record.onset)),

@@ -56,7 +56,7 @@ class Filter:
 
     @property
     def linear(self) -> bool:
-        """A linear filter on force and displacement alike leaves their relation as it was."""
+        """The same linear filter on force and displacement does not change their relation."""
         return self.kind != "median"
 
     def __str__(self) -> str:
@@ -119,7 +119,7 @@ def parse_filter(text: str) -> Filter:
 
 
 def filter_record(test: RampHold, chosen_filter: Filter) -> RampHold:
-    """Return the record with both channels behind a filter, and the record before it beside."""
+    """Return the record with both channels filtered; it keeps the unfiltered record, too."""
     step = Step(
         FILTER_STEP,
         (("filter", str(chosen_filter)),),
@@ -257,9 +257,9 @@ _MAX_LINES = 8
 _MIN_SAMPLES = 400
 # a line of the plate, looked for at one frequency, stands out by so much: by chance once in 1e5
 _MIN_PLATE_POWER_RATIO = 12.0
-# a seal answers a vibration with at most so many times its stiffness in the hold
+# largest ratio of dynamic stiffness and stiffness in the hold
 _MAX_STIFFNESS_RATIO = 10.0
-# a line below this part of the scatter does nothing
+# share of the scatter below which a line is negligible
 _MIN_LINE_SHARE = 0.02
 
 
@@ -328,7 +328,7 @@ def hum_lines(
 
 
 def white_noise(time: FloatArray, values: FloatArray) -> float:
-    r"""Return the standard deviation of the white noise of a channel over a hold, lines left out.
+    r"""Return the standard deviation of the white noise of a channel over a hold, lines omitted.
 
     The median of the power of a windowed spectrum is :math:`\ln 2\,\sigma^2 \sum w^2`, whatever
     lines stand in it.
@@ -353,7 +353,7 @@ def _remove_trend(time: FloatArray, values: FloatArray) -> FloatArray:
 def _compute_plate_amplitude(
     change: FloatArray, window: FloatArray, step: float, frequency: float
 ) -> float:
-    """Return the amplitude of a line of the plate's motion, m; 0 if it does not stand out."""
+    """Return the amplitude of a line of the plate's motion, m; 0 if it is not significant."""
     windowed = window * change
     bins = find_fast_length(len(change))
     power = np.abs(np.fft.rfft(windowed, bins)) ** 2
@@ -380,7 +380,7 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
 
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
-    """Return the bin that stands out of its neighbourhood most, if any does."""
+    """Return the bin with the highest significance over its neighbourhood, if any."""
     if len(power) <= first + 2 * _NEIGHBOUR_BINS:
         return None
     blocks = len(power) // _NEIGHBOUR_BINS

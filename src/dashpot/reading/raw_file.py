@@ -34,7 +34,7 @@ _BYTES_PER_SECOND = 1e6
 
 
 def compute_time_allowed(size: int) -> float:
-    """Return the time that reading so many bytes may take."""
+    """Return the time limit of reading a number of bytes."""
     return min(max(_MIN_SECONDS, size / _BYTES_PER_SECOND), _MAX_SECONDS)
 
 
@@ -58,7 +58,7 @@ class TimeBudget:
 
     @contextmanager
     def count_time_spent(self) -> Iterator[None]:
-        """Count what is spent within."""
+        """Count the time spent in the block."""
         self._start_time = time.thread_time()
         try:
             yield
@@ -88,9 +88,9 @@ class TimeBudget:
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
 _MAX_FOLDER_NAMES = 10_000
-"""Names of a folder among which that of a missing file is looked for."""
+"""Largest number of names of a folder searched for a missing file."""
 _MAX_IN_MEMORY = 1 << 24
-"""Bytes of the largest file that is kept in memory, and so opened once."""
+"""Bytes of the largest file kept in memory, and so opened once."""
 MAX_PIPE_SIZE = 1 << 29
 """Bytes that may come through a pipe: they are held in memory."""
 PIPE_TIMEOUT = 30

@@ -78,7 +78,7 @@ class ReadOptions:
     Attributes
     ----------
     time, displacement, force : str or None
-        The column that plays this role: its name in the file, or its number counted from 1.
+        The column of this role: its name in the file, or its number counted from 1.
     stress, strain, creep_compliance : str or None
         So too, in a test of a material, or a creep curve.
     stretch : str or None
@@ -96,7 +96,7 @@ class ReadOptions:
     base_acceleration : str or None
         The acceleration of a base that is shaken, in place of a hammer.
     units : mapping or tuple of (str, str)
-        Unit by role or by column name: ``{"force": "N"}``. Wins over what the file says.
+        Unit by role or by column name: ``{"force": "N"}``. Has priority over the file.
     rate : float or None
         Sampling rate, Hz, of a file without a (good) time column; replaces the time column.
     window_decay : float or None
@@ -113,15 +113,15 @@ class ReadOptions:
     sheet : str or None
         The sheet of a workbook, group of a TDMS file or HDF5 file, by name.
     format : str or None
-        The plug-in that reads the file, in place of what its first bytes show.
+        The plug-in that reads the file, in place of the detected format.
     kind : str or None
-        What the file is, in place of what it is recognised as: ``"relaxation"``, ``"cld"``.
+        Kind of the file, in place of the detected one: ``"relaxation"``, ``"cld"``.
     calibration : str or None
         Path of an ATI ``.cal`` file that turns six gauge voltages into the force.
     axis : str
         The axis of the calibrated transducer that is the force.
     own : tuple of (str, ReadOptions)
-        What is said of the files alone whose name a pattern matches: ``"hammer*.csv"``.
+        Options for files whose name matches a pattern: ``"hammer*.csv"``.
     """
 
     time: str | None = _column("Column of time, by name or number.")
@@ -339,7 +339,7 @@ _FLAGS = {
 
 
 def flag(name: str) -> str:
-    """Return what is typed before ``=`` and the value of a field.
+    """Return the text before ``=`` and the value of a field.
 
     >>> flag("temperature"), flag("skip_rows")
     ('--column temperature', '--text-format skip')
@@ -381,7 +381,7 @@ def dump_profile(options: ReadOptions) -> str:
     Raises
     ------
     DataError
-        If some of them are of some files alone.
+        If some of them apply to some files only.
     """
     if options.own:
         globs = ", ".join(f"'{glob}:'" for glob, _ in options.own)

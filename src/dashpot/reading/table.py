@@ -18,17 +18,17 @@ SEGMENT = "--file-part segment=NUMBER"
 
 @dataclass(frozen=True)
 class Question:
-    """Question that a file leaves open.
+    """Open question on a file.
 
     Attributes
     ----------
     message : str
     option : str
-        The option that answers it.
+        The option for the answer.
     choices : int
         Columns that could be meant; 0 if none shows itself.
     role, example : str
-        What no column was found for, and an answer as it is typed.
+        Missing role, and an example of the answer.
     answers : tuple of (str, str)
         For several specimens or repeats, the name of each, and its answer as it is typed.
     """
@@ -75,8 +75,8 @@ class LoadedColumns:
         First row of each unbroken run and its line in the file; empty for binary files.
     notes : tuple of str
     doubts : tuple of (segment, Question)
-        What must be answered before the numbers of a segment, counted from 0, can be trusted;
-        None is every segment.
+        Questions to answer before the numbers of a segment, counted from 0, can be trusted; None is
+        every segment.
     above : tuple of tuple of str
         For a text file, the lines over each segment; none over the first, whose are the header.
     """

@@ -25,7 +25,7 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
     Raises
     ------
     ReadError
-        If it is not TOML in UTF-8, or nested so deeply that nobody wrote it.
+        If it is not TOML in UTF-8, or nested too deeply.
     """
     import tomllib  # few need it, and it costs time to import
 
@@ -46,7 +46,7 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
 Vector: TypeAlias = tuple[float, float, float]
 
 _MAX_SIZE = 1 << 24
-"""Bytes: nobody writes more by hand."""
+"""Largest size of a file, bytes."""
 
 
 def read_tables(path: str | Path) -> tuple[RawFile, dict[str, Any]]:
@@ -70,36 +70,36 @@ class Section:
 
     Attributes
     ----------
-    where : str
+    location : str
         How to name it: ``"door.toml, [seal]"``.
     entries : mapping
     known_names : tuple of str
-        The keys that may stand there; any other is refused.
+        Allowed keys; any other is refused.
     """
 
-    where: str
+    location: str
     entries: Mapping[str, Any]
     known_names: tuple[str, ...]
 
     def __post_init__(self) -> None:
         if not isinstance(self.entries, Mapping):
             raise ReadError(
-                f"{self.where} is {self.entries!r}; expected a table of keys, such as "
+                f"{self.location} is {self.entries!r}; expected a table of keys, such as "
                 f"{self.known_names[0]} = ..."
             )
         for name in self.entries:
             if name not in self.known_names:
                 names_text = ", ".join(self.known_names)
-                raise ReadError(f"{self.where}: '{name}' is unknown; known are {names_text}")
+                raise ReadError(f"{self.location}: '{name}' is unknown; known are {names_text}")
 
     def __contains__(self, name: str) -> bool:
         return name in self.entries
 
-    def needs(self, *names: str) -> None:
+    def require_keys(self, *names: str) -> None:
         """Raise a :class:`ReadError` for the first of the keys that is missing."""
         for name in names:
             if name not in self.entries:
-                raise ReadError(f"{self.where}: {name} is missing")
+                raise ReadError(f"{self.location}: {name} is missing")
 
     def quantity(self, name: str, dimension: Dimension) -> float | None:
         """Return a quantity in SI units, such as ``"25kg"``; None if the key is missing."""
@@ -127,7 +127,7 @@ class Section:
             return None
         if len(values) != 3:
             raise ReadError(
-                f"{self.where}: {name} has {len(values)} numbers; expected three, of x, y and z"
+                f"{self.location}: {name} has {len(values)} numbers; expected three, of x, y and z"
             )
         return values[0], values[1], values[2]
 
@@ -139,7 +139,7 @@ class Section:
         is_vector = isinstance(value, list) and len(value) == 3
         if not is_vector or not all(_is_number(item) for item in value) or not any(value):
             raise ReadError(
-                f"{self.where}: {name} = {value!r}; expected a direction, three numbers such as "
+                f"{self.location}: {name} = {value!r}; expected a direction, three numbers such as "
                 "[0, 0, 1]"
             )
         return float(value[0]), float(value[1]), float(value[2])
@@ -148,14 +148,14 @@ class Section:
         """Return a plain number."""
         value = self.entries.get(name)
         if value is not None and not _is_number(value):
-            raise ReadError(f"{self.where}: {name} = {value!r}; expected a number")
+            raise ReadError(f"{self.location}: {name} = {value!r}; expected a number")
         return None if value is None else float(value)
 
     def word(self, name: str) -> str | None:
         """Return a text."""
         value = self.entries.get(name)
         if value is not None and not (isinstance(value, str) and value):
-            raise ReadError(f"{self.where}: {name} = {value!r}; expected a text")
+            raise ReadError(f"{self.location}: {name} = {value!r}; expected a text")
         return value
 
     def words(self, name: str) -> tuple[str, ...] | None:
@@ -164,21 +164,21 @@ class Section:
         if value is not None and not (
             isinstance(value, list) and all(isinstance(item, str) for item in value)
         ):
-            raise ReadError(f"{self.where}: {name} = {value!r}; expected a list of texts")
+            raise ReadError(f"{self.location}: {name} = {value!r}; expected a list of texts")
         return None if value is None else tuple(value)
 
     def flag(self, name: str) -> bool:
         """Return true or false; false if it is not there."""
         value = self.entries.get(name, False)
         if not isinstance(value, bool):
-            raise ReadError(f"{self.where}: {name} = {value!r}; expected true or false")
+            raise ReadError(f"{self.location}: {name} = {value!r}; expected true or false")
         return value
 
     def _quantity(self, name: str, value: object, dimension: Dimension) -> float:
         try:
             return parse_quantity(str(value), dimension)
         except DataError as error:
-            raise ReadError(f"{self.where}: {name} = {error}") from None
+            raise ReadError(f"{self.location}: {name} = {error}") from None
 
 
 def _is_number(value: object) -> bool:

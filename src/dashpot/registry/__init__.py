@@ -122,7 +122,7 @@ def _sort_rows(group: str) -> Mapping[str, Any]:
 
 
 KINDS: Mapping[str, KindOfTest] = _sort_rows("kinds")
-"""Every kind of test, in the order in which columns and examples stand."""
+"""Every kind of test, in the order of columns and examples."""
 
 FITS: Mapping[str, FitRow] = _sort_rows("fits")
 """Every fit that records may mean, but for those that the row of a kind says whole."""
@@ -150,7 +150,7 @@ SOLVER_NAMES: Mapping[str, str] = MappingProxyType(
 
 FIT_FILES = "dashpot.workflow.bench_tests:fit_files"
 RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.app_section in {"response", "base"})
-"""Kinds that are what a mass on its seals does, over frequency."""
+"""Kinds of responses of a mass on its seals over frequency."""
 
 _NOUNS = {name: kind for kind in KINDS.values() for name in kind.classes}
 _HANDLERS: dict[str, dict[str, str]] = {}
@@ -195,7 +195,7 @@ def find_handler(task: str, subject: object) -> Any:
 
 
 def require_handler(task: str, subject: object) -> Any:
-    """Return what `find_handler` returns, for a task that the caller cannot do without.
+    """Return the result of `find_handler` for a required task.
 
     Raises
     ------
@@ -212,7 +212,7 @@ def require_handler(task: str, subject: object) -> Any:
 
 
 def call_handler(task: str, subject: object, *arguments: Any, default: Any) -> Any:
-    """Return what the function of a task returns; the default where no row names a function."""
+    """Return the result of a task's function; the default if no row names one."""
     handler = find_handler(task, subject)
     return default if handler is None else handler(*arguments)
 
@@ -224,7 +224,7 @@ def format_install_command(extras: str) -> str:
 
 
 def list_names(task: str) -> tuple[str, ...]:
-    """Return every type or name for which a row says who does a task."""
+    """Return every type or name for which a row has a handler of a task."""
     return tuple(_HANDLERS.get(task, {}))
 
 

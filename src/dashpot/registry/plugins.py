@@ -35,7 +35,7 @@ NO_PLUGINS = "none"
 """The value of :data:`SWITCH` with which no plug-in is used."""
 SWITCH = "DASHPOT_PLUGINS"
 _MAX_LENGTH = 300
-"""Characters of what a plug-in says of its own failure."""
+"""Largest length of a plug-in's error message, characters."""
 
 _MODULE = r"\w+(\.\w+)*"
 _PLUGGED: Mapping[str, tuple[Any, str, str, str]] = {
@@ -53,7 +53,7 @@ class Plugin(Serialisable):
     Attributes
     ----------
     group, name : str
-        The field of the row, and how it is asked for.
+        Field of the row, and name for the user.
     value : str
         ``"module"`` or ``"module:function"``.
     package, version : str
@@ -99,7 +99,7 @@ class Plugin(Serialisable):
             self.raise_failure(error)
 
     def raise_failure(self, error: BaseException) -> NoReturn:
-        """Raise what stopped it as one sentence that names it.
+        """Raise its failure as one sentence that names the plug-in.
 
         Raises
         ------
@@ -113,8 +113,8 @@ class Plugin(Serialisable):
             f"Ask who maintains {self.package}"
         ) from error
 
-    def wrong(self, problem: str, expected: str) -> NoReturn:
-        """Raise that it returned what the contract does not have.
+    def refuse_result(self, problem: str, expected: str) -> NoReturn:
+        """Raise an error: its result violates the contract.
 
         Raises
         ------
@@ -131,11 +131,11 @@ class Installed(Serialisable):
     """The plug-ins of this environment, and the rows that hold none, each as a sentence."""
 
     schema = "dashpot/plugins@1"
-    _keys = ("plugins", Key("refused", optional=True))
+    _keys = ("plugins", Key("refused", "refusals", optional=True))
     _is_loadable = False
 
     plugins: tuple[Plugin, ...]
-    refused: tuple[str, ...] | None = None
+    refusals: tuple[str, ...] | None = None
 
 
 @cache
@@ -175,7 +175,7 @@ def read_plugins() -> Installed:
 
 
 def _read_row(package: str) -> Extension:
-    """Return the row that a package holds, which is found, and not imported."""
+    """Return the row of a package, found without an import."""
     spec = find_spec(package) if package.isidentifier() else None
     for folder in (spec and spec.submodule_search_locations) or ():
         path = Path(folder, ROW)
@@ -246,9 +246,9 @@ def _list_plugins(group: Group) -> list[Plugin]:
 
 
 def format_plugin_names(group: Group) -> str:
-    """Return the names of a group, and what is refused, as the end of an error's sentence."""
+    """Return the names of a group and the refused plug-ins, as the end of an error message."""
     names = ", ".join(plugin.name for plugin in _list_plugins(group))
-    refusals_text = "".join(f" {sentence}." for sentence in read_plugins().refused or ())
+    refusals_text = "".join(f" {sentence}." for sentence in read_plugins().refusals or ())
     return (f" By plug-ins: {names}." if names else "") + refusals_text
 
 

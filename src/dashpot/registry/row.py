@@ -93,19 +93,19 @@ class KindOfTest(NamedTuple):
     examples : str
         Mapping of its example files.
     fits : str
-        Function that fits records by `fit_options` alone; plug-ins name it so in their TOML file.
+        Function that fits records by `fit_options` only; plug-ins name it so in their TOML file.
     kind_option : str
         Option of ``dashpot fit`` that selects the kind where the file does not show it.
     fit_options : tuple of str
         Options of ``dashpot fit`` that its fit takes.
     read_keywords : tuple of str
-        Keywords of ``dp.read`` that its reader alone takes.
+        Keywords of ``dp.read`` that only its reader takes.
     predict : str
         Function that predicts from a result and its `predict_options`.
     predict_options : str
         Dataclass of the options of ``dashpot predict`` for it alone.
     next_command : str
-        Command to run next; FILE stands for the saved fit.
+        Command to run next; FILE is replaced by the saved fit.
     order : int
         Position among all kinds, in columns and examples.
     """
@@ -145,7 +145,7 @@ class Command(NamedTuple):
     name, group, help : str
         As ``dashpot --help`` lists it.
     module : str
-        The module that holds ``command``.
+        The module of ``command``.
     order : int
         Where it stands among all commands.
     """
@@ -163,7 +163,7 @@ class FileFormat(NamedTuple):
     Attributes
     ----------
     name, module : str
-        Its name, and the module that holds ``read(raw, options)``.
+        Its name, and the module of ``read(raw, options)``.
     marks : tuple of bytes
         First bytes of its files.
     sandboxed : bool
@@ -206,13 +206,13 @@ class FitRow(NamedTuple):
     name : str
         A word of :func:`dashpot.workflow.fit_routing.route`.
     records, files : str
-        The function of records (Python), and that of a request of ``dashpot fit``.
+        The function for records (Python), and the one for a request of ``dashpot fit``.
     title, command_title : str
-        What its records are called where an option does not suit them, in Python and in a terminal.
+        Name of its records in messages about an unsuitable option, in Python and in a terminal.
     options : tuple of str
         The options of ``dashpot fit`` that it uses beside those of reading and result.
     selecting : tuple of str
-        Those of Python and of the command line that select it for tests of a vibration.
+        Options of Python and of the command line that select it for vibration tests.
     order : int
         Where it stands among all.
     """

@@ -24,10 +24,10 @@ def html(
     """Return the report as one self-contained HTML file.
 
     The first screen has the verdict, the main figure and the recommended model; then test, fit and
-    failed checks; all else is folded. No network: figures are inline SVG, attached files are links
-    with their contents. A small script adds zoom and reading of values; the page works without it.
-    A strict content security policy allows the hash of that script and of the style, and nothing
-    else. Text from files is escaped.
+    failed checks; other sections are collapsed. No network: figures are inline SVG, attached files
+    are links with their contents. A small script adds zoom and reading of values; it is optional
+    for the page. A strict content security policy allows the hash of that script and of the style,
+    and nothing else. Text from files is escaped.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ LOW_HEIGHT = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 _GUTTER, _FEW = 24.0, 2
-"""Gap between strips, px; number of small multiples side by side on a phone."""
+"""Gap between strips, px; number of small multiples in a row on a phone."""
 
 LEAD_WIDTH, HALF_WIDTH = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
@@ -38,7 +38,7 @@ class RenderedFigure:
     wide, narrow : tuple of str
         Its strips as SVG text, for a screen and for a phone.
     paper : tuple of str
-        For a sheet of paper; empty where one of the others will do.
+        For a sheet of paper; empty if another one is sufficient.
     key : tuple of (str, str)
         A sample as SVG text, and its name.
     columns : int
@@ -66,8 +66,8 @@ def render_figure(
 ) -> RenderedFigure:
     """Render a picture for a page, `width` px wide; by default the width of its column.
 
-    On a phone and on paper its panels are `low` px high together at most, if that is given. On a
-    phone `phone` strips stand beside each other, on paper three at most.
+    On a phone and on paper its panels are `low` px high together at most, if that is given. A row
+    has `phone` strips on a phone, at most three on paper.
     """
     name = validate_svg_id(picture.name)
     columns = min(picture.columns, len(picture.strips))

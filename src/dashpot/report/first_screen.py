@@ -117,8 +117,8 @@ def make_study_indicators(
 ) -> tuple[Light, Light, Light]:
     """Return the lights of the test, and of stiffness and damping against the hammer.
 
-    Those of the joint solid if it is recommended, else those of the relaxation test alone: a joint
-    fit that failed agrees with the hammer for the wrong reason.
+    Values of the joint model if it is recommended, else of the relaxation test alone: a failed
+    joint fit agrees with the hammer for the wrong reason.
     """
     hammer = () if study.measured is None else study.measured.checks
     test = make_test_light((*study.fit.checks, *hammer))
@@ -154,7 +154,7 @@ def _make_stiffness_light(
     if storage_comparison is None:
         text = f"{percent(comparison.frequency_error)} in frequency"
     else:
-        excess = max(storage_comparison.off, default=0.0)
+        excess = max(storage_comparison.deviations, default=0.0)
         worst = "bad" if excess > 2 * STORAGE_LIMIT else "care" if excess > 0 else "good"
         class_name = max(class_name, worst, key=MARK_ORDER.index)
         model, hammer, *limit_texts = (
@@ -167,7 +167,7 @@ def _make_stiffness_light(
         )
         other = (
             f"test {' to '.join(limit_texts)}"
-            if max(storage_comparison.off[1:], default=0.0)
+            if max(storage_comparison.deviations[1:], default=0.0)
             else f"hammer {hammer}"
         )
         text = f"K\N{PRIME}{NBSP}{model}, {other}{NBSP}N/mm"
@@ -183,13 +183,13 @@ _PASSED_MARKS = {"good", "note"}
 class _StorageAtPeak(NamedTuple):
     """K' of one seal under the hammer at its peak, N/m: of the model shown, and measured.
 
-    `off` is how far the one lies from the other, and the measured one beyond the limits of the
-    relaxation test, relative; 0 within the errors.
+    `deviations` are the relative deviation of the two, and of the measurement from the limits of
+    the relaxation test; 0 within the errors.
     """
 
     model: float
     hammer: float
-    off: tuple[float, ...]
+    deviations: tuple[float, ...]
     test: tuple[float, ...] = ()
 
 
@@ -276,8 +276,8 @@ def band_row(recommendation: Recommendation) -> Row:
 
 
 def make_mass_rows(study: Study, recommendation: Recommendation) -> tuple[str, tuple[Row, ...]]:
-    """Return the values of the mass on its seals; nothing without a mass."""
-    if study.mass is None or not recommendation.under_mass:
+    """Return the values of the mass on its seals; empty without a mass."""
+    if study.mass is None or not recommendation.mass_values:
         return "", ()
     mass, seals = format_with_error(study.mass, "g", digits=4), study.seals
     text = f"{mass} on {number_format.seals(seals)}"
@@ -285,7 +285,7 @@ def make_mass_rows(study: Study, recommendation: Recommendation) -> tuple[str, t
         text += ", the mass found from the FRF"
     elif not recommendation.recommended:
         text += ", as given"
-    return text, rows(recommendation.under_mass)
+    return text, rows(recommendation.mass_values)
 
 
 def rows(values: Iterable[RecommendedValue]) -> tuple[Row, ...]:

@@ -34,12 +34,12 @@ if TYPE_CHECKING:
 VERDICT_COLOURS: dict[Use, str] = {
     "use": "good", "no test": "note", "use with care": "care", "do not use": "bad",
 }  # fmt: skip
-"""The style of each verdict; its words stand beside the colour."""
+"""The style of each verdict; its text is next to the colour."""
 
 
 @cache
 def environment(package: str) -> Environment:
-    """The templates of a package, and those that pages share; whatever fills them is escaped."""
+    """The templates of a package, and the shared ones; inserted text is escaped."""
     from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
     result = Environment(
@@ -67,7 +67,7 @@ def render_template(name: str, contents: dict[str, Any]) -> str:
 
 @cache
 def _read_page_part(package: str, *path: str) -> str:
-    """Return a part of a page that is no HTML, as it stands in its file."""
+    """Return the file of a part of a page other than HTML."""
     return resources.files(package).joinpath(*path).read_text("utf-8").strip()
 
 
@@ -88,7 +88,7 @@ def frame() -> dict[str, Any]:
 
 
 def encode_data_uri(kind: str, text: str) -> str:
-    """Return a link that holds the file itself."""
+    """Return a link with the file embedded."""
     return f"data:{kind};base64,{base64.b64encode(text.encode()).decode()}"
 
 
@@ -124,15 +124,15 @@ class DeckTerms:
         Where they hold, Hz; None of a law without frequencies.
     choices : mapping of str to str
         Options of the target.
-    unstated : tuple of str
-        What is not known of the specimen, and allowed by name.
+    allowed_unknowns : tuple of str
+        Missing data of the specimen, allowed by name.
     reason : str
-        Why there is no deck where none could be made.
+        Reason for a missing deck.
     """
 
     band: tuple[float, float] | None
     choices: Mapping[str, str] = field(default_factory=dict)
-    unstated: tuple[str, ...] = ()
+    allowed_unknowns: tuple[str, ...] = ()
     reason: str = "the tests do not determine every parameter"
 
 
@@ -142,11 +142,11 @@ class Attachment(NamedTuple):
     Attributes
     ----------
     name : str
-        What it is saved as.
+        File name.
     label : str
-        What its link says.
+        Text of its link.
     about : str
-        What is in it.
+        Contents.
     link : str
         Its bytes as a data URI: no server, a link that holds its file.
     """
@@ -194,8 +194,8 @@ def _find_deck_terms(source: DeckSource) -> DeckTerms:
 def decks(source: DeckSource, compression: float | None = None) -> tuple[AttachedDeck, ...]:
     """Decks of one seal, or cards of a material, over the band of its tests and no further.
 
-    What is not known of the specimen is allowed by name, so each deck marks it in its header. None
-    is made of what may not be used, of what is not identified, or where a number is missing.
+    Missing data of the specimen are allowed by name, so each deck lists them in its header. A deck
+    is omitted if the model may not be used, is not identified, or lacks a number.
 
     Parameters
     ----------
@@ -217,13 +217,18 @@ def decks(source: DeckSource, compression: float | None = None) -> tuple[Attache
     band_argument: dict[str, Any] = {}
     if terms.band and not terms.choices:
         band_argument["frequency_range"] = round_band_inwards(terms.band)
-    options += [word for name in terms.unstated for word in ("--allow", name)]
+    options += [word for name in terms.allowed_unknowns for word in ("--allow", name)]
     attached = []
     for target in _SOLVERS:
         band = band_argument if uses_argument(target, "frequency_range") else {}
         try:
             text = deck_for(
-                target, source, units=_UNIT_SYSTEM, allow=terms.unstated, **deck_arguments, **band
+                target,
+                source,
+                units=_UNIT_SYSTEM,
+                allow=terms.allowed_unknowns,
+                **deck_arguments,
+                **band,
             )
         except ExportError:
             continue

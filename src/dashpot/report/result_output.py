@@ -61,7 +61,7 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
     if suffix in get_choice_values(Drawn):
         from dashpot.plot.figure_files import save as save_picture
 
-        outputs.claim([file_path])
+        outputs.check_writable([file_path])
         save_picture(_picture(result), file_path)
     elif suffix in writers:
         outputs.write(file_path, writers[suffix](result, file_path.name))

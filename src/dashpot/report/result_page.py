@@ -30,14 +30,14 @@ from dashpot.report.tables import TextTable
 class Topic(NamedTuple):
     """Topic of the verdict: the checks behind its light, and its text.
 
-    `message` is its text where no check failed, but for notes, `fails` where one did; by default
-    the number of checks that passed.
+    `message` is its text where no check failed except notes, `failure_text` where one did; by
+    default the number of checks that passed.
     """
 
     name: str
     checks: Collection[str] = ()
     message: str = ""
-    fails: str = ""
+    failure_text: str = ""
 
 
 class Group(NamedTuple):
@@ -61,7 +61,7 @@ class AppCard(NamedTuple):
 
     title: str
     content: Picture | tuple[Panel, ...] | TextTable | str
-    across: int = 1
+    cards_per_row: int = 1
 
 
 class JobPage(NamedTuple):
@@ -81,21 +81,21 @@ class KindPage:
     Attributes
     ----------
     subject : str
-        What was tested, beside the files' names.
+        The tested specimen, in addition to the file names.
     summary_line : tuple of (str, str)
         The line of facts.
     indicators : tuple of Light
         None is worse than the verdict; together they are as bad.
     figure_title : str
-        What the figure shows.
+        Caption of the figure.
     picture : Picture
     table_title : str
-        What the table is of.
+        Title of the table.
     groups : tuple of Group
     note : str
         What "from" and "to" are, and what an empty cell means.
     sources : tuple of Source
-    folds : tuple of CollapsibleSection
+    collapsible_sections : tuple of CollapsibleSection
     name : str
         Name of the document, without its ending; by default as its schema is called.
     """
@@ -109,17 +109,17 @@ class KindPage:
     groups: tuple[Group, ...]
     sources: tuple[Source, ...]
     note: str = "From and to are the 95 % interval; an empty cell was not computed."
-    folds: tuple[CollapsibleSection, ...] = ()
+    collapsible_sections: tuple[CollapsibleSection, ...] = ()
     name: str = ""
 
 
 def make_indicators(
     checks: Iterable[Check], first: Topic, *other_topics: Topic
 ) -> tuple[Light, ...]:
-    """One light for each part of what was asked, as bad as the worst of its checks.
+    """One indicator for each topic, with the grade of its worst check.
 
-    What no part names stands behind the first, which is left out beside others where nothing of
-    it was judged.
+    Checks that no topic names belong to the first one, which is omitted if it has none and others
+    have.
     """
     unique_checks = tuple(dict.fromkeys(checks))
     other_names = {name for other in other_topics for name in other.checks}
@@ -138,7 +138,7 @@ def make_indicators(
 
 def _light(part: Topic, topic_checks: Sequence[Check]) -> Light:
     class_name, count = count_passed(topic_checks, topic_checks)
-    text = part.message if class_name in {"good", "note"} else part.fails
+    text = part.message if class_name in {"good", "note"} else part.failure_text
     return Light(
         part.name, class_name, text or format_check_tally(topic_checks).rstrip(".") or count
     )
@@ -242,11 +242,11 @@ def _get_schema_name(schema: str) -> str:
 
 
 _COLUMNS = 2
-"""Strips side by side in the figure of a page, at most."""
+"""Largest number of strips in a row of a page's figure."""
 
 
 _NUMBERS = "numbers.json"
-"""Every number of a result of which a file keeps the fit."""
+"""File with all numbers of a result whose fit is in another file."""
 
 
 def build_page_contents(
@@ -267,7 +267,7 @@ def build_page_contents(
     figure = lead or page.picture
     folds = (
         *(CollapsibleSection("The test", picture.caption, None, picture) for picture in pictures),
-        *page.folds,
+        *page.collapsible_sections,
     )
     names = dict.fromkeys(source.file for source in page.sources)
     document = f"{page.name}.json"
@@ -329,7 +329,7 @@ def _render_wide_figure(picture: Picture, name: str) -> RenderedFigure:
 
 
 def has_kind_page(result: object) -> bool:
-    """Return whether a result has all that its page holds."""
+    """Return whether a result has all values of its page."""
     try:
         return isinstance(kind_page(result), KindPage)
     except TypeError:

@@ -93,7 +93,7 @@ def modes_page(modes: Modes) -> KindPage:
         groups=tuple(Group(f"Mode {i}", tuple(mode_rows(mode)))
                      for i, mode in enumerate(list(modes)[:4], start=1)),
         sources=tuple(dict.fromkeys(frf.source)),
-        folds=(hits_section,) if hits else (),
+        collapsible_sections=(hits_section,) if hits else (),
         name="modes",
     )  # fmt: skip
 
@@ -165,7 +165,7 @@ def agreement_page(agreement: FRFComparison) -> KindPage:
         groups=(Group("", tuple(row._replace(unit=row.measured, measured="") for row in rows)),),
         note="The last column is what the hammer measured.",
         sources=tuple(dict.fromkeys(comparison.measured.source)),
-        folds=(CollapsibleSection("How far apart", comparison.lines,
+        collapsible_sections=(CollapsibleSection("How far apart", comparison.lines,
                     TextTable(("", "predicted", "measured", "difference"), difference_rows)),),
         name="comparison",
     )  # fmt: skip
@@ -197,21 +197,21 @@ LOSS_CHECKS = frozenset({
 
 
 class TemperaturePart(NamedTuple):
-    """Part of the page of a solid that says how it follows temperature.
+    """Part of the page of a solid on its temperature dependence.
 
     Attributes
     ----------
-    about : str
-        What the fit is of, if of a material.
-    topics, summary_line, groups, folds
-        As those of :class:`~dashpot.report.result_page.KindPage`.
+    subject : str
+        The fitted material, if any.
+    topics, summary_line, groups, collapsible_sections
+        As in :class:`~dashpot.report.result_page.KindPage`.
     """
 
-    about: str
+    subject: str
     topics: Sequence[Topic]
     summary_line: Sequence[tuple[str, str]]
     groups: Sequence[Group]
-    folds: Sequence[CollapsibleSection]
+    collapsible_sections: Sequence[CollapsibleSection]
 
 
 def _make_part(fit: Fit) -> TemperaturePart | None:
@@ -266,7 +266,7 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
         ("Fit", fit._identity[:8]),
     ]
     return KindPage(
-        subject=part.about if part is not None and is_material else _format_test_name(fit),
+        subject=part.subject if part is not None and is_material else _format_test_name(fit),
         summary_line=tuple(summary_line),
         indicators=make_indicators(result.checks, Topic("Test"), *topics),
         figure_title=f"What {name.lower()} does at each frequency",
@@ -278,7 +278,10 @@ def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
         if at_end
         else KindPage.note,
         sources=tuple(dict.fromkeys(fit.source)),
-        folds=(*_make_solid_sections(fit), *(part.folds if part is not None else ())),
+        collapsible_sections=(
+            *_make_solid_sections(fit),
+            *(part.collapsible_sections if part is not None else ()),
+        ),
         name="fit",
     )
 

@@ -35,7 +35,7 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "heading": first_screen.make_heading(recommendation),
         "under_mass": first_screen.make_mass_rows(study, recommendation),
         "one_seal": (
-            *first_screen.rows(recommendation.one_seal),
+            *first_screen.rows(recommendation.seal_values),
             first_screen.band_row(recommendation),
         ),
         "about_decks": first_screen.format_deck_note(recommendation, decks),

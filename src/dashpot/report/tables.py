@@ -113,7 +113,7 @@ def checks(
 ) -> TextTable:
     """Return every check in words, failed ones first; a sentence that two stages share stands once.
 
-    One that the verdict does not weigh, such as what a joint fit has mended, says so.
+    A check that does not count in the verdict, such as one that the joint fit resolves, is marked.
     """
     distinct: dict[tuple[str, str], tuple[str, Check]] = {}
     for stage, checks in groups:
@@ -208,7 +208,7 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
 
 
 def orders(study: Study) -> TextTable:
-    """One, two and more arms side by side."""
+    """Solids with one, two and more arms in columns."""
     fit = study.fit
     best = min((order.bic for order in fit.evidence.orders), default=math.nan)
     scores = {
@@ -357,7 +357,7 @@ def peaks(study: Study) -> TextTable | None:
 
 
 def _make_prediction_columns(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return what a solid predicts of each row of the table of peaks, and how far that is off."""
+    """Return the prediction of a solid for each row of the table of peaks, and its deviation."""
     damping = "none" if c.predicted_damping is None else round_to_error(100 * c.predicted_damping)
     damping_text = "" if c.damping_ratio_error is None else percent(c.damping_ratio_error)
     return (

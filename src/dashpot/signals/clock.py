@@ -46,9 +46,9 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
 
 
 def find_rate_change(time: FloatArray) -> ClockJump | None:
-    """Return where the sampling rate changes most, if it is even on both sides; else None.
+    """Return the largest change of the sampling rate, if the rate is even on both sides; else None.
 
-    `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
+    `step` is then the usual step after it, `beside` the one before. Less than tenfold is none.
     """
     steps = np.diff(time)
     if (
@@ -84,12 +84,12 @@ def has_few_pauses(time: FloatArray) -> bool:
 
 
 def _compute_neighbour_step(steps: FloatArray, i: int) -> float:
-    """The larger of the usual steps before and after one, s; at an end that of its one side."""
+    """The larger of the usual steps before and after a step, s; at an end the only one."""
     sides = steps[max(i - NEIGHBOUR_STEPS, 0) : i], steps[i + 1 : i + 1 + NEIGHBOUR_STEPS]
     return max(median(side_values) for side_values in sides if len(side_values))
 
 
-# steps of a clock that differ by less than this part are even but for rounding
+# relative difference below which steps of a clock count as even
 _EVEN_TOLERANCE = 0.2
 
 

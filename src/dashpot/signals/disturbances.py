@@ -25,10 +25,10 @@ def build_machine_terms(
     time: FloatArray,
     x: FloatArray,
     *,
-    since: FloatArray,
+    time_since_stop: FloatArray,
     ramp_time: float,
     depth: float,
-    settles: bool = True,
+    has_settling: bool = True,
 ) -> dict[str, tuple[FloatArray, float]]:
     """Return what machine and crosshead may add, in N a m, and its standard deviation in m.
 
@@ -40,11 +40,11 @@ def build_machine_terms(
     solid : GeneralizedMaxwell
     time, x : array, shape (n,)
         s, and the motion that it is thought to feel, m.
-    since : array, shape (n,)
+    time_since_stop : array, shape (n,)
         Since the end of the ramp, s.
     ramp_time, depth : float
         s and m.
-    settles : bool
+    has_settling : bool
         No reading would show it if the crosshead did.
     """
     force = solid.force(time, x)
@@ -54,8 +54,8 @@ def build_machine_terms(
     if give > 0 and peak > 0:
         entries["give"] = solid.force(time, force / peak), give
     creep = machine.creep_sd(depth)
-    if creep > 0 and settles:
-        log_time = np.log1p(np.maximum(since, 0.0) / ramp_time)
+    if creep > 0 and has_settling:
+        log_time = np.log1p(np.maximum(time_since_stop, 0.0) / ramp_time)
         entries["settling"] = solid.force(time, log_time), creep
     return entries
 
@@ -63,7 +63,7 @@ def build_machine_terms(
 def build_earlier_press(
     machine: Machine, solid: GeneralizedMaxwell, time: FloatArray, *, depth: float
 ) -> tuple[FloatArray, float]:
-    r"""Return what a seal still remembers of presses before its record: N a m, and its sd in m.
+    r"""Return the remaining force of earlier presses, N per m, and the standard deviation in m.
 
     An arm that was pressed for D, and left alone for R, pulls by
 
@@ -81,7 +81,7 @@ def compute_set_sd(
 ) -> float:
     """Return the standard deviation of how much of a gap, m, is the set of an earlier press, m.
 
-    A set goes as what the solid remembers does.
+    A set recovers as the solid relaxes.
     """
     usual_stiffness = float(
         _compute_residual_stiffness(solid, DEFAULT_UNCERTAINTIES["rest after it"].size).sum()
@@ -94,10 +94,10 @@ def compute_set_sd(
     return min(gap / 2, DEFAULT_UNCERTAINTIES["set"].size * depth * ratio)
 
 
-def _compute_residual_stiffness(solid: GeneralizedMaxwell, rested: float) -> FloatArray:
+def _compute_residual_stiffness(solid: GeneralizedMaxwell, rest_time: float) -> FloatArray:
     """Return what each arm keeps of a press after a rest, s, over its compression, N/m."""
     tau = np.asarray(solid.tau)
-    return np.asarray(-np.expm1(-USUAL_PRESSED_TIME / tau) * np.exp(-rested / tau) * solid.k)
+    return np.asarray(-np.expm1(-USUAL_PRESSED_TIME / tau) * np.exp(-rest_time / tau) * solid.k)
 
 
 def build_folded_mains(time: FloatArray, *, step: float) -> tuple[FloatArray, ...]:
@@ -133,9 +133,9 @@ def compute_warming(
     *,
     by_a: float = -DEFAULT_UNCERTAINTIES["faster by warmth"].size,
     by_b: float = 0.0,
-    since: float = 0.0,
+    start_time: float = 0.0,
 ) -> FloatArray:
-    r"""Return what a seal that warms by one kelvin to the end of its record adds, N/K.
+    r"""Return the change of force if the seal warms by one kelvin until the end of its record, N/K.
 
     It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
 
@@ -147,10 +147,12 @@ def compute_warming(
         At the temperature of the test.
     by_a, by_b : float
         Slopes of ln a_T and of ln b_T there, 1/K.
-    since : float
+    start_time : float
         From when on it warms evenly, s: until then it has the temperature that is meant.
     """
-    temperature_rise = _TEMPERATURE_STEP * np.maximum(time - since, 0.0) / (time[-1] - since)
+    temperature_rise = (
+        _TEMPERATURE_STEP * np.maximum(time - start_time, 0.0) / (time[-1] - start_time)
+    )
     # time counts for more as the seal gets faster
     time_factor = np.exp(-by_a * temperature_rise)
     reduced = np.concatenate(

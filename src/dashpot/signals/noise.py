@@ -14,11 +14,11 @@ _MAX_SAMPLES = 200_000
 
 
 def scatter(time: FloatArray, values: FloatArray) -> float:
-    r"""Standard deviation of the sample-to-sample scatter, whatever the trend and the sampling.
+    r"""Standard deviation of the sample-to-sample scatter, for any trend and sampling.
 
     The residual of each sample from the straight line between its neighbours,
     :math:`r_i = y_i - w y_{i-1} - (1 - w) y_{i+1}`, has variance
-    :math:`\sigma^2 (1 + w^2 + (1 - w)^2)` for white noise. The largest 2 % are left out, for
+    :math:`\sigma^2 (1 + w^2 + (1 - w)^2)` for white noise. The largest 2 % are omitted, for
     corners and glitches are no scatter; 0.935 is what that takes from a normal deviation.
     """
     if len(values) < 5:

@@ -273,7 +273,7 @@ class RampHoldCycle(NamedTuple):
 
 
 def find_cycles(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
-    """Return the loadings that hold, in order; whatever follows the last hold is left out.
+    """Return the loadings with a hold, in order; data after the last hold are omitted.
 
     A loading ends where the displacement comes back to within 10 % of where it began: there the
     plate may leave the seal, and no linear solid describes what follows.
@@ -459,7 +459,7 @@ def find_rising_sign(
 
 
 def is_at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
-    """Return whether a compression goes in and back at one speed, and is never held."""
+    """Return whether a compression goes in and out at one speed, without a hold."""
     moves = [segment for segment in segments if segment.kind != "hold"]
     to_and_fro = {segment.kind for segment in moves} == {"load", "unload"}
     has_hold = bool(find_cycles(tuple(segments)))

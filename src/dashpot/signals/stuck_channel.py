@@ -30,11 +30,11 @@ from dashpot.datamodel.relaxation import find_quantum
 #   again.
 
 
-# samples that say nothing of a channel
+# smallest number of samples for a decision
 MIN_SAMPLES = 60
 # equal readings that are looked at
 MIN_RUN = 8
-# chance of a run in a sound record
+# probability of a false alarm
 FALSE_ALARM_RATE = 1e-6
 # second differences of noise, in counts: two levels in turn make 2
 MIN_NOISE_BEND = 2.5
@@ -67,9 +67,9 @@ def find_stuck_runs(
     values : array, shape (m,)
         The readings as they stand in the file.
     is_at_rest : array of bool, shape (m,), optional
-        Where nothing drives the channel to leap or stop: only there do these two rules hold.
+        Samples without excitation: only there are jumps and stops faults.
     leaps : bool
-        Whether a leap is a fault; not of a signal that sets in by itself, as of a blow.
+        Whether a jump is a fault; it is none at the onset of a hit.
     time_since_ramp : array, shape (m,), optional
         For a channel that falls as it relaxes: time since it was loaded, s.
     other_stretches : sequence of array
@@ -153,12 +153,12 @@ def _compute_shortest_fault(
     return max(MIN_RUN, ceil(1 + log(FALSE_ALARM_RATE / samples) / log(same_reading_chance)))
 
 
-def _has_jump(values: FloatArray, run: slice, free: BoolArray, min_leap: float) -> bool:
-    """Return whether a channel goes on from another value than it stood at, and stays there."""
+def _has_jump(values: FloatArray, run: slice, is_at_rest: BoolArray, min_leap: float) -> bool:
+    """Return whether a channel jumps to another value after standing still, and stays there."""
     values_after = values[run.stop : run.stop + SAMPLES_AFTER]
     if (
         len(values_after) < SAMPLES_AFTER
-        or not free[max(run.start - 1, 0) : run.stop + SAMPLES_AFTER].all()
+        or not is_at_rest[max(run.start - 1, 0) : run.stop + SAMPLES_AFTER].all()
     ):
         return False
     jump_threshold, lasting_leap = (
@@ -168,10 +168,10 @@ def _has_jump(values: FloatArray, run: slice, free: BoolArray, min_leap: float) 
     return bool(min(jump_threshold, lasting_leap) > min_leap > 0.0)
 
 
-def _has_stop(values: FloatArray, run: slice, free: BoolArray, count: float) -> bool:
+def _has_stop(values: FloatArray, run: slice, is_at_rest: BoolArray, count: float) -> bool:
     """Return whether a channel that changes by counts a sample, all one way, changes no more."""
     start, first = run.start, run.start - SAMPLES_BEFORE
-    if first < 0 or run.stop - start < SAMPLES_BEFORE or not free[first : run.stop].all():
+    if first < 0 or run.stop - start < SAMPLES_BEFORE or not is_at_rest[first : run.stop].all():
         return False
     steps = np.diff(values[first : start + 1])
     one_way = (steps >= 0).all() or (steps <= 0).all()

@@ -1,4 +1,4 @@
-"""Truth of a simulated file, written beside it."""
+"""Ground truth of a simulated file, written beside it."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def stamp(truth: Truth) -> tuple[str, ...]:
 def truth_json(truth: Truth, *, instrument: object = None) -> str:
     """Return the true parameters of a simulation as JSON, SI units, without sampled signals.
 
-    The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; what
-    is unlimited is null. The `instrument`, a dataclass, is that of a record in gauge voltages.
+    The same truth, written twice, is the same text. Complex numbers are ``[re, im]``; unlimited
+    values are null. The `instrument`, a dataclass, is that of a record in gauge voltages.
     """
     body = {
         "schema": "dashpot/truth@1",

@@ -308,7 +308,7 @@ def simulate_impact(
     rig : Hammer, optional
         ``Hammer()`` if not given.
     climate : Climate, optional
-        Makes the seal that of its temperature.
+        Shifts the seal to its temperature.
 
     Raises
     ------
@@ -411,7 +411,7 @@ def _motion(
 
 
 def _apply_highpass(signal: FloatArray, rig: Hammer) -> FloatArray:
-    """Return a first-order high pass is what a Maxwell arm does to its elongation."""
+    """Return a signal after a first-order high-pass filter, computed as a Maxwell arm."""
     if rig.highpass == 0:
         return signal
     time = np.arange(len(signal)) / (rig.rate * _OVERSAMPLING)

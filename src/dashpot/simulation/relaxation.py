@@ -54,7 +54,7 @@ def simulate_path(
     path : pair of array
         Corners that the plate is sent through, s after the baseline and m; it starts at (0, 0).
     specimen : Specimen, optional
-        What the record says of the piece.
+        Specimen stated in the record.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def simulate_path(
     clock = np.arange(round(end * rig.axis.rate) + 1) / rig.axis.rate
     reference = _staircase(clock, path, rig)
     return _simulate_record(
-        model, clock, rig.axis.follow(reference), rig=rig, seed=seed, end=end, glued=True,
+        model, clock, rig.axis.follow(reference), rig=rig, seed=seed, end=end, is_bonded=True,
         specimen=specimen or prepare_specimen(model, rig, None)[1],
     )  # fmt: skip
 
@@ -93,7 +93,7 @@ def simulate_motion(
     motion : Trajectory
         At the time of a set-point the next one is sent; the plate begins at the first.
     rig : Rig, optional
-        ``Rig()`` if not given; its own rest before the motion is left out.
+        ``Rig()`` if not given; its own rest before the motion is omitted.
     seed : int
         Seed of the noise.
     climate : Climate, optional
@@ -113,7 +113,7 @@ def simulate_motion(
         rig=rig,
         seed=seed,
         end=float(elapsed[-1]),
-        glued=False,
+        is_bonded=False,
         specimen=specimen,
     )
     truth = MotionTruth(
@@ -130,7 +130,7 @@ def _simulate_record(
     rig: Rig,
     seed: int,
     end: float,
-    glued: bool,
+    is_bonded: bool,
     specimen: Specimen,
 ) -> tuple[RelaxationTest, FloatArray, FloatArray]:
     """Return the record of a true motion at the control instants, and the truth at its samples."""
@@ -142,7 +142,7 @@ def _simulate_record(
         motion, clock = _interpolate_motion(dense, clock, motion), dense
     compression = rig.compression(motion)
     answer = model.force(clock, compression)
-    if not glued:
+    if not is_bonded:
         answer = np.maximum(answer, 0.0)
     if rig.softening:
         answer *= soften_motion(compression, rig.softening)
@@ -160,7 +160,7 @@ def _simulate_record(
 
 
 def soften_motion(compression: FloatArray, share: float) -> FloatArray:
-    r"""Return what part of its first force a seal carries, that softens with each cycle.
+    r"""Return the force relative to the first cycle of a seal that softens with each cycle.
 
     :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n. A cycle ends where a seal that was pressed by
     half of the most so far is let go to a twentieth of it.
@@ -190,11 +190,13 @@ def _staircase(clock: FloatArray, path: tuple[tuple[float, float], ...], rig: Ri
     return np.asarray(sent[np.clip(count, 0, len(sent) - 1)])
 
 
-def _interpolate_motion(dense: FloatArray, clock: FloatArray, motion: FloatArray) -> FloatArray:
+def _interpolate_motion(
+    dense_time: FloatArray, clock: FloatArray, motion: FloatArray
+) -> FloatArray:
     """Smooth motion between control instants."""
     from scipy.interpolate import CubicSpline
 
-    return np.asarray(CubicSpline(clock, motion)(dense))
+    return np.asarray(CubicSpline(clock, motion)(dense_time))
 
 
 # Ramp and hold.
@@ -264,7 +266,7 @@ def simulate_relaxation(
     Raises
     ------
     DataError
-        If depth or a time is not positive, or the law knows nothing of the temperature.
+        If depth or a time is not positive, or the law is not valid at the temperature.
     """
     depth = convert_to_si(depth, "length")
     ramp_time = convert_to_si(ramp_time, "time")

@@ -36,7 +36,7 @@ class Rig:
     setpoint_interval : float
         s between set-points.
     rate : float
-        Sampling rate of the record, Hz. Nothing is filtered: what is faster aliases.
+        Sampling rate of the record, Hz. There is no anti-aliasing filter.
     baseline : float
         Recorded before the robot starts, s.
     encoder : float
@@ -50,8 +50,8 @@ class Rig:
     stiffening : float
         Cubic term of the elastic law, 1/m^2: the solid answers to x + stiffening x^3.
     softening : float
-        Mullins: what a seal that was pressed often carries less than in its first cycle,
-        :math:`1 - s (1 - e^{-(n-1)/1.5})` in cycle n.
+        Mullins effect: relative loss of force after many cycles, :math:`1 - s (1 - e^{-(n-1)/1.5})`
+        in cycle n.
     bias, drift : float
         Offset, N, and its growth, N/s, of the load cell.
     warming, warming_time : float
@@ -121,7 +121,7 @@ class Rig:
         return np.asarray(d + self.stiffening * d**3)
 
     def read(self, time: FloatArray, force: FloatArray, random: np.random.Generator) -> FloatArray:
-        """Return what the load cell writes for a true `force`, N."""
+        """Return the recorded signal of the load cell for a true `force`, N."""
         signal = self.add_disturbances(time, force, random)
         signal = signal + self.noise * random.standard_normal(len(time))
         return round_to_quantum(np.clip(signal, -self.limit, self.limit), self.quantum)
@@ -150,7 +150,7 @@ class Climate:
     temperature : float
         K.
     law : TemperatureLaw
-        That of the demonstration seals by default.
+        By default that of the demonstration seals.
     """
 
     temperature: float
@@ -178,7 +178,7 @@ class RigTruth(EqualByValue):
     Attributes
     ----------
     kind : str
-        Kind: of which kind of test it is.
+        Kind of the test.
     model : GeneralizedMaxwell
         The seal at the temperature of the test, before any softening.
     rig : Rig

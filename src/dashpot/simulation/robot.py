@@ -180,11 +180,11 @@ def planned_trajectory(
     depth : float
         Travel, m.
     ramp_time, hold_time, baseline : float
-        s; the rest before the ramp is what the zero of the force is read from.
+        s; the baseline before the ramp gives the zero of the force.
     interval : float
         Between set-points, s.
     along : (float, float, float)
-        Where the plate goes in the controller's own axes; of any length.
+        Direction of the motion in the controller's axes; of any length.
 
     Raises
     ------

@@ -32,13 +32,13 @@ BROAD_MASS = 0.114829829
 
 
 HIDDEN_MASS = 0.11260495596
-"""Block, kg, that puts the accelerance peak of two such seals at 12.71 Hz."""
+"""Block, kg, with an accelerance peak at 12.71 Hz on two such seals."""
 
 
 SEALS: Mapping[str, tuple[GeneralizedMaxwell, float]] = MappingProxyType(
     {"paper": (PAPER, PAPER_MASS), "broad": (BROAD, BROAD_MASS), "hidden": (HIDDEN, HIDDEN_MASS)}
 )
-"""Each demonstration seal by name: one seal, and the block that rests on two of them."""
+"""Each demonstration seal by name: one seal, and the block on two of them."""
 
 
 SHIFT = WLF.universal(glass=218.15, reference=296.15)

@@ -34,9 +34,8 @@ class ElasticLaw(Serialisable):
     .. math:: F_e(x) = k \int_0^x t(u)\,du, \qquad \frac1h \int_0^h t(u)\,du = 1
 
     with h the deepest knot: k is the secant stiffness there. Below the first and above the last
-    knot the tangent stays what it is at that knot. A solid whose arms all answer
-    :math:`F_e(x(t))` (Fung) vibrates about a compression x with :math:`t(x)` times its
-    stiffnesses.
+    knot the tangent is constant. A solid whose arms all answer :math:`F_e(x(t))` (Fung) vibrates
+    about a compression x with :math:`t(x)` times its stiffnesses.
 
     Attributes
     ----------
@@ -48,7 +47,7 @@ class ElasticLaw(Serialisable):
     stiffness : float
         Relaxed secant stiffness k at the last knot, N/m.
     ratio_se : tuple of float
-        Standard error of :math:`t` at the knots; empty where nothing is known of it.
+        Standard error of :math:`t` at the knots; empty if not known.
     """
 
     _keys = ("kind", "knots", Key("tangent", "tangents"), "ratio", "ratio_se", "stiffness")
@@ -200,12 +199,12 @@ def require_plausible_compression(
     *,
     carried: float | None = None,
 ) -> None:
-    """Refuse a compression, m, that no such seal has: more than its height, or far from any test.
+    """Refuse an impossible compression, m: more than its height, or far from any test.
 
     Parameters
     ----------
     compression : float
-        m; where it is infinite nothing carries the weight, which is no matter here.
+        m; infinite if no compression carries the weight, which is allowed here.
     law : ElasticLaw, optional
         Elastic law of the seal, with the depth that was tested.
     height : float, optional

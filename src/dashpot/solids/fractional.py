@@ -58,7 +58,7 @@ class Weights(NamedTuple):
     ----------
     value : array, shape (n,)
     by_log_tau, by_alpha : array, shape (n,)
-        Derivatives where the arms' own relaxation times stand still.
+        Derivatives at constant relaxation times of the arms.
     """
 
     value: FloatArray
@@ -210,7 +210,7 @@ class FractionalZener(Solid, Serialisable):
     # -- algebra ------------------------------------------------------------------------------
 
     def __add__(self, other: object) -> Solid:
-        """Return both in parallel: springs and dashpots merge, other solids are kept beside it."""
+        """Return both in parallel: springs and dashpots merge, other solids remain in parallel."""
         if not isinstance(other, Solid):
             return NotImplemented
         is_spring = isinstance(other, GeneralizedMaxwell) and not other.arms
@@ -248,21 +248,21 @@ class FractionalZener(Solid, Serialisable):
 
     @property
     def maxwell(self) -> GeneralizedMaxwell:
-        """Arms that stand for the solid at every frequency, to 1e-4 of k_0 - k_inf."""
+        """Arms that approximate the solid at every frequency, to 1e-4 of k_0 - k_inf."""
         return self.arms()
 
     def arms(
         self, tolerance: float = TOLERANCE, band: tuple[float, float] | None = None
     ) -> GeneralizedMaxwell:
-        r"""Return positive arms that stand for the solid; ``.arms`` of them counts them.
+        r"""Return positive arms that approximate the solid; their number is ``.arms``.
 
         Parameters
         ----------
         tolerance : float
             Largest error of K* and of k(t), as a part of k_0 - k_inf.
         band : (float, float), optional
-            Frequencies where that is to hold, Hz; all of them by default. In time it is
-            :math:`t = 1/(2\pi f)`.
+            Frequencies of this accuracy, Hz; all of them by default. In time it is :math:`t =
+            1/(2\pi f)`.
 
         The arms are even in ln tau, as dense as tolerance and alpha ask. Those that are faster
         or slower than the band can show are one arm each, so that k_inf and k_0 are kept.

@@ -24,7 +24,7 @@ class Masing(RateIndependent):
     .. math:: F(x) = F_r \pm 2\, g(|x - x_r| / 2)
 
     from the last turning point (x_r, F_r), with the first loading (backbone) g; a branch that
-    closes a loop goes on as if that loop had never been.
+    closes a loop continues as if that loop had not occurred.
     """
 
     @abstractmethod

@@ -72,7 +72,7 @@ class Solid(ABC):
     @property
     @abstractmethod
     def maxwell(self) -> GeneralizedMaxwell:
-        """The arms that stand for the solid: exactly, or within the tolerance it was given."""
+        """The arms of the solid, exact or within the given tolerance."""
 
     @abstractmethod
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
@@ -256,7 +256,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     # -- algebra ------------------------------------------------------------------------------
 
     def __add__(self, other: GeneralizedMaxwell) -> GeneralizedMaxwell:
-        """Two solids side by side: stiffnesses add, equal relaxation times merge."""
+        """Two solids in parallel: stiffnesses add, equal relaxation times merge."""
         if not isinstance(other, GeneralizedMaxwell):
             return NotImplemented
         arms: dict[float, float] = {}
@@ -366,9 +366,9 @@ class GeneralizedMaxwell(Solid, Serialisable):
 
         .. math:: q_i = e^{-h/\tau} q_{i-1} + k\,\frac{1 - e^{-h/\tau}}{h/\tau}\,(x_i - x_{i-1})
 
-        (:func:`arm_response`). The part is taken to be at rest at displacement zero
-        before the first sample; a first sample that is not zero is a step at that instant. The
-        parallel dashpot sees the slope of the segment that ends at a sample.
+        (:func:`arm_response`). The part is assumed at rest at displacement zero before the first
+        sample; a first sample that is not zero is a step at that instant. The parallel dashpot sees
+        the slope of the segment that ends at a sample.
 
         Parameters
         ----------
@@ -568,7 +568,7 @@ class Parallel(Solid, Serialisable):
         return np.asarray(sum(part.force(t, displacement) for part in self.parts))
 
     def __add__(self, other: object) -> Parallel:
-        """One more solid beside them."""
+        """Another solid in parallel."""
         return Parallel((self, other)) if isinstance(other, Solid) else NotImplemented
 
     __radd__ = __add__

@@ -38,7 +38,7 @@ def simulate_face_under_plate(
     Parameters
     ----------
     solid : GeneralizedMaxwell
-        Its parallel dashpot `b` is left out.
+        Its parallel dashpot `b` is omitted.
     time : array, shape (n,)
         s, rising.
     plate : array, shape (n,)
@@ -112,7 +112,7 @@ class _Recovery:
     def __call__(
         self, time_since_release: FloatArray, face: float, q: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Face and elongations at times since it was let go, s; the first as they were."""
+        """Seal face and elongations at times since release, s; the first at release."""
         elongation_terms = self.into @ q
         scaled_time = self.rate * time_since_release[:, None]
         states = (np.exp(scaled_time) * elongation_terms) @ self.out.T
@@ -140,16 +140,16 @@ class EvenStep(NamedTuple):
     Attributes
     ----------
     mean_factors : array
-        Factors of what it carried, on the average of the step; of what is given, at its end.
+        Factors of the old force for the mean over the step; also of the increment at its end.
     end_factors : array
-        Factors of what it carried, at the end of the step.
-    onward : array
-        Factors of what is given, on the average of the step.
+        Factors of the old force at the end of the step.
+    increment_factors : array
+        Factors of the increment for the mean over the step.
     """
 
     mean_factors: FloatArray
     end_factors: FloatArray
-    onward: FloatArray
+    increment_factors: FloatArray
 
     @classmethod
     def from_ratio(cls, ratio: FloatArray) -> EvenStep:
@@ -158,10 +158,10 @@ class EvenStep(NamedTuple):
         onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - mean_decay) / ratio)
         return cls(mean_decay, 1 - ratio * mean_decay, onward)
 
-    def mean(self, carried: FloatArray, force_step: FloatArray) -> FloatArray:
-        """Return what arms carry on the average of the step, N."""
-        return carried * self.mean_factors + force_step * self.onward
+    def mean(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:
+        """Return the mean force of arms over the step, N."""
+        return previous_force * self.mean_factors + force_step * self.increment_factors
 
-    def end(self, carried: FloatArray, force_step: FloatArray) -> FloatArray:
-        """Return what they carry at its end, N."""
-        return carried * self.end_factors + force_step * self.mean_factors
+    def end(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:
+        """Return the forces at the end of the step, N."""
+        return previous_force * self.end_factors + force_step * self.mean_factors

@@ -100,7 +100,7 @@ def creep_of(solid: GeneralizedMaxwell) -> CreepSpectrum:
 
 
 def parallel(*solids: GeneralizedMaxwell) -> GeneralizedMaxwell:
-    """Solids side by side: the same displacement, forces add.
+    """Solids in parallel: the same displacement, forces add.
 
     As ``a + b``, and relaxation times that only rounding parts become one arm.
     """
@@ -123,7 +123,7 @@ def series(*solids: GeneralizedMaxwell) -> GeneralizedMaxwell:
     Raises
     ------
     DataError
-        If a part has neither stiffness nor viscosity: the chain is broken there.
+        If a part has neither stiffness nor viscosity: it transmits no force.
     """
     if not solids:
         raise DataError("series() needs at least one solid")

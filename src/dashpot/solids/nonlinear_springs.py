@@ -18,7 +18,7 @@ class Cubic(RateIndependent):
     Attributes
     ----------
     k3 : float
-        N/m^3; negative where it softens.
+        N/m^3; negative if it softens.
     """
 
     k3: float
@@ -32,7 +32,7 @@ class Cubic(RateIndependent):
         return self.k3 * np.asarray(x, dtype=float) ** 3
 
     def start(self) -> None:
-        """A spring remembers nothing."""
+        """A spring has no state."""
 
     def step(self, state: None, x: float) -> tuple[float, None]:  # noqa: ARG002
         """Force, N."""

@@ -68,14 +68,16 @@ def bonded_cylinder(S: float, poisson: float = RUBBER_POISSON_RATIO) -> float:
     )
 
 
-def _compressible(single: float, S: float, poisson: float, edges: tuple[float, ...]) -> float:
+def _compressible(
+    incompressible_excess: float, S: float, poisson: float, edges: tuple[float, ...]
+) -> float:
     """Return the bonded factor, of what an incompressible one is more than 1."""
     from scipy.special import i0e, i1e
 
     p_1, p_2, p_3, p_4 = edges
     nu = min(poisson, 0.5 - 1e-7)
     M = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) - 1
-    u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * single / M
+    u = (2 * nu) ** (p_1 + p_2 * S / (1 + S)) * incompressible_excess / M
     x = np.sqrt(8 * u)
     edge_term = 1 + (p_3 + p_4 * (1 - 2 * nu)) * u / (1 + u) ** 2
     return float(1 + M * (1 - 2 * i1e(x) / (x * i0e(x))) * edge_term)
@@ -134,7 +136,7 @@ class Geometry:
         mode : str, optional
             How it is loaded; by default the first of `modes`.
         bonded : bool
-            To its plates; False where they are lubricated.
+            To its plates; False if they are lubricated.
 
         Raises
         ------
@@ -178,13 +180,13 @@ class _Pad(Geometry):
         return plain_ratio * (self._compute_bonded_factor() if bonded else 1)
 
     def _compute_bonded_factor(self) -> float:
-        """Return what bonded plates make of the stiffness, a factor."""
+        """Return the stiffness factor of bonded plates."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Disc(_Pad):
-    """Round pad: diameter and height, m; texts with a unit are taken, too.
+    """Round pad: diameter and height, m; texts with a unit are allowed.
 
     `poisson`, 0.2 to 0.5, is asked where its plates are bonded.
 
@@ -280,9 +282,9 @@ class Bush(Geometry):
 class Bulb(Geometry):
     """Hollow round seal, slightly compressed across: outer diameter, wall and length, m.
 
-    A thin wall that bends. Its stretch and shear, left out, make it softer: by 2.5 % at a wall of a
-    tenth of the mean radius, 9 % at a fifth. `poisson` is that of the wall; a sponge has less
-    than solid rubber.
+    A thin wall that bends. Its stretch and shear, omitted, make it softer: by 2.5 % at a wall of a
+    tenth of the mean radius, 9 % at a fifth. `poisson` is Poisson's ratio of the wall; a sponge has
+    a lower one than solid rubber.
 
     >>> bulb = Bulb(0.022, 0.002, 0.1, poisson=0.45)
     >>> round(2e6 * bulb.factor())  # N/m of 100 mm, of 2 MPa

@@ -1,4 +1,4 @@
-r"""Elements whose answer depends on how far they move, alone and beside a solid.
+r"""Elements whose response depends on amplitude, alone and in parallel to a solid.
 
 Under x(t) = Re X e^{+j omega t} an element answers with a loop; its first harmonic is the
 equivalent stiffness (describing function)
@@ -57,7 +57,7 @@ class AmplitudeDependent(ABC):
         return self * count
 
     def __add__(self, other: object) -> InParallel:
-        """Two parts side by side: their forces add."""
+        """Two parts in parallel: their forces add."""
         if not isinstance(other, AmplitudeDependent | Solid):
             return NotImplemented
         return InParallel((self, other))

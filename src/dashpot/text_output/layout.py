@@ -24,11 +24,11 @@ class Text(NamedTuple):
     Attributes
     ----------
     lines
-        Cut where they are longer than a screen.
+        Shortened to the length of a screen.
     details
         For ``-v`` alone.
     requested_lines
-        What an option asked for: never cut.
+        Lines that an option requested: never cut.
     """
 
     lines: Sequence[str] = ()
@@ -47,7 +47,7 @@ def table(rows: Sequence[Sequence[str]], *, align_left: bool = False) -> list[st
 
 
 def format_values(reported_values: Sequence[ReportedValue]) -> list[str]:
-    """Return named numbers as a table: value, error, interval and unit, where any has one."""
+    """Return named numbers as a table: value, error, interval and unit, if any has one."""
     heading = ("", "value", "± SE", "95 % interval", "unit")
     rows = [value.cells.ascii for value in reported_values]
     filled_columns = [i for i in range(len(heading)) if any(row[i] for row in rows)]
@@ -110,9 +110,9 @@ def format_for_screen(
 ) -> list[str]:
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
 
-    Those are all that failed if all is asked for; else those that made the verdict or, without
-    one, those of weight. If that is longer than a screen the numbers are cut, but for those that
-    were asked for. `style` colours; `size` is that of the screen.
+    Those are all that failed if all is requested; else those that made the verdict or, without one,
+    those of weight. If that is longer than a screen, numbers are omitted, except requested ones.
+    `style` colours; `size` is that of the screen.
     """
     columns, lines = size
     verdict_lines = [] if verdict is None else format_verdict(verdict, style, columns)
@@ -123,7 +123,7 @@ def format_for_screen(
     count_lines = [f"  checks      {_format_check_counts(checks)}"] if checks else []
     failed = [
         _format_check(check, verdict, style, columns)
-        for check in _select_failed_checks(verdict, checks, everything=verbose)
+        for check in _select_failed_checks(verdict, checks, show_all=verbose)
     ]
     if verbose:
         return [
@@ -208,12 +208,12 @@ def _format_marked_sentence(
 
 
 def _select_failed_checks(
-    verdict: Verdict | None, checks: Sequence[Check], *, everything: bool
+    verdict: Verdict | None, checks: Sequence[Check], *, show_all: bool
 ) -> Sequence[Check]:
     """Return the failed checks to list, the gravest first."""
-    if verdict is not None and not everything:
+    if verdict is not None and not show_all:
         return verdict.failed_checks
-    grades = ("stop", "limit", "note") if everything else ("stop", "limit")
+    grades = ("stop", "limit", "note") if show_all else ("stop", "limit")
     return [check for grade in grades for check in checks if check.failed and check.grade == grade]
 
 
@@ -257,7 +257,7 @@ def _shorten_check_lines(check: list[str], columns: int) -> list[str]:
 
 
 def _format_check_counts(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed, are a note, and have nothing to judge."""
+    """Return the numbers of checks that passed, failed, are notes, or do not apply."""
     each_once = dict.fromkeys(checks)  # several tests may give one and the same answer
     states = [
         "note" if check.failed and check.grade == "note" else check.passed for check in each_once

@@ -43,7 +43,7 @@ def format_rounded(value: float, error: float | None = None, *, digits: int = 4)
 
 
 def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
-    """Return a value, SI, in a column of a unit, so too; empty where there is none."""
+    """Return a value, SI, in a column of a unit, rounded likewise; empty if there is none."""
     return ascii_only(number_format.format_cell(value, unit, digits=digits))
 
 
@@ -53,7 +53,7 @@ def with_error(value: float, error: float | None, unit: str = "") -> str:
 
 
 def hertz(band: tuple[float, float]) -> str:
-    """Return a band of frequencies, so too."""
+    """Return a band of frequencies, rounded likewise."""
     return ascii_only(number_format.hertz(band))
 
 
@@ -71,7 +71,7 @@ _UNITS = {"N": "mN", "m": "um", "1": "%"}
 def render_fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
     """Return a fit as the paper's Table 1 with intervals, and its limits of use.
 
-    `requested_arms` is the number of arms that was asked for.
+    `requested_arms` is the number of arms that was requested.
     """
     residual = fit.estimate.residual
     lines = [_format_fit_heading(fit, requested_arms), *_format_model(fit)]
@@ -112,7 +112,7 @@ def _format_part(result: object, part: object) -> list[str]:
 
 
 def _format_fit_heading(fit: Fit, request: int | str) -> str:
-    """Return files, number of arms and method, and whether fewer arms than asked for."""
+    """Return files, number of arms and method, and whether there are fewer arms than requested."""
     files = ", ".join(source.file for source in fit.source) or "arrays in memory"
     arms = f"{fit.model.arms} Maxwell arm{'s' * (fit.model.arms != 1)}"
     if fit.family == "fractional":
@@ -170,7 +170,7 @@ def _format_model(fit: Fit) -> list[str]:
 
 
 def _format_value_and_error(reported_value: ReportedValue) -> tuple[str, str]:
-    """Return value and standard error; a bound or "not identified" stands in place of them."""
+    """Return value and standard error; replaced by a bound or "not identified"."""
     cells = reported_value.cells.ascii
     if not cells.value:
         return cells.interval, ""
@@ -187,7 +187,7 @@ def _format_sample_count(residual: Residual) -> str:
 
 
 def _format_elastic_law(fit: Fit) -> list[str]:
-    """Return the elastic law, where it is no straight line."""
+    """Return the elastic law if it is nonlinear."""
     law = fit.elastic_law
     if law is None or law.kind == "linear":
         return []
@@ -247,7 +247,7 @@ def list_notes(sources: Sequence[Source]) -> list[str]:
 
 
 def _format_parameter_changes(fit: Fit) -> list[str]:
-    """Return what a further test changed, one parameter a row."""
+    """Return the changes by a further test, one parameter a row."""
     if not fit.evidence.parameter_changes:
         return []
     rows = [
@@ -277,7 +277,7 @@ def _format_match(explanation: Explanation) -> str:
 
 
 def _format_explanations(fit: Fit) -> list[str]:
-    """Return what would explain two tests that disagree, the best first."""
+    """Return the explanations of two tests that disagree, the best first."""
     return [
         ascii_only(
             f"  tried       {explanation.message} ({_format_match(explanation)}; chi-square "
@@ -487,7 +487,7 @@ class Measured(Protocol):
         """Lines that determine both."""
         ...
 
-    def changes(self, name: str, by: float) -> tuple[FloatArray, FloatArray]:
+    def changes(self, name: str, size: float) -> tuple[FloatArray, FloatArray]:
         """Return the changes of storage and loss factor by an error of a kind and size."""
         ...
 
@@ -557,7 +557,7 @@ def _select_lines(measured: Measured, line_count: int) -> IndexArray:
 _SEAL_COUNT_CHECK = "seals_counted"
 """Check whose failure changes every stiffness shown."""
 _SHOWN_LINES = 3
-"""Lines shown of a transmissibility: both ends of its band, and one between."""
+"""Number of shown lines of a transmissibility: both ends of its band, and the middle."""
 
 
 def render_identification(result: Identified) -> Text:

@@ -1,6 +1,6 @@
 """Workflows that the command line, Python and the app share.
 
-The names stand in ``__init__.pyi``; each is imported when it is first used.
+The names are listed in ``__init__.pyi``; each is imported when it is first used.
 """
 
 from dashpot.base.lazy import build_lazy_exports

@@ -1,4 +1,4 @@
-"""Assumptions of results: which checks watch them, and what lifts them."""
+"""Assumptions of results: the checks of them, and the tests that remove them."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ class Assumption:
     name : str
         Two or three words.
     holds : str
-        What is supposed.
+        The assumption, as a sentence.
     otherwise : str
-        What a result is worth where it does not hold, with numbers where they were measured.
+        Effect on the result if violated, with measured numbers if available.
     checks : tuple of str
         Names of the checks that fail where a record shows that it does not hold.
     options : tuple of str
         Options of the command line that make it unnecessary.
     advice : str
-        What to do on the bench.
+        Test that removes it.
     """
 
     name: str

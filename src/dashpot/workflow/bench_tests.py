@@ -37,15 +37,15 @@ def prepared_tests(
     machine: Machine | None = None,
     time_limits: TimeLimits | None = None,
     cycle: int | None = None,
-    checked: bool = True,
+    with_checks: bool = True,
     each_depth: bool = False,
 ) -> tuple[RampHold, ...]:
-    """Prepare ramps and holds; what is prepared already stays as it is.
+    """Prepare ramps and holds; prepared records are returned unchanged.
 
     Parameters
     ----------
     tests : sequence of RelaxationTest or RampHold
-    filter, machine, cycle, checked
+    filter, machine, cycle, with_checks
         As :func:`~dashpot.preprocessing.prepare.prepare` takes them.
     time_limits : TimeLimits, optional
         For one test, by hand.
@@ -55,7 +55,7 @@ def prepared_tests(
     Raises
     ------
     FitError
-        If it is said how to prepare them, and one is prepared.
+        If options of the preparation are given for a prepared record.
     DataError
         If several are cut by hand, or one cannot be prepared.
     """
@@ -71,13 +71,13 @@ def prepared_tests(
         "filter": filter,
         "machine": machine,
         "cycle": cycle,
-        "with_checks": checked,
+        "with_checks": with_checks,
         **asdict(time_limits),
     }
     if each_depth and len(tests) == 1 and cycle is None and time_limits == TimeLimits():
         (test,) = tests
         if isinstance(test, RelaxationTest):
-            return split_depths(test, filter=filter, machine=machine, with_checks=checked)
+            return split_depths(test, filter=filter, machine=machine, with_checks=with_checks)
     return tuple(
         record if isinstance(record, RampHold) else prepare(record, **preparation)
         for record in tests
@@ -93,7 +93,7 @@ def prepared_files(
     filter: str | None = None,
     time_limits: TimeLimits | None = None,
 ) -> tuple[RampHold, ...]:
-    """Return the relaxation tests in files, prepared, each by the loading that was asked for.
+    """Return the relaxation tests in files, prepared, each by the loading that was requested.
 
     `temperatures`, K, are one for all of them, or one for each; `filter` and `time_limits` as
     :func:`prepared_tests` takes them.
@@ -153,7 +153,7 @@ Record: TypeAlias = Any
 
 @dataclass(frozen=True)
 class BenchFitOptions(SolidOptions):
-    """Options of the fit of tests on a bench, whatever the records turn out to be.
+    """Options of the fit of bench tests of any kind.
 
     Sweeps, moduli and creep always have intervals.
 
@@ -164,7 +164,7 @@ class BenchFitOptions(SolidOptions):
         stiffnesses.
     filter : str or None
     machine : Machine or None
-        None is a machine of which nothing is known.
+        None for an unknown machine.
     time_limits : TimeLimits
         For one relaxation test, by hand.
     cycle : int or None
@@ -172,7 +172,7 @@ class BenchFitOptions(SolidOptions):
     shifting : ShiftChoices
         For sweeps or moduli at several temperatures: which one, or how all are shifted.
     specimen : Specimen or None
-        What was said of the first test: a temperature of its own refuses sweeps at several.
+        Stated specimen of the first test: its temperature excludes sweeps at several.
     """
 
     depth_law: bool = False
@@ -192,8 +192,8 @@ class BenchFitOptions(SolidOptions):
         FitError
             If a choice is for sweeps, moduli and creep alone.
         """
-        shifting = self.shifting
-        if shifting.at is not None or shifting.shifts is not None:
+        choices = self.shifting
+        if choices.at is not None or choices.shifts is not None:
             raise FitError(
                 "--at-temperature and --shifts are for sweeps, moduli and creep; ramps and "
                 "holds find their own shifts: leave them out (Python: temperature=; that of a test "
@@ -201,9 +201,9 @@ class BenchFitOptions(SolidOptions):
             )
         return FitOptions(
             self.arms, self.method, self.law, self.family, self.intervals, self.thorough,
-            shift_law=shifting.law,
-            vertical="free" if shifting.vertical == "auto" else shifting.vertical,
-            reference=shifting.reference,
+            shift_law=choices.law,
+            vertical="free" if choices.vertical == "auto" else choices.vertical,
+            reference=choices.reference,
         )  # fmt: skip
 
     def has_defaults(self, *names: str) -> bool:
@@ -236,7 +236,7 @@ def fit_files(
     -------
     fit : Fit
     records : tuple
-        What is behind it, as fitted.
+        Fitted tests or results of the source.
 
     Raises
     ------
@@ -257,8 +257,8 @@ def fit_records(
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
 
-    Ramps and holds are fitted together, also such as are prepared; what is with other tests, by
-    the handler of these. `name`, of the first file, stands before what is wrong.
+    Ramps and holds, prepared or not, are fitted together; with tests of another kind, the handler
+    of that kind fits them. `name` of the first file is the beginning of error messages.
     """
     handlers = (find_handler("fit records", test) for test in tests)
     fit_others = next((handler for handler in handlers if handler is not None), None)
@@ -274,9 +274,9 @@ def prepare_ramps(
 ) -> tuple[RampHold, ...]:
     """Prepare ramps and holds, those that are fitted with other tests with all their checks."""
     prepared = prepared_tests(
-        tests, filter=result.filter, machine=result.machine,
-        time_limits=result.time_limits, cycle=result.cycle,
-        checked=result.intervals or among_others, each_depth=result.depth_law and not among_others,
+        tests, filter=result.filter, machine=result.machine, time_limits=result.time_limits,
+        cycle=result.cycle, with_checks=result.intervals or among_others,
+        each_depth=result.depth_law and not among_others,
     )  # fmt: skip
     require_test_for_machine(result.machine, tests=len(prepared), add="a ramp and hold")
     return prepared
@@ -287,12 +287,12 @@ def read_test(
 ) -> Bench:
     """Return the test of a bench in a file, by the reader of its kind.
 
-    What is of no kind is asked for the columns of a ramp and hold.
+    A file of unknown kind is read as a ramp and hold.
 
     Raises
     ------
     ReadError
-        If the file is of another kind, or leaves open which column is what or in which unit.
+        If the file is of another kind, or does not determine its columns and units.
     """
     detection = recognise(path, options)
     row = KINDS.get(detection.kind, KINDS["relaxation"])
@@ -306,7 +306,7 @@ def read_test(
 
 
 def _fit_ramps(tests: tuple[RampHold, ...], options: BenchFitOptions) -> Fit:
-    """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
+    """Fit ramps and holds together, or, where a law of the depth is requested, each by itself."""
     if not options.depth_law:
         return fit_relaxation(tests, **options.ramp_options.choices)
     usual_options = options.has_defaults("method", "law", "family")

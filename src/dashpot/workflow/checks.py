@@ -42,12 +42,12 @@ def prediction_in_valid_band(peak: float, band: tuple[float, float]) -> Finding:
 
 
 @criterion("files that were fitted", "<=", 0, "by definition", grade="note")
-def measurement_independent_of_fit(fitted: int) -> Finding:
+def measurement_independent_of_fit(fitted_file_count: int) -> Finding:
     """The measurement was not part of the fit."""
     return Finding(
         "The fit was not made from this measurement",
-        fitted,
-        failure=f"The fit was made from this measurement ({fitted} files)",
+        fitted_file_count,
+        failure=f"The fit was made from this measurement ({fitted_file_count} files)",
         reason="No test: its agreement says nothing",
         remedy="Compare it with other hits, or leave a hit out.",
     )

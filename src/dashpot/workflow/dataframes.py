@@ -60,7 +60,7 @@ def to_xarray(result: object) -> Any:
 
 
 def library(name: str) -> Any:
-    """Return a library that the extra ``frames`` brings, or say so."""
+    """Return a library of the extra ``frames``, or raise an error with the install command."""
     try:
         return import_module(name)
     except ImportError:

@@ -1,7 +1,7 @@
 """Example files, simulated reproducibly and marked as such.
 
-The virtual rig and hammer write them when asked. A package that carried them would carry megabytes
-of numbers that the code makes in a second, and they would be those of an older version.
+The virtual rig and hammer write them when asked. Stored in the package they would be megabytes of
+numbers that the code makes in a second, and could be out of date.
 """
 
 from __future__ import annotations
@@ -127,4 +127,4 @@ FIRST = ("seal_8mm.csv", "hammer.csv")
 EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
     {name: cache(file.write) for name, file in FILES.items()}
 )
-"""Every example file and what writes it: once, as it is the same every time."""
+"""Every example file and the function that writes it: once, as it is the same every time."""

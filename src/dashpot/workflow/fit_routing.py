@@ -112,7 +112,7 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
 
 
 def _format_file_kinds(kinds: Mapping[str, str]) -> str:
-    """Return what the files are, those of one kind together, a few of them by name."""
+    """Return a text with the kinds of the files and some of their names."""
     grouped: dict[str, list[str]] = {}
     for path, kind in kinds.items():
         grouped.setdefault(get_kind_label(kind), []).append(Path(path).name)
@@ -129,6 +129,6 @@ def _join_names(names: Sequence[str]) -> str:
 
 
 def _find_common_meaning(present_kinds: set[str]) -> str:
-    """Return what records mean that are all fitted alike."""
+    """Return the fit of records of the same kind."""
     words = {KINDS[kind].fit_route if kind in KINDS else "" for kind in present_kinds}
     return words.pop() if len(words) == 1 else ""

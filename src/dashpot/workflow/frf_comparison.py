@@ -89,7 +89,7 @@ class LeaveOneOut(Serialisable):
     error : float
         Mean over the hits of the rms error, over the rms of the measured accelerance.
     hits : int
-        Each left out once.
+        Each omitted once.
     frequency_error_hz : (float, float)
         Least and largest error of the peak's frequency, Hz.
     height_error : (float, float)
@@ -112,11 +112,11 @@ class FRFComparison(HasVerdict, Serialisable):
     ----------
     comparison : Comparison
     mass : float
-        What moves, kg.
+        Moving mass, kg.
     mass_inferred : bool
         True if the mass was taken from the measured FRF, so that the frequency proves nothing.
     noted : tuple of Check
-        What the FRF and the mass of the seals say beside the comparison's own checks.
+        Checks of the FRF and of the mass of the seals, besides the comparison's own.
     at_rest : StaticEquilibrium
         Where the mass rests, and what secant and tangent make of it.
     interval : (array, array)
@@ -126,10 +126,9 @@ class FRFComparison(HasVerdict, Serialisable):
     seals : float
         How many carry the block.
     in_sample : bool
-        The fit was made from this very record: its agreement tests nothing.
+        The fit used this record: the agreement is no test.
     unmeasured : LeaveOneOut or None
-        For such a fit: how well hits that were left out in turn are predicted, if the relaxation
-        record is at hand.
+        For such a fit: leave-one-out prediction of the hits, if the relaxation record is available.
 
     Examples
     --------
@@ -193,7 +192,7 @@ class FRFComparison(HasVerdict, Serialisable):
         )
 
     def _circular(self) -> str:
-        """Return what a comparison with the hits that were fitted shows."""
+        """Return the comparison with the fitted hits."""
         error_percent = 100 * self.comparison.frequency_error
         first = (
             f"The peak frequency is off by {error_percent:+.2g} %. The fit was made from these "
@@ -233,7 +232,7 @@ def compare_files(
     records : sequence of path
         The relaxation tests behind the fit: they bound the unresolved arms.
     options_with : ReadOptions, optional
-        What the user said of those.
+        Reading options of those files.
     """
     impact, frf = read_measured(
         measured, choices=hammer, options=options, mass=block.mass, band=band

@@ -70,8 +70,8 @@ def apply_part_factor(
 ) -> Fit:
     """Return the fit of one of `seals` such parts; the fit itself if no part is given.
 
-    `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
-    the user was measured.
+    `peak(solid, factor, mass)` returns the resonance at the level at which the user's resonance was
+    measured.
 
     Raises
     ------
@@ -212,7 +212,7 @@ class ShakenMass(Serialisable):
     ----------
     response : RandomResponse
     of : str
-        The file that says how it shakes, or white noise.
+        File of the base's power spectral density, or white noise.
     band : (float, float) or None
         Band of that file, Hz.
     limits : RandomLimits or None
@@ -246,22 +246,22 @@ class Prediction(HasVerdict, Serialisable):
     frf : FRF
     modes : tuple of Mode
     peak : (float, float)
-        Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
+        Frequency, Hz, and height of the largest magnitude, interpolated between lines.
     at_edge : bool
-        That magnitude stands at an end of the band: it is no peak.
+        The largest magnitude lies at an end of the band, so it is no peak.
     limited : ResponseLimits
     checks : tuple of Check
-        Where the mass rests, whether the peak is informed, those of the fit, and what the mass
-        of the seals does.
+        Checks of the static equilibrium, of the peak against the valid band, of the fit, and of the
+        mass of the seals.
     verdict : Verdict
         What to make of it.
     at_rest : StaticEquilibrium
         Where the mass rests, and what secant and tangent make of it.
     alternative : RivalModes or None
     of_part : bool
-        Whether it is of a part of a material, not of the fit itself.
+        Whether the model is a part made of the fitted material.
     random : ShakenMass or None
-        Over a base that shakes at random.
+        Response to random motion of the base.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
 
@@ -337,7 +337,7 @@ class Prediction(HasVerdict, Serialisable):
     def height_between(self) -> tuple[float, float] | None:
         """Limits of the magnitude at the peak by the errors of a fit to vibration; None of others.
 
-        The errors hold what the rig of the hammer may have added unseen.
+        The errors include unmeasured effects of the hammer rig.
         """
         frequency, limits = self.interval
         if self.fit.method not in {"frf", "joint"} or self.at_edge or len(frequency) < 2:
@@ -358,11 +358,11 @@ class Prediction(HasVerdict, Serialisable):
 
     @property
     def table_frf(self) -> FRF:
-        """The FRF that a table holds."""
+        """Return the FRF of a table."""
         return self.frf
 
     def csv(self) -> str:
-        """Return the FRF as a table, which says so if the test behind its fit was simulated."""
+        """Return the FRF as a table, marked if the test of its fit was simulated."""
         return write_frf(
             self.table_frf,
             comments=["SIMULATED: the test behind this prediction was simulated"]
@@ -377,7 +377,7 @@ class PredictedLevels(Protocol):
     def checks(self) -> tuple[Check, ...]:
         """Checks of the levels."""
 
-    def complete(self, prediction: Prediction) -> Prediction:
+    def add_to_prediction(self, prediction: Prediction) -> Prediction:
         """Return the prediction with its levels."""
 
 
@@ -387,7 +387,7 @@ class LevelPredictor(Protocol):
     def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
         """Return the resonance of a mass at the level of the user's; None by a vanishing one."""
 
-    def respond(
+    def predict_resonances(
         self,
         rig: MountedMass,
         part: PartChoices | None,
@@ -419,7 +419,7 @@ def predict_files(
     records : sequence of path
         The relaxation tests behind it: they bound the unresolved arms.
     machine : Machine, optional
-        What is known of the machine of those tests.
+        Known properties of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
     block, part, at_level, choices
@@ -428,7 +428,7 @@ def predict_files(
     Raises
     ------
     DataError
-        If a machine is described and no test was made on it, or a record is not what was fitted.
+        If a machine is described without a test on it, or a record is not one of the fitted ones.
     """
     require_test_for_machine(machine, tests=len(records), add="the record (--record)")
     sweep = None
@@ -472,8 +472,7 @@ def prediction(
     band : (float, float), optional
         Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
     kind : str, optional
-        What the FRF of a force relates, as in
-        :func:`~dashpot.vibration.mass_on_seals.predict_frf`.
+        Kind of the FRF of a force, as in :func:`~dashpot.vibration.mass_on_seals.predict_frf`.
     base, relative : bool
         The base moves, and the motion of the mass is taken relative to it.
     temperature : float, optional
@@ -483,14 +482,14 @@ def prediction(
     at_level : LevelChoices, optional
         How far the part is moved.
     swept : object, optional
-        What a sweep says that this does to it, of the extension that predicts at levels.
+        Amplitude dependence from a sweep, an object of the extension that predicts at levels.
     base_psd : str, optional
         A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
 
     Raises
     ------
     DataError
-        If the choices exclude each other, or a record is not what was fitted.
+        If the options exclude each other, or a record is not one of the fitted ones.
     """
     mass, seals = block.weighed_mass, block.seals
     SIZES["mass"].refuse(mass)
@@ -525,7 +524,7 @@ def prediction(
     around_hz = mounted_mass.modes[0].frequency if mounted_mass.modes else peak[0]
     levels = None
     if predictor is not None:
-        levels = predictor.respond(
+        levels = predictor.predict_resonances(
             mounted_mass, part, scale=seals * stiffer, linear_frequency=around_hz,
             frequency=frf.frequency[frf.frequency > 0],
         )  # fmt: skip
@@ -553,12 +552,12 @@ def prediction(
         checks,
         verdict(checks, headline=_format_headline(frf, peak, fit, at_edge=at_edge)),
         rest_state,
-        mounted_mass.rival,
+        mounted_mass.alternative_modes,
         of_part,
-        mounted_mass.shaken(base_psd, bounded),
+        mounted_mass.predict_base_response(base_psd, bounded),
         mounted_mass.isolation,
     )
-    return linear_prediction if levels is None else levels.complete(linear_prediction)
+    return linear_prediction if levels is None else levels.add_to_prediction(linear_prediction)
 
 
 def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredictor | None:
@@ -570,7 +569,7 @@ def _level_predictor(choices: LevelChoices | None, swept: object) -> LevelPredic
 
 
 def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
-    """Return what the FRF of a mass relates: to a force on it, or to the motion of its base."""
+    """Return the kind of FRF of a mass: per force on it, or per motion of its base."""
     if base and kind is not None:
         raise DataError("--frf-type is of a force on the mass, --base of none: leave one out")
     if relative and not base:
@@ -608,36 +607,40 @@ class MountedMass:
     """Mass on fitted seals: the fit of one, and their static equilibrium."""
 
     fit: Fit
-    rests: StaticEquilibrium
-    load: MassOnSeals
+    equilibrium: StaticEquilibrium
+    mass_on_seals: MassOnSeals
     kind: Kind
 
     @property
     def solid(self) -> Solid:
         """All the seals, as small vibration feels them."""
-        return self.load.seals * self.rests.point.solid(self.fit)
+        return self.mass_on_seals.seals * self.equilibrium.point.solid(self.fit)
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
         """Modes of the mass on the seals."""
-        return model_modes(self.solid, self.load.mass)
+        return model_modes(self.solid, self.mass_on_seals.mass)
 
     @property
     def isolation(self) -> float | None:
         """Above it the mass moves less than its base, Hz."""
         if self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        return isolation_frequency(self.solid, self.load.mass - self.load.coupled)
+        return isolation_frequency(self.solid, self.mass_on_seals.mass - self.mass_on_seals.coupled)
 
     def frf(self, frequency: FloatArray) -> FRF:
         """Return the FRF at some frequencies, Hz."""
-        frf = predict_frf(self.solid, mass=self.load.mass, frequency=frequency, kind=self.kind)
-        if self.load.coupled > 0:
-            frf = add_mount_mass(frf, mass=self.load.mass, coupled=self.load.coupled)
+        frf = predict_frf(
+            self.solid, mass=self.mass_on_seals.mass, frequency=frequency, kind=self.kind
+        )
+        if self.mass_on_seals.coupled > 0:
+            frf = add_mount_mass(
+                frf, mass=self.mass_on_seals.mass, coupled=self.mass_on_seals.coupled
+            )
         return frf
 
     def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
-        """Return frequency and height of the largest magnitude, and whether it stands at an end."""
+        """Return frequency and height of the largest magnitude, and whether it is at an end."""
         peak_line, last_line = int(np.abs(frf.value).argmax()), len(frf.value) - 1
         low, high = (
             frf.frequency[max(peak_line - 1, 0)],
@@ -649,38 +652,47 @@ class MountedMass:
         return peak, peak_line in {0, last_line} and peak[0] in {low, high}
 
     @property
-    def rival(self) -> RivalModes | None:
+    def alternative_modes(self) -> RivalModes | None:
         """Resonance by the other family of solids that explains the test."""
         alternative = self.fit.evidence.alternative
         if alternative is None or not alternative.is_sufficient:
             return None
         return RivalModes(
-            alternative.family, find_alternative_modes(self.fit, self.rests.point, self.load)
+            alternative.family,
+            find_alternative_modes(self.fit, self.equilibrium.point, self.mass_on_seals),
         )
 
-    def compute_limits(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> ResponseLimits:
+    def compute_limits(
+        self, frf: FRF, compute_bounds: Callable[..., FRFBounds] | None
+    ) -> ResponseLimits:
         """Return the limits of the response, over fewer lines."""
         kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
         lines, bounds = frf.frequency[frf.frequency > 0], None
         limit_frequencies = np.linspace(lines[0], lines[-1], LIMIT_LINES)
-        if bounded is not None:
+        if compute_bounds is not None:
             limit_frequencies = np.linspace(
                 max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES
             )
-            bounds = bounded(frequency=limit_frequencies, kind=kind)
+            bounds = compute_bounds(frequency=limit_frequencies, kind=kind)
             limit_frequencies = bounds.frequency
         formal = formal_limits(
-            self.fit, self.rests.point, self.load, frequency=limit_frequencies, kind=kind
+            self.fit,
+            self.equilibrium.point,
+            self.mass_on_seals,
+            frequency=limit_frequencies,
+            kind=kind,
         )
         return ResponseLimits(kind, limit_frequencies, formal, bounds)
 
-    def shaken(
-        self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+    def predict_base_response(
+        self, base_psd: str | None, compute_bounds: Callable[..., FRFBounds] | None
     ) -> ShakenMass | None:
-        """Return what a base that shakes at random does, and between which limits."""
+        """Return the response to a random base, with its limits."""
         if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
             return None
-        shaken_mass: ShakenMass = require_handler("random base", "mass")(self, base_psd, bounded)
+        shaken_mass: ShakenMass = require_handler("random base", "mass")(
+            self, base_psd, compute_bounds
+        )
         return shaken_mass
 
 
@@ -697,8 +709,8 @@ def _compute_bounds(
         frf_limits,
         fit,
         fill_missing_temperatures(tests, fit),
-        load.rests.point,
-        load.load,
+        load.equilibrium.point,
+        load.mass_on_seals,
         temperature=temperature,
     )
 
@@ -710,11 +722,11 @@ def _put_cause_first(
     band_checks = [prediction_in_valid_band(response, load.fit.band)]
     if load.kind.over_base:
         band_checks.append(base_band_in_valid_band(band, response, load.fit.band))
-    return (*rest_checks(load.rests.point, mass), *band_checks)
+    return (*rest_checks(load.equilibrium.point, mass), *band_checks)
 
 
 def _check_temperature_tested(fit: Fit, temperature: float | None) -> tuple[Check, ...]:
-    """Return whether a temperature that is asked for was tested."""
+    """Return whether the requested temperature was tested."""
     if temperature is None or fit.temperatures is None:
         return ()
     return (temperature_tested(fit.temperatures, temperature),)

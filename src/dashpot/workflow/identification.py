@@ -98,11 +98,11 @@ class Identified(HasVerdict, Serialisable):
     fit : Fit
     direct : DirectStiffness
     noted : tuple of Check
-        What the FRF and the mass of the seals say beside the fit's own.
+        Checks of the FRF and of the mass of the seals, besides the fit's own.
     at_rest : StaticEquilibrium
         Where the mass rests on it.
     vibration : ImpactResult or None
-        The modes of what was measured, where nothing else was fitted.
+        The measured modes, if no model was fitted.
     """
 
     _keys = (
@@ -171,7 +171,7 @@ def identify_files(
         Temperature of the seals under the hammer, K, where tests at several temperatures are fitted
         too.
     options_with : ReadOptions, optional
-        What the user said of the files of the tests.
+        Reading options of the test files.
     block, hammer, band, choices
         As of :func:`identify_solid`.
     """
@@ -242,11 +242,11 @@ def identify_solid(
         Temperature of the seals under the hammer, K, where tests at several temperatures are fitted
         too.
     specimen : Specimen, optional
-        What is known of the seals; it wins over what the tests say.
+        Stated specimen of the seals; it has priority over the one in the files.
     hammer : HammerChoices, optional
         How hits were averaged.
     seals_assumed : bool
-        Nobody counted the seals: their number is what is usual, and this is said.
+        The number of seals was not stated: the usual one is assumed, with a note.
     choices
         As in :func:`~dashpot.fitting.identification.identify.identify`.
     """

@@ -104,8 +104,8 @@ def inspect_files(
 ) -> Inspections:
     """Inspect files, and prepare those that are relaxation tests and leave no question open.
 
-    `read` and `prepare_test` stand in for the reader and for preparation where they remember. What
-    the inspection and the reader both need of a file is read once.
+    `read` and `prepare_test` replace reader and preparation by cached versions. Data needed by both
+    the inspection and the reader are read once.
     """
     options = options or ReadOptions()
     reader_and_preparer = read or _read, prepare_test or _prepare_record
@@ -170,7 +170,7 @@ def _read_by_kind(path: str | Path, file: OpenedFile, kind: str) -> object:
 
 
 def _add_cautions(inspection: Inspection, record: object) -> Inspection:
-    """Return the inspection, with what the reader of its kind noticed that can change a number."""
+    """Return the inspection, with the cautions of the reader of its kind."""
     source = getattr(record, "source", None)
     sources = source if isinstance(source, tuple) else () if source is None else (source,)
     notes = dict.fromkeys(note for source in sources for note in source.cautions)

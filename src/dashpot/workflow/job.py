@@ -102,7 +102,7 @@ class HammerChoices:
 
 @dataclass(frozen=True)
 class TimeLimits:
-    """Manual cuts of a relaxation test, s on its own clock; found in the record where None.
+    """Manual time limits of a relaxation test, s on its own clock; None: detected in the record.
 
     The fields are arguments of :func:`~dashpot.preprocessing.prepare.prepare`.
     """
@@ -213,7 +213,7 @@ class Job(Serialisable):
     machine : Machine
         What is known of the machine of the relaxation test.
     reading, reading_impact : ReadOptions
-        What the user said of the relaxation file and of the impact files.
+        Reading options of the relaxation file and of the impact files.
     hammer : HammerChoices
     title : str
         Title of the report; by default the specimen, or the file.
@@ -373,7 +373,7 @@ class PartChoices:
 
 
 def replace_paths(job: J, replace_path: Callable[[str], str]) -> J:
-    """Return a job with every path replaced: those of nested options, then its own."""
+    """Return a job with every path replaced, in nested options first."""
     values: dict[str, Any] = {}
     for job_field in sorted(fields(job), key=lambda field: "part" not in field.metadata):
         value = getattr(job, job_field.name)

@@ -63,7 +63,7 @@ def require_unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def list_children(value: Any, path: str) -> dict[str, Any]:
-    """Return the members of a JSON object or array by their path; none of other values."""
+    """Return the members of a JSON object or array by their path; empty for other values."""
     if isinstance(value, dict):
         return {f"{path}.{key}": child for key, child in value.items()}
     if isinstance(value, list):
@@ -209,7 +209,7 @@ def _format_reason(error: Exception, entries: dict[str, Any]) -> str:
 
 
 def _parse_document(text: str | bytes) -> tuple[type[Serialisable], dict[str, Any]]:
-    """Return what a JSON document is of, and its values."""
+    """Return the class of a JSON document, and its values."""
     import json
 
     try:
@@ -370,7 +370,7 @@ def _fit(entries: dict[str, Any]) -> dict[str, Any]:
 
 
 def _diagonal_covariance(entries: dict[str, Any]) -> dict[str, Any]:
-    """Return the covariance that bare standard errors stand for: uncorrelated, normal."""
+    """Return a diagonal covariance from standard errors."""
     errors = entries.get("standard_error")
     if not errors:
         return {"parameters": [], "covariance": [], "dof": 0.0}
@@ -476,7 +476,7 @@ def format_unexpected_kind(path: str | Path, result: object) -> str:
 
 
 def _describe_kind(schema: str) -> str:
-    """Return what a document of a schema is, and the command that takes it."""
+    """Return the kind of document of a schema, and the command that reads it."""
     from dashpot.reading.columns.file_kinds import get_kind_command, get_kind_label
 
     kind = schema.partition("/")[2].partition("@")[0]

@@ -94,7 +94,7 @@ def measured_frf(
     Raises
     ------
     ReadError
-        If it is of a base that moves, and no mass, kg, is given.
+        If it is a base excitation, and no mass, kg, is given.
     """
     if isinstance(record, ShakenTest):
         if mass is None:
@@ -134,7 +134,7 @@ def with_polarity(frfs: Sequence[FRF], polarity: Sequence[int] | None) -> tuple[
 
 
 def as_measured(frf: FRF, motion: str) -> FRF:
-    """Return the same, relative where the user says so of the motion of a mass over a base."""
+    """Return the FRF, as a relative transmissibility if the user states so."""
     if motion == "absolute":
         return frf
     if not frf.quantity.over_base:

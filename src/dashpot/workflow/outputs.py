@@ -33,7 +33,7 @@ class Outputs:
     replace: bool = False
     makes_records: bool = False
 
-    def claim(self, paths: Iterable[str | Path]) -> None:
+    def check_writable(self, paths: Iterable[str | Path]) -> None:
         """Refuse, before any work is done, what could not be written at its end.
 
         Raises
@@ -57,7 +57,7 @@ class Outputs:
 
     def write(self, path: str | Path, content: str | bytes) -> None:
         """Write a file atomically; create its folder if necessary."""
-        self.claim([path])
+        self.check_writable([path])
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         write_atomic(path, content.encode() if isinstance(content, str) else content)
 

@@ -32,7 +32,7 @@ _UNITS: dict[Quantity, tuple[str, str]] = {
     "end of hold": ("N/m", ""), "dynamic stiffness": ("N/m", ""),
     "loss factor": ("", ""),
 }  # fmt: skip
-"""SI unit, and the display unit where it is not the usual one."""
+"""SI unit, and the display unit if unusual."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class RecommendedValue:
     ----------
     quantity : str
     value, low, high : float
-        SI; nan where no interval is known, infinite where nothing limits the value.
+        SI; nan without an interval, infinite without a limit.
     at : float or None
         Its frequency, Hz, or time, s.
     is_limit : bool
@@ -93,7 +93,7 @@ class Recommendation:
         Model of one seal.
     point : OperatingPoint or None
         Static equilibrium of the mass on it; None without a mass.
-    under_mass, one_seal : tuple of RecommendedValue
+    mass_values, seal_values : tuple of RecommendedValue
         Values of the mass on its seals, none without a mass; and of one seal.
     """
 
@@ -101,13 +101,13 @@ class Recommendation:
     joint: bool
     solid: Fit
     point: OperatingPoint | None
-    under_mass: tuple[RecommendedValue, ...]
-    one_seal: tuple[RecommendedValue, ...]
+    mass_values: tuple[RecommendedValue, ...]
+    seal_values: tuple[RecommendedValue, ...]
 
     @property
     def values(self) -> tuple[RecommendedValue, ...]:
         """All values."""
-        return (*self.under_mass, *self.one_seal)
+        return (*self.mass_values, *self.seal_values)
 
 
 def recommend_solid(study: Study, *, allow_rejected: bool = False) -> Recommendation:

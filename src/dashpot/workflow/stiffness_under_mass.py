@@ -78,7 +78,7 @@ class StaticEquilibrium:
     secant : StiffnessAt
         The fit's own, at the depth of the relaxation test.
     tangent : StiffnessAt
-        At the compression of the mass: what a prediction takes.
+        Tangent stiffness at the compression of the mass, used in predictions.
     """
 
     point: OperatingPoint
@@ -238,7 +238,9 @@ def _scale_bounds(bounds: FRFBounds, frequency: float, height: float) -> FRFBoun
     )
 
 
-def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: FloatArray) -> FRFBounds:
+def _merge_bounds(
+    bounds: Sequence[FRFBounds], values: FloatArray, parameter_limits: FloatArray
+) -> FRFBounds:
     """Return what holds every one of some limits, and the solid's own magnitude."""
     low = np.min([values, *(bound.unmeasured[0] for bound in bounds)], axis=0)
     high = np.max([values, *(bound.unmeasured[1] for bound in bounds)], axis=0)
@@ -252,7 +254,7 @@ def _merge_bounds(bounds: Sequence[FRFBounds], values: FloatArray, formal: Float
     return replace(
         bounds[0],
         magnitude=values,
-        parameter=formal,
+        parameter=parameter_limits,
         unmeasured=np.array([low, high]),
         peak_frequency=ends([bound.peak_frequency for bound in bounds]),
         peak_height=ends([bound.peak_height for bound in bounds]),

@@ -123,7 +123,7 @@ class Study(Plottable, Serialisable):
     seals : float
         How many such seals (or how many times the tested length) carry the mass.
     mass : float or None
-        kg; None if neither given nor inferred.
+        kg; None if unknown.
     mass_inferred : bool
         True if the mass was taken from the measured FRF, so that the frequency proves nothing.
     prediction : FRF or None
@@ -262,7 +262,7 @@ class Study(Plottable, Serialisable):
 
 @dataclass(frozen=True, eq=False)
 class FittedTests:
-    """Relaxation tests of a study, and what no mass on the seals changes.
+    """Relaxation tests of a study, and the results that do not depend on the mass.
 
     Attributes
     ----------
@@ -359,7 +359,7 @@ def characterise(
     impact_temperature : float, optional
         Temperature of the seals under the hammer, K; by default that of the solid of the tests.
     fit_once : callable
-        What stands in for :func:`fit_tests` where it remembers.
+        Cached replacement of :func:`fit_tests`.
 
     Raises
     ------
@@ -444,7 +444,7 @@ def _select_earlier_fit(
 ) -> tuple[Fit, int | Literal["auto"]]:
     """Return the fit of the tests that the hammer joins, and how many arms both are to have.
 
-    A number of arms that was asked for is that of the joint fit, as in ``dashpot fit``, unless the
+    A number of arms that was requested is that of the joint fit, as in ``dashpot fit``, unless the
     tests by themselves have more: then the data choose.
     """
     if arms == "auto":
@@ -521,8 +521,8 @@ def run(
 ) -> Study:
     """Read the files of a job and characterise the seal.
 
-    `read`, `measure` and `fit_once` stand in for the reader of the relaxation tests, for that of
-    the hammer's files and for the fit of the tests where they remember.
+    `read`, `measure` and `fit_once` replace the reader of the relaxation tests, the reader of the
+    hammer files and the fit by cached versions.
     """
     files = job.relaxation, *job.other_tests
     send_progress(f"reading {_format_file_names(files)}")

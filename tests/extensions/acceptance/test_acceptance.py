@@ -142,7 +142,7 @@ def test_force_is_that_of_the_record(fit: dp.Fit) -> None:
 
 
 def test_a_report_judges_what_its_first_screen_shows(study: dp.Study) -> None:
-    shown = {answer.quantity: answer for answer in recommend_solid(study).under_mass}
+    shown = {answer.quantity: answer for answer in recommend_solid(study).mass_values}
     for name, quantity in (("frequency", "frequency"), ("damping", "damping"), ("peak", "peak")):
         fact = find_value(study, name).fact
         answer = shown[quantity]

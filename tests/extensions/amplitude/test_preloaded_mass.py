@@ -72,7 +72,7 @@ def test_what_fewer_harmonics_find_is_that_far_off(level, hz, linear, item):
     assert 1e9 * level * small.amplitudes[1] == pytest.approx(linear, abs=6e-7)
     if item is not None:
         pressed_balance = _PressedBalance(ON_SEALS, hz, level, 1)
-        harmonics = pressed_balance.harmonics(pressed_balance.solve_by_continuation().unknown)
+        harmonics = pressed_balance.harmonics(pressed_balance.solve_by_continuation().unknowns)
         assert 1e3 * abs(harmonics[1]) == pytest.approx(item, abs=6e-7)
 
 

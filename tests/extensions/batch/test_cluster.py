@@ -80,7 +80,7 @@ def run_worker(entries, **changes):
     """What a worker of a cluster answers."""
     how = {"choices": json.dumps(to_plain_value(CHOICES)), "folder": ".", "version": __version__}
     return make_rows(
-        json.dumps([task.packed for task in make_tasks(entries, CHOICES)]), **(how | changes)
+        json.dumps([task.serialised for task in make_tasks(entries, CHOICES)]), **(how | changes)
     )
 
 

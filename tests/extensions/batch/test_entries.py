@@ -258,7 +258,7 @@ def test_find_entries_reports_an_unreadable_folder(working_folder, monkeypatch):
     ],
 )
 def test_a_task_gives_back_what_it_was_made_of(entry):
-    (task,) = make_tasks([entry], BatchOptions(), hashed=lambda file: f"{len(file):064x}")
+    (task,) = make_tasks([entry], BatchOptions(), compute_hash=lambda file: f"{len(file):064x}")
     assert task.entry == entry
     assert task.hashes == tuple(f"{len(file):064x}" for file in (entry.file, *entry.hammer))
     assert len(task.key) == 64

@@ -85,8 +85,8 @@ def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it()
 def test_the_noise_of_a_curve_is_what_the_nearest_spectrum_leaves() -> None:
     values = curve(ZENER, noise=1e-2).modulus
     block = build_hold_block(T, values, weights=1 / ZENER.relaxation(T), compress=False)
-    data = weight_curve(block, T, window=(1e-3, 1e3), common=0.0)
-    rows = data.rows(np.log([1.0]), slopes=False)
+    data = weight_curve(block, T, window=(1e-3, 1e3), common_error=0.0)
+    rows = data.rows(np.log([1.0]), with_slopes=False)
     residual = rows.target - np.column_stack((rows.spring, rows.arms)) @ [1e6, 1e6]
     assert np.sqrt(np.mean(residual**2)) == pytest.approx(1.0, rel=0.15)
     assert 40 < data.dof < 80

@@ -24,7 +24,7 @@ def test_read_calibration_gives_one_matrix_for_both_versions(
     matrix = cal(tmp_path / "a.cal", version=version, torque=torque, distance=distance)
     found = read_calibration(tmp_path / "a.cal")
     np.testing.assert_allclose(found.matrix, matrix, rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(found.limit, [50, 50, 70, 0.5, 0.5, 0.5])
+    np.testing.assert_allclose(found.axis_range, [50, 50, 70, 0.5, 0.5, 0.5])
     assert (found.serial, found.part) == ("FT00001", "SI-50-0.5")
 
 
@@ -56,9 +56,9 @@ def test_overload_is_noted(tmp_path: Path) -> None:
     matrix = cal(tmp_path / "a.cal", version="1.1")
     found = read_calibration(tmp_path / "a.cal")
     volts = np.linalg.solve(matrix, np.array([[0], [0], [66.0], [0], [0], [0]]))
-    load = found.load(volts)
+    load = found.compute_load(volts)
     assert load[2, 0] == pytest.approx(66.0)
-    assert found.overload(load) == [
+    assert found.note_overloads(load) == [
         "Fz reaches 94 % of its range 70 N: a transducer may saturate before its limit"
     ]
 
@@ -67,15 +67,15 @@ def test_little_of_the_range_is_noted(tmp_path: Path) -> None:
     cal(tmp_path / "a.cal", version="1.1")
     found = read_calibration(tmp_path / "a.cal")
     # the paper's seal: 2.117728 N are 3 % of the range
-    assert found.small(np.full((6, 3), 2.117728), "Fz") == [
+    assert found.note_small_loads(np.full((6, 3), 2.117728), "Fz") == [
         (
             "Fz reaches 3 % of its range 70 N: what its maker states as a part of the range is 33 "
             "times that part of this load"
         )
     ]
-    assert found.small(np.full((6, 3), 3.49), "Fz")
-    assert not found.small(np.full((6, 3), 3.51), "Fz")
-    assert not found.small(np.zeros((6, 3)), "Fz")
+    assert found.note_small_loads(np.full((6, 3), 3.49), "Fz")
+    assert not found.note_small_loads(np.full((6, 3), 3.51), "Fz")
+    assert not found.note_small_loads(np.zeros((6, 3)), "Fz")
 
 
 def test_bad_calibrations(tmp_path: Path) -> None:

@@ -39,11 +39,13 @@ def test_voltages_go_back_to_the_load_through_the_file(tmp_path):
     (tmp_path / "a.cal").write_text(twin.calibration())
     calibration = read_calibration(tmp_path / "a.cal")
     np.testing.assert_allclose(calibration.matrix, twin.matrix, rtol=1e-12)
-    np.testing.assert_allclose(calibration.limit, twin.limit)
+    np.testing.assert_allclose(calibration.axis_range, twin.limit)
     load = np.random.default_rng(0).normal(size=(6, 5))
     unloaded = twin.volts(np.zeros((6, 1)))[:, 0]
     assert np.abs(unloaded).max() > 0.1  # the bias, and the plate's weight
-    np.testing.assert_allclose(calibration.load(twin.volts(load), unloaded), load, atol=1e-12)
+    np.testing.assert_allclose(
+        calibration.compute_load(twin.volts(load), unloaded), load, atol=1e-12
+    )
 
 
 def test_what_passes_the_range_is_flagged():

@@ -87,10 +87,10 @@ def test_map_passes_through_its_levels_and_follows_a_cubic_law_between():
         at = preload_map.evaluate(np.array([10.0]), compression=1e-3 * c)
         assert at.value[0] == pytest.approx(truth, rel=2e-3)
     weights = compute_level_weights(np.array([1.0, 2.0, 4.0, 5.0]), 4.0)
-    np.testing.assert_allclose(weights.curve, [0, 0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose(weights.parabolic, [0, 0, 1, 0], atol=1e-12)
     # four levels of a parabola: between them the interpolation is exact
     nodes = np.array([1.0, 2.0, 4.0, 5.0])
-    assert compute_level_weights(nodes, 3.1).curve @ nodes**2 == pytest.approx(3.1**2)
+    assert compute_level_weights(nodes, 3.1).parabolic @ nodes**2 == pytest.approx(3.1**2)
 
 
 def test_chances_of_separable_parts_are_below_5_percent_in_one_of_20():

@@ -266,7 +266,7 @@ def _line(
         "connectors along a seal line for Abaqus",
         cards,
         remarks=[
-            *row.remarks,
+            *row.comments,
             row.format_node_numbering(first_id),
             "components 1 to 3 act normal to the line, across it and along it; tie the nodes of",
             "each side to its structure (*COUPLING, *TIE, *RIGID BODY)",
@@ -282,7 +282,7 @@ def pairs_of_nodes(row: SpringRow, first_id: int) -> list[str]:
     sides: list[list[str]] = [[], []]
     for i, station in enumerate(row.stations):
         for side, node in zip(sides, row.nodes(i, first_id), strict=True):
-            side.append(f"{node}, {', '.join(map(text, station.place))}")
+            side.append(f"{node}, {', '.join(map(text, station.position))}")
     cards = ["*NODE, NSET=SEAL_GROUND", *sides[0], "*NODE, NSET=SEAL_MOVING", *sides[1]]
     for rank, (normal, across, _) in enumerate(_frames_of(row), start=1):
         axes = ", ".join(text(value) for value in (*normal, *across))

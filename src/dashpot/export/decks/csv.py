@@ -25,8 +25,8 @@ def csv(
     """Comma-separated text: dynamic stiffness against frequency, or the arms.
 
     ``"frequency"`` has one row per frequency: storage and loss stiffness, loss factor, viscous
-    equivalent, and 1 where the row is extrapolated; ``"arms"`` one row per element. Comments
-    stand behind ``#``; no word of theirs that a comma parts off can be taken for a formula.
+    equivalent, and 1 where the row is extrapolated; ``"arms"`` one row per element. Comments start
+    with ``#``; no part of them between commas can be taken for a formula.
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """

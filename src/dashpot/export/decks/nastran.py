@@ -64,8 +64,8 @@ def nastran(
         geometric middle of a given range, else 10 Hz or the end of the valid band below it.
     line : Stations, optional
         Puts one CBUSH at each station of a seal line, each with its share of the stiffness, at its
-        compression and its normal: needs the contact length that the model stands for. Without it
-        there is one CBUSH at the origin.
+        compression and its normal: needs the contact length of the model. Without it there is one
+        CBUSH at the origin.
     shear : Shear, optional
         Stiffness of the seal of that line across it and along it: components 2 and 3.
     first_id : int
@@ -129,7 +129,7 @@ def _format_tables(
         _name_continuations([*_format_bushings(row, first_id), *properties]),
         verified=_VERIFIED,
         remarks=[
-            *row.remarks,
+            *row.comments,
             f"nominal K and damping: those at {nominal_frequency:.6g} Hz; {direction_remark}",
         ],
         table=max(tables, key=lambda table: table.error),
@@ -206,7 +206,7 @@ def _format_bushings(row: SpringRow, first_id: int) -> list[str]:
     for i, station in enumerate(row.stations):
         grid_a, grid_b = row.nodes(i, first_id)
         for grid in (grid_a, grid_b):
-            cards += _format_large_card("GRID*", [grid, "", *station.place])
+            cards += _format_large_card("GRID*", [grid, "", *station.position])
         system = first_id + row.frames[station.frame] if station.frame in row.frames else 0
         property_id = first_id + 2 * row.direction_count * row.shares[station.shares]
         cards.append(
@@ -218,10 +218,10 @@ def _format_bushings(row: SpringRow, first_id: int) -> list[str]:
 
 
 def _format_coordinate_system(
-    system_id: int, normal: Sequence[float], along: Sequence[float]
+    system_id: int, normal: Sequence[float], z_axis: Sequence[float]
 ) -> list[str]:
     """Return a CORD2R card: z along the line, x along the normal."""
-    return _format_large_card("CORD2R*", [system_id, 0, 0.0, 0.0, 0.0, *along, *normal])
+    return _format_large_card("CORD2R*", [system_id, 0, 0.0, 0.0, 0.0, *z_axis, *normal])
 
 
 def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
@@ -232,7 +232,7 @@ def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         # the components of the grids are those of the line at this station
         system = [first_id + row.frames[station.frame]] if station.frame in row.frames else []
         for point in (grid_a, grid_b):
-            cards += _format_large_card("GRID*", [point, "", *station.place, *system])
+            cards += _format_large_card("GRID*", [point, "", *station.position, *system])
         next_grid = grid_b + 1
         for direction, solid in row.springs(station.shares):
             deck_solid, component = deck.with_solid(solid), direction + 1
@@ -269,7 +269,7 @@ def _format_arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         "network of springs and dashpots for Nastran and OptiStruct",
         _name_continuations(cards),
         verified=verified,
-        remarks=[*procedure_remarks, *row.remarks, direction_remark],
+        remarks=[*procedure_remarks, *row.comments, direction_remark],
     )
 
 

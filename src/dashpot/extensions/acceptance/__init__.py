@@ -1,1 +1,1 @@
-"""Acceptance limits: what was asked of a seal, held against what its tests found."""
+"""Acceptance limits: requirements on a seal, compared with the results of its tests."""

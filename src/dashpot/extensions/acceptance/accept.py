@@ -25,7 +25,7 @@ from dashpot.extensions.acceptance.result_values import ResultValue, find_value
 
 @dataclass(frozen=True)
 class AcceptanceLimits:
-    """Acceptance limits as they were stated, whose units follow from the result.
+    """Acceptance limits as stated; their units follow from the result.
 
     Attributes
     ----------
@@ -38,8 +38,8 @@ class AcceptanceLimits:
     def judge(self, result: Any) -> Acceptance:
         """Return each limit held against the 95 % interval of a result.
 
-        A limit is met where the whole interval keeps to it, missed where the whole interval lies
-        beyond it, else open. Of a result that is not to be used every limit is open.
+        A limit is met if the whole interval is within it, missed if the whole interval is beyond
+        it, otherwise open. Of a result that is not to be used every limit is open.
 
         Parameters
         ----------
@@ -81,7 +81,7 @@ def read_limits(*sources: str | Path) -> AcceptanceLimits:
     Raises
     ------
     DataError
-        If there is none, or an expression is none.
+        If there is no limit, or an expression is invalid.
 
     Examples
     --------
@@ -156,7 +156,7 @@ def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLi
 
 
 def _read_in_stated_unit(value: ResultValue, limit_text: str) -> ReportedValue:
-    """Return a value in the unit of its limit: a life in years where years are asked."""
+    """Return a value in the unit of its limit: a life in years if the limit is in years."""
     unit = limit_text.partition(" ")[2]
     return replace(value.fact, read=unit) if unit and value.dimension is not None else value.fact
 

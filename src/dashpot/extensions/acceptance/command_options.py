@@ -1,4 +1,4 @@
-"""Options for acceptance limits; what judges is imported where an option is typed."""
+"""Options for acceptance limits; the judging functions are imported only if an option is typed."""
 
 from __future__ import annotations
 
@@ -34,4 +34,4 @@ OPTIONS = group(
     opt("--limit", type=note_limits, metavar="LIMIT", multiple=True, expose_value=False,
         help="One limit, e.g. 'damping >= 3%'."),
 )  # fmt: skip
-"""Options that ask for limits."""
+"""Options for limits."""

@@ -45,11 +45,11 @@ class JudgedLimit(Serialisable):
         does, and with a chance of 90 % if this value is true. None where it is decided, and where
         no number of such tests does.
     remedy : str
-        What would narrow a bound; empty where that is not known.
+        Test that would narrow a bound; empty where that is not known.
     is_usable : bool
         Whether the model may be used at all.
     stated : tuple of (str, str)
-        Both limits with the unit in which they were stated; empty where there is none.
+        Both limits with the unit in which they were stated; empty if there is none.
     """
 
     _keys = (
@@ -122,11 +122,11 @@ class JudgedLimit(Serialisable):
 
         def is_on_its_side(text: str) -> bool:
             try:
-                rounded = float(text.replace(MINUS, "-").replace(",", ""))
+                rounded_value = float(text.replace(MINUS, "-").replace(",", ""))
             except ValueError:  # no number, such as "no limit"
                 return True
             return all(
-                (rounded > edge) == (display_value > edge)
+                (rounded_value > edge) == (display_value > edge)
                 for edge in edges
                 if edge != display_value
             )
@@ -138,7 +138,7 @@ class JudgedLimit(Serialisable):
 
     @property
     def explanation(self) -> str:
-        """Sentence on what would decide an open limit; empty where it is decided."""
+        """Sentence on the test that would decide an open limit; empty if it is decided."""
         if self.outcome != "open":
             return ""
         if not self.is_usable:
@@ -160,12 +160,12 @@ class JudgedLimit(Serialisable):
 
 @dataclass(frozen=True)
 class Acceptance(Printable, Serialisable):
-    """Limits held against one result: the seal's word, beside the verdict on the model.
+    """Limits compared with one result: the decision on the seal, not on the model.
 
     Attributes
     ----------
     result : Study, Fit or another result
-        What the limits were held against.
+        Result that was compared with the limits.
     use : str
         The verdict on the model.
     limits : tuple of JudgedLimit
@@ -186,7 +186,7 @@ class Acceptance(Printable, Serialisable):
 
     @property
     def word(self) -> SealWord:
-        """The seal's word: it misses if one limit is missed, meets if all are met, else open."""
+        """Decision on the seal: missed if one limit is missed, met if all are met, else open."""
         outcomes = self._outcomes
         if "missed" in outcomes:
             return "misses"
@@ -260,6 +260,6 @@ class JudgedResult(Serialisable):
     def to_dict(self) -> dict[str, Any]:
         """Return the document of the result, with the key ``"acceptance"``."""
         entries = self.result.to_dict()
-        digested = entries.pop(DIGEST, None) is not None
+        has_digest = entries.pop(DIGEST, None) is not None
         entries["acceptance"] = self.acceptance.to_dict()
-        return {**entries, DIGEST: compute_document_digest(entries)} if digested else entries
+        return {**entries, DIGEST: compute_document_digest(entries)} if has_digest else entries

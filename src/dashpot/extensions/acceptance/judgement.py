@@ -14,14 +14,14 @@ POWER = 1.281552
 
 
 def judge_interval(lower: float | None, upper: float | None, low: float, high: float) -> Outcome:
-    """Return whether an interval keeps to limits: met, missed, or open where it holds a limit.
+    """Return whether an interval keeps to limits: met, missed, or open if it contains a limit.
 
     A value without uncertainty is an interval without width.
 
     Parameters
     ----------
     lower, upper : float or None
-        The limits; None where there is none.
+        The limits; None if there is none.
     low, high : float
         Ends of the interval, in the unit of the limits; nan where none is known.
 
@@ -51,9 +51,9 @@ def count_further_tests(
 ) -> int | None:
     r"""Return how many more tests like this one would decide an open limit; None if no number does.
 
-    Of the half width h towards a limit at the distance d from the value, a share q is of noise
-    and shrinks by :math:`1/\sqrt n` in the mean of n tests. The rest, of the rig that makes them
-    all, does not. The limit is decided from
+    Of the half width h towards a limit at the distance d from the value, a share q is of noise and
+    shrinks by :math:`1/\sqrt n` in the mean of n tests. The part due to the rig, common to all
+    tests, does not. The limit is decided from
 
     .. math:: h^2 (1 - q^2) + \frac{h^2 q^2}{n} \le \left(\frac{d}{1 + z / 1.96}\right)^2
 

@@ -20,12 +20,12 @@ _WITH_UNIT = re.compile(rf"({_NUMBER}(?:[eE][-+]?\d+)?)(?:\s+|(?![\d.]))(\S.*)")
 _QUANTITIES: Mapping[str, str] = {"frequency": "frequency", "stiffness": "stiffness"}
 """Quantity of a dimension that a user may have meant."""
 _SHARES = ("damping_ratio", "loss_factor")
-"""Plain numbers that are said in per cent, and hardly exceed 1."""
+"""Dimensionless quantities that are stated in per cent."""
 _SPELLINGS = str.maketrans({"≤": "<=", "≥": ">="})
 
 
 class LimitedQuantity(Protocol):
-    """Quantity that limits are asked of."""
+    """Quantity with limits."""
 
     @property
     def column(self) -> str:
@@ -54,7 +54,7 @@ class LimitEntry(NamedTuple, Generic[Q]):
     quantity
     lower, upper : float or None
     cpk : float or None
-        The least capability that is asked of a lot.
+        Required capability of a lot.
     lower_text, upper_text : str
         The limits with the unit in which they were stated, such as ``"10 years"``; empty where
         they were stated without one.
@@ -110,7 +110,7 @@ def read_limits(path: str | Path, find_quantity: Callable[[str], Q]) -> tuple[Li
         try:
             entries.append(_parse_entry(find_quantity(name), section.entries))
         except (DashpotError, TypeError, ValueError) as error:
-            raise ReadError(f"{section.where}: {error}") from None
+            raise ReadError(f"{section.location}: {error}") from None
     column, times = Counter(entry.quantity.column for entry in entries).most_common(1)[0]
     if times > 1:
         raise ReadError(f"{path}: limits of {column} stand there twice, by two names; keep one")

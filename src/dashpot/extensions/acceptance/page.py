@@ -22,19 +22,19 @@ class IntervalBar(NamedTuple):
     ----------
     start, width : float
         Start and width of the interval.
-    at : float
-        Place of the value; nan where there is none.
+    value_position : float
+        Place of the value; nan if there is none.
     limits : tuple of float
     """
 
     start: float
     width: float
-    at: float
+    value_position: float
     limits: tuple[float, ...]
 
 
 class LimitRow(NamedTuple):
-    """Row of the table: what was asked and found, and the bar."""
+    """Row of the table: limit, value with its interval, and the bar."""
 
     limit: JudgedLimit
     value: str

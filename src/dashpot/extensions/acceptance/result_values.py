@@ -1,4 +1,4 @@
-"""Values of a result that limits may be asked of, each with its 95 % interval and its kind."""
+"""Values of a result that may have limits, each with its 95 % interval and its kind."""
 
 from __future__ import annotations
 
@@ -39,19 +39,19 @@ _RECOMMENDED_QUANTITIES = {
     "frequency": "frequency", "damping_ratio": "damping", "peak": "peak",
     "loss_factor": "loss factor", "storage": "dynamic stiffness",
 }  # fmt: skip
-"""Names of quantities, and what a recommendation calls them."""
+"""Names of quantities, and their names in a recommendation."""
 _WORDS = {
     "frequency": "peak frequency", "damping_ratio": "damping ratio", "peak": "peak height",
     "storage": "storage", "loss_factor": "loss factor",
 }  # fmt: skip
 _BOUND_RATIO = 1.1
-"""A bound wider than so many times the interval of the parameters is not random."""
+"""Ratio to the interval of the parameters above which a bound is not random."""
 _TIME_TOLERANCE = 0.01
-"""Relative distance within which a time is that of the end of the hold."""
+"""Relative difference below which a time counts as the end of the hold."""
 
 
 class ResultValue(NamedTuple):
-    """Value of a result, with what its interval is of.
+    """Value of a result, with the origin of its interval.
 
     Attributes
     ----------
@@ -60,10 +60,10 @@ class ResultValue(NamedTuple):
     fact : ReportedValue
         With its words, 95 % interval and units.
     spread : str
-        ``"random"`` of the noise of the test; ``"bound"`` of what no test of this kind
+        ``"random"`` for noise of the test; ``"bound"`` for limits of a quantity that no such test
         determines; ``"unknown"`` where that or the interval is not known.
     remedy : str
-        What would narrow a bound, in sentences; empty where it is not known.
+        Tests that would narrow a bound, in sentences; empty if unknown.
     noise_share : float
         For a random interval: the standard error of noise over that of noise and rig.
     """
@@ -87,7 +87,7 @@ class ResultValue(NamedTuple):
 
 
 class _Name(NamedTuple):
-    """Name of a quantity, and where it is asked: ``"loss_factor"``, ``"12.7Hz"``."""
+    """Name of a quantity, and its frequency or time: ``"loss_factor"``, ``"12.7Hz"``."""
 
     word: str
     place: str
@@ -139,9 +139,9 @@ def find_value(result: Any, name: str) -> ResultValue:
     """
     parsed = _parse_name(name)
     bound_value = find_handler("bound value", result)
-    bounded = None if bound_value is None else bound_value(result, parsed.column)
-    if bounded is not None:
-        return ResultValue(parsed.column, bounded[0], "bound", bounded[1])
+    bound_value_result = None if bound_value is None else bound_value(result, parsed.column)
+    if bound_value_result is not None:
+        return ResultValue(parsed.column, bound_value_result[0], "bound", bound_value_result[1])
     value = _find_by_name(result, parsed)
     if value is None:
         available_names = ", ".join(dict.fromkeys(list_names(result)))
@@ -157,7 +157,7 @@ def list_names(result: Any) -> list[str]:
     """Return the names of the values of a result."""
     if isinstance(result, Study):
         advice = recommend_solid(result)
-        answered = {value.quantity for value in advice.under_mass}
+        answered = {value.quantity for value in advice.mass_values}
         names = [name for name, word in _RECOMMENDED_QUANTITIES.items() if word in answered]
         return [*names, "force at TIME", *list_names(advice.solid)]
     if isinstance(result, Identified):
@@ -182,7 +182,7 @@ def _get_column(reported_value: ReportedValue) -> str:
 
 @singledispatch
 def _find_by_name(result: Any, name: _Name) -> ResultValue | None:
-    """Return a value of a result by its name; None if there is none of that name."""
+    """Return a value of a result by its name; None if no value has that name."""
     reported_values: Iterable[ReportedValue] = getattr(result, "facts", ())
     matches = [
         reported_value
@@ -230,7 +230,7 @@ def _(study: Study, name: _Name) -> ResultValue | None:
         return _find_force(study, advice.solid, name)
     answer = _RECOMMENDED_QUANTITIES.get(name.word)
     if answer is not None and not name.place:
-        answers = (*advice.under_mass, *advice.one_seal)
+        answers = (*advice.mass_values, *advice.seal_values)
         items = (item for item in answers if item.quantity == answer)
         return next((_make_answer_value(name, item, advice) for item in items), None)
     unmeasured = study.unmeasured
@@ -246,13 +246,13 @@ def _(study: Study, name: _Name) -> ResultValue | None:
 
 
 def _make_answer_value(name: _Name, value: RecommendedValue, advice: Recommendation) -> ResultValue:
-    """Return a value that a recommendation holds.
+    """Return a value of a recommendation.
 
-    As there, a frequency goes with the stiffness at the peak, damping and height with the loss
+    As there, a frequency depends on the stiffness at the peak, damping and height on the loss
     factor.
     """
     reported_value, position_text = value.fact, ""
-    hertz = next(item.at for item in advice.one_seal if item.quantity == "dynamic stiffness")
+    hertz = next(item.at for item in advice.seal_values if item.quantity == "dynamic stiffness")
     part = "storage" if name.word in {"frequency", "storage"} else "loss_factor"
     if name.word in {"loss_factor", "storage"} and value.at is not None:
         position_text = f" at {round_to_error(value.at)} Hz"
@@ -347,9 +347,9 @@ def _make_time_value(
 ) -> ResultValue:
     """Return a value at a time with the wider of two intervals, each relative to the value.
 
-    One is of the covariance, by one standard error along each of its axes. The other is what
-    every spectrum that the test does not reject leaves at the end of the hold; after the hold,
-    what it leaves of the rest.
+    The first come from the covariance, by one standard error along each of its axes. The others are
+    the limits over every spectrum that the test does not reject, at the end of the hold and after
+    it.
     """
     value, half_width = evaluate(fit.solid), NORMAL * _propagate_error(fit, evaluate)
     low, high, remedy = value - half_width, value + half_width, ""

@@ -123,7 +123,7 @@ def _open_device(
     seal: str,
     speed: float,
 ) -> dp.files.acquisition.Recorder:
-    """Return the device that was asked for."""
+    """Return the device that was requested."""
     if driver == "serial":
         if port is None:
             raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")

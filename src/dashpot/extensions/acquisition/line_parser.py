@@ -16,13 +16,13 @@ from dashpot.base.units import find_unit
 from dashpot.extensions.acquisition.recorder import COLUMNS, Block
 
 MAX_LENGTH = 4096
-"""Bytes of a line, at most."""
+"""Largest length of a line, bytes."""
 RESTART_LINES = 10
 """Lines in a row, earlier than the one before, after which the device has begun again."""
 _GAP_RATIO = 1.5
 """Steps of the usual size that a missing sample makes at least."""
 _MIN_STEPS, _MAX_STEPS = 3, 101
-"""Steps of which the usual one is the median: at least, and at most."""
+"""Smallest and largest number of steps for their median."""
 _SEPARATOR = re.compile(rb"[,;\s]")
 _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
@@ -51,18 +51,18 @@ def _split_time_column(columns: Sequence[str]) -> tuple[tuple[str, ...], int | N
 class Lines:
     """Parser from bytes to blocks of numbers, with a count of lost lines.
 
-    A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at
-    its end is the exclusive or of the bytes before it; a device that has sent one is held to it
-    in every line. The first line is left out: nobody knows how much of it was sent before the
-    listening began.
+    A line holds a number for each column, separated by commas, semicolons or blanks; ``*HH`` at its
+    end is the exclusive or of the bytes before it; a device that has sent one is held to it in
+    every line. The first line is omitted: its beginning may have been sent before the recording
+    started.
 
     Parameters
     ----------
     columns : sequence of str
         Names with units; that of the time, if there is one, begins with ``time``. Without it the
-        clock is that of this computer.
+        time is that of this computer.
     clock : callable
-        Tells the seconds of this computer.
+        Clock of this computer, s.
 
     Raises
     ------
@@ -95,13 +95,15 @@ class Lines:
         if lines and self._skips_first_line:
             self._skips_first_line, lines = False, lines[1:]
         rows = [row for line in lines if (row := self._row(line.strip())) is not None]
-        clocked = (
+        rows_with_time = (
             self._assign_arrival_times(rows)
             if self._time_column is None
             else self._extract_device_times(rows, self._time_column)
         )
-        times = np.array([clock for clock, _ in clocked])
-        values = np.array([row for _, row in clocked]).reshape(len(clocked), len(self.channels))
+        times = np.array([clock for clock, _ in rows_with_time])
+        values = np.array([row for _, row in rows_with_time]).reshape(
+            len(rows_with_time), len(self.channels)
+        )
         return times, values
 
     def notes(self) -> tuple[str, ...]:
@@ -128,9 +130,9 @@ class Lines:
         """Return the numbers of a line; None if it is empty or garbled."""
         if not line:
             return None
-        body, star, sent = line.partition(b"*")
+        body, star, checksum_text = line.partition(b"*")
         try:
-            if (star or self._is_checked) and int(sent, 16) != _compute_checksum(body):
+            if (star or self._is_checked) and int(checksum_text, 16) != _compute_checksum(body):
                 raise ValueError
             self._is_checked |= bool(star)
             row = [float(cell) for cell in _SEPARATOR.split(body) if cell]
@@ -181,7 +183,7 @@ class Lines:
         return kept_lines
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
-        """Return a sample that is kept; its step is put in the account."""
+        """Return a complete sample; its step is put in the account."""
         step, usual_step = sample[0] - self._last_time, self._get_usual_step()
         self._last_time, self._falls_in_a_row = sample[0], 0
         if math.isinf(step):

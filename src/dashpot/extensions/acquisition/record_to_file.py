@@ -18,7 +18,7 @@ from dashpot.base.version import __version__
 from dashpot.extensions.acquisition.recorder import Block, Description, Recorder
 
 SYNC_INTERVAL = 1.0
-"""Seconds after which what was read is on the disk."""
+"""Period of writing to the disk, s."""
 
 
 def record(
@@ -29,11 +29,11 @@ def record(
     replace: bool = False,
     seen: Callable[[Block], None] | None = None,
 ) -> tuple[int, tuple[str, ...]]:
-    """Write what a recorder reads to a file, until it ends, is stopped, or `seconds` are over.
+    """Write the samples of a recorder to a file, until it ends, is stopped, or `seconds` are over.
 
-    The file grows at its own place, and is on the disk within a second: what kills the process
-    leaves what was read until then. Meanwhile the operating system's lock on it is held, which
-    ends with the process. What stood there is replaced when the first rows come.
+    The file is written in place and flushed within a second: if the process is killed, all rows
+    until then remain. Meanwhile the operating system's lock on it is held, which ends with the
+    process. An existing file is replaced when the first rows arrive.
 
     Parameters
     ----------
@@ -51,13 +51,13 @@ def record(
     -------
     rows : int
     notes : tuple of str
-        What was lost; they stand at the file's end as well.
+        Losses of data; they are also written at the end of the file.
 
     Raises
     ------
     ReadError
-        If the file exists, another process records to it, nothing came, or it cannot be written
-        any further; what was written before stands there.
+        If the file exists, another process records to it, nothing came, or it cannot be written any
+        further; earlier rows are kept.
     OSError
         If it cannot be made.
     """
@@ -72,8 +72,10 @@ def record(
                         first = times[0] if math.isnan(first) else first
                         if seen is not None:
                             seen((times, values))
-                    elapsed = times[-1] - first if len(times) else time.monotonic() - start_time
-                    if elapsed >= seconds:
+                    elapsed_time = (
+                        times[-1] - first if len(times) else time.monotonic() - start_time
+                    )
+                    if elapsed_time >= seconds:
                         break
             finally:
                 recorder.stop()
@@ -158,10 +160,10 @@ class _Log:
         self._write(f"# {format_csv_comment(message)}\n")
 
     def _write(self, text: str) -> None:
-        unwritten, size = text.encode(), os.fstat(self._handle).st_size
+        remaining_bytes, size = text.encode(), os.fstat(self._handle).st_size
         try:
-            while unwritten:
-                unwritten = unwritten[os.write(self._handle, unwritten) :]
+            while remaining_bytes:
+                remaining_bytes = remaining_bytes[os.write(self._handle, remaining_bytes) :]
         except OSError as error:
             # half a number reads as another
             os.ftruncate(self._handle, size)

@@ -21,11 +21,11 @@ class Description:
     Attributes
     ----------
     device : str
-        What it is, for the head of the file.
+        Description of the device, for the header of the file.
     channels : tuple of str
         Names with their units, without the time: ``("displacement [mm]", "force [N]")``.
     notes : tuple of str
-        What was lost or found wrong up to now; nothing if all is well.
+        Losses and faults up to now; empty if there are none.
     """
 
     device: str
@@ -40,9 +40,10 @@ class Recorder(Protocol):
         """Return the source and its errors so far."""
 
     def blocks(self) -> Iterator[Block]:
-        """Yield what came since the block before, at least every few tenths of a second.
+        """Yield the samples since the last block, at least every few tenths of a second.
 
-        A block may be empty. After `stop` what was read already still comes, then the end.
+        A block may be empty. After `stop` the samples that were read already are still returned,
+        then the end.
         """
 
     def stop(self) -> None:

@@ -25,7 +25,7 @@ class Paced:
     ----------
     test : RelaxationTest
     device : str
-        What it is said to come from.
+        Stated origin of the record.
     speed : float
         Seconds of the record in a second; infinity for all of it at once.
     """
@@ -44,13 +44,13 @@ class Paced:
 
     def blocks(self) -> Iterator[Block]:
         """Yield the record's samples when their time has come."""
-        start_time, sent = time.monotonic(), 0
-        while sent < len(self._time):
+        start_time, sent_count = time.monotonic(), 0
+        while sent_count < len(self._time):
             record_time = self._time[0] + (time.monotonic() - start_time) * self._speed
             sent_end = int(np.searchsorted(self._time, record_time, side="right"))
-            yield self._time[sent:sent_end], self._values[sent:sent_end]
-            sent = sent_end
-            if sent < len(self._time):
+            yield self._time[sent_count:sent_end], self._values[sent_count:sent_end]
+            sent_count = sent_end
+            if sent_count < len(self._time):
                 time.sleep(BLOCK_PERIOD)
             if self._is_stopped:
                 return

@@ -26,7 +26,7 @@ class SerialLine:
     port : str
         Such as ``/dev/ttyUSB0``.
     columns : sequence of str
-        What the numbers of a line are, with units.
+        Names of the numbers of a line, with units.
     baud : int
 
     Raises

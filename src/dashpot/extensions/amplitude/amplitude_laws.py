@@ -27,17 +27,17 @@ from dashpot.numerics.nonnegative_least_squares import solve_linear
 from dashpot.solids.jenkins import jenkins_reduction
 
 LAWS = get_choice_values(AmplitudeLaw)
-"""Kraus's law as a factor or beside the solid, a cubic spring, and both."""
+"""Kraus's law as a factor or in parallel to the solid, a cubic spring, and both."""
 _EXPONENTS = (0.1, 0.95)
 DEFAULT_EXPONENT = 0.5
-"""The exponent where it cannot be known."""
+"""The exponent if the data do not determine it."""
 _MIN_SCATTER = 3e-3
-"""Part of a modulus that laws of amplitude leave: scatter counts beyond it."""
+"""Relative misfit of amplitude laws; only larger scatter counts as noise."""
 _PER_DECADE = 10
 _RISE_RESIDUALS = 3.0
-"""Residuals by which the storage rises again where a spring stiffens beside friction."""
+"""Rise of the storage, in residuals, that shows a stiffening spring in parallel to friction."""
 _ROUNDING_POWER = 1e-20
-"""Mean square, over the size of the samples, that rounding leaves."""
+"""Relative mean square of rounding errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,33 +52,33 @@ class FittedLaw:
         At a vanishing amplitude, one a frequency.
     linear_se : complex array, shape (f,)
         Standard errors of its real and of its imaginary part.
-    numbers : dict of str to float
+    parameters : dict of str to float
         lost, half_way, exponent and k3, those that the law has.
     se : dict of str to float
         Their standard errors; 0 for an exponent that was set.
     residuals : complex array, shape (n,)
         Fit less sample, over the size of the sample.
     residual_loss : float
-        What is left of the loss over the loss, rms, of the worst third of the amplitudes.
+        Relative rms residual of the loss, of the worst third of the amplitudes.
     bic, deviance : float
-        n ln(rss/n), with and without what the parameters cost.
+        n ln(rss/n), with and without the penalty of the parameters.
     is_adequate : bool
-        It loses stiffness with amplitude, or rises where it is said to.
-    bends : float
-        What a term of X^4 beside a cubic spring would gain in deviance.
+        The stiffness falls with amplitude, or rises where the law has a stiffening spring.
+    quartic_gain : float
+        Gain of the deviance by a term of X^4 in parallel to a cubic spring.
     """
 
     law: str
     linear: ComplexArray
     linear_se: ComplexArray
-    numbers: dict[str, float]
+    parameters: dict[str, float]
     se: dict[str, float]
     residuals: ComplexArray
     residual_loss: float
     bic: float
     deviance: float
     is_adequate: bool
-    bends: float = 0.0
+    quartic_gain: float = 0.0
 
     @property
     def terms(self) -> int:
@@ -113,16 +113,16 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
     problem = _LawOnSweep(sweep, law, exponent)
     best = require_optimum(problem.least_squares_problem, problem.starts)
     residual, n = problem.compute_relative_residual(best), len(best.residual)
-    numbers = problem.numbers(best.values)
+    numbers = problem.name_parameters(best.values)
     uncertainty = estimate(best, noises=[white_noise(best)])
     law_error = uncertainty.derive_quantity(
-        lambda values: np.array(list(problem.numbers(values).values()))
+        lambda values: np.array(list(problem.name_parameters(values).values()))
     )
     se = dict(zip(numbers, law_error.standard_error.tolist(), strict=True))
     if problem.kraus and exponent is not None:
         se["exponent"] = 0.0
-    of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
-    levels, sd = best.values[of_levels], uncertainty.standard_error[of_levels]
+    level_columns = slice(len(best.theta), len(best.theta) + 2 * len(problem.frequencies))
+    levels, sd = best.values[level_columns], uncertainty.standard_error[level_columns]
     closeness = {"effective": n, "rounding_sse": _ROUNDING_POWER}
     cubic_gain = 0.0
     if problem.cubic:
@@ -141,10 +141,10 @@ def fit_sweep_law(sweep: AmplitudeSweep, law: str, exponent: float | None = None
         numbers,
         se,
         residual,
-        _compute_worst_loss_error(sweep, residual.imag * problem.size),
+        _compute_worst_loss_error(sweep, residual.imag * problem.residual_scale),
         bic(best.sse / n, parameters=len(best.values), **closeness),
         deviance(best.sse / n, **closeness),
-        numbers.get("lost", 0.0) >= 0 and problem.rises(residual),
+        numbers.get("lost", 0.0) >= 0 and problem.is_storage_rising(residual),
         cubic_gain,
     )
 
@@ -193,7 +193,7 @@ class _LawOnSweep:
     @property
     def least_squares_problem(self) -> Problem:
         """Return the least-squares problem, real parts first, scaled by the size of the samples."""
-        X, y = self.sweep.amplitude, stack_real_rows(self.sweep.value / self.size)
+        X, y = self.sweep.amplitude, stack_real_rows(self.sweep.value / self.residual_scale)
         parameters = [
             Parameter(np.log(X.min()) - 3, np.log(X.max()) + 5),
             *[Parameter(*_EXPONENTS, 0.2)] * (self.exponent is None),
@@ -217,34 +217,34 @@ class _LawOnSweep:
         ]
 
     def insert_fixed_parameters(self, theta: FloatArray) -> FloatArray:
-        """Ln X_c, exponent and share, with what is set."""
+        """Ln X_c, exponent and share, fixed values included."""
         return (
             theta if self.exponent is None else np.insert(theta, min(1, len(theta)), self.exponent)
         )
 
     @cached_property
-    def size(self) -> FloatArray:
+    def residual_scale(self) -> FloatArray:
         """Scale of the residuals: the size of the sample, more where its scatter is larger."""
         magnitude, sd = np.abs(self.sweep.value), self.sweep.sd
         return magnitude if sd is None else np.hypot(magnitude, sd / _MIN_SCATTER)
 
     @cached_property
-    def tones(self) -> FloatArray:
+    def frequencies(self) -> FloatArray:
         """Frequencies, Hz."""
         return np.unique(self.sweep.frequency)
 
     @cached_property
-    def chosen(self) -> BoolArray:
+    def sample_masks(self) -> BoolArray:
         """Mask of the samples of each frequency, shape (n, f)."""
-        return np.asarray(self.sweep.frequency[:, None] == self.tones)
+        return np.asarray(self.sweep.frequency[:, None] == self.frequencies)
 
     def columns(self, p: FloatArray) -> ComplexArray:
-        """Return what the linear coefficients multiply: levels per tone, then d, then k3."""
-        X, size = self.sweep.amplitude, self.size
+        """Return the columns of the linear coefficients: one per frequency, then d, then k3."""
+        X, size = self.sweep.amplitude, self.residual_scale
         shape = np.ones(len(X), dtype=complex)
         if self.factor:
             shape = softening_factor(X, p[2], float(np.exp(p[0])), p[1])
-        levels = self.chosen * shape[:, None]
+        levels = self.sample_masks * shape[:, None]
         arrays = [levels, 1j * levels]
         if self.kraus and not self.factor:
             arrays.append((softening_factor(X, 1.0, float(np.exp(p[0])), p[1]) - 1)[:, None])
@@ -259,7 +259,7 @@ class _LawOnSweep:
     def compute_cubic_gain(self, best: Optimum) -> tuple[float, float]:
         """Return the fall of the deviance by a term of X^4, and k3 with it."""
         X, n = self.sweep.amplitude, len(best.residual)
-        cubic_columns = stack_real_rows((X / X.max()) ** 4 / self.size)
+        cubic_columns = stack_real_rows((X / X.max()) ** 4 / self.residual_scale)
         cubic_fit = solve_ordinary(best.rows.y, np.column_stack((best.rows.A, cubic_columns)))
         gain = [
             bic(optimum.sse / n, effective=n, parameters=0, rounding_sse=_ROUNDING_POWER)
@@ -268,7 +268,7 @@ class _LawOnSweep:
         return gain[0] - gain[1], float(cubic_fit.beta[-2] / X.max() ** 2)
 
     def among_sliders(self) -> float:
-        """The cubic spring beside a spectrum of sliders, any friction, in the place of Kraus's."""
+        """The cubic spring in parallel to a spectrum of sliders, in place of Kraus's law."""
         X, K, max_amplitude = (
             self.sweep.amplitude,
             self.sweep.value,
@@ -277,37 +277,46 @@ class _LawOnSweep:
         count = max(round(_PER_DECADE * np.log10(2 * max_amplitude / X.min())), 2)
         sliders = jenkins_reduction(X[:, None], np.geomspace(X.min() / 2, max_amplitude, count))
         if self.factor:  # as much of the stiffness at every frequency
-            sliders = sliders * (self.chosen @ np.abs(K @ self.chosen))[:, None] / np.abs(K).sum()
+            sliders = (
+                sliders
+                * (self.sample_masks @ np.abs(K @ self.sample_masks))[:, None]
+                / np.abs(K).sum()
+            )
         spring = 0.75 * (X[:, None] / max_amplitude) ** 2 * np.array([1.0, -1.0])
-        A = np.hstack((self.chosen, 1j * self.chosen, sliders, spring)) / self.size[:, None]
-        k, _ = solve_linear(stack_real_rows(A), stack_real_rows(K / self.size), positive=True)
+        A = (
+            np.hstack((self.sample_masks, 1j * self.sample_masks, sliders, spring))
+            / self.residual_scale[:, None]
+        )
+        k, _ = solve_linear(
+            stack_real_rows(A), stack_real_rows(K / self.residual_scale), positive=True
+        )
         return float(k[-2] - k[-1]) / max_amplitude**2
 
-    def numbers(self, values: FloatArray) -> dict[str, float]:
-        """Return what the law is, by name, of everything that was sought."""
+    def name_parameters(self, values: FloatArray) -> dict[str, float]:
+        """Return the parameters of the law by name."""
         theta, coefficients = np.split(values, [len(self.least_squares_problem.parameters)])
         entries = {}
         if self.kraus:
             p = self.insert_fixed_parameters(theta)
-            softening = p[2] if self.factor else coefficients[2 * len(self.tones)]
+            softening = p[2] if self.factor else coefficients[2 * len(self.frequencies)]
             entries = {"lost": softening, "half_way": np.exp(p[0]), "exponent": p[1]}
         if self.cubic:
             entries["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
         return {name: float(entry) for name, entry in entries.items()}
 
-    def rises(self, residual: ComplexArray) -> bool:
+    def is_storage_rising(self, residual: ComplexArray) -> bool:
         """Return whether the storage rises at the end, as by a spring in parallel to Kraus's law.
 
         A spring that only bends how the storage falls is but another way to soften.
         """
         if not (self.kraus and self.cubic):
             return True
-        size = self.size
+        size = self.residual_scale
         storage, X = self.sweep.storage + residual.real * size, self.sweep.amplitude
         min_rise = _RISE_RESIDUALS * float(np.sqrt((np.abs(residual) ** 2).mean() / 2))
-        for tone in self.chosen.T:
-            last = storage[tone][X[tone].argmax()]
-            if last - storage[tone].min() > min_rise * size[tone].min():
+        for tone in self.sample_masks.T:
+            storage_at_largest = storage[tone][X[tone].argmax()]
+            if storage_at_largest - storage[tone].min() > min_rise * size[tone].min():
                 return True
         return False
 

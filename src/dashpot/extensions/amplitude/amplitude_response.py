@@ -56,13 +56,13 @@ STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
 shear beside a sweep in tension, by equal energy."""
 HITS = ("impact",)
-"""Kinds of files that, as responses, show what a mass on the seals does."""
+"""Kinds of vibration records of a mass on the seals."""
 _LOOPS = tuple(kind for kind in get_args(Loading) if kind in KINDS_OF_FILE)
-"""Kinds of a record of time, displacement and force; here it is one of loops."""
+"""Kinds of records with time, displacement and force, read here as loops."""
 _MIN_BIC_DIFFERENCE = 10.0
 """Difference of BIC below which two laws of a sweep are not distinguished."""
 VANISHING_LEVEL = 1e-9
-"""A level, N or m/s^2, at which nothing that slips does."""
+"""Amplitude of excitation, N or m/s^2, without any slip."""
 _COARSE_LINES, _FINE_LINES, _LINE_RANGE = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
 
@@ -84,7 +84,7 @@ class LevelResonance(Serialisable):
     amplitude : float
         Amplitude of the part's displacement there, m.
     strain : float or None
-        That over the height; None for a part that was swept itself.
+        That over the height; None if the part itself was swept.
     frf : FRF
     """
 
@@ -142,10 +142,10 @@ class SweptPart(Serialisable):
     Attributes
     ----------
     laws : tuple of AmplitudeFit
-        The one that explains the sweep best, and those that it does not distinguish from it.
+        The law that fits the sweep best, and those with an equally good fit.
     factors : tuple of float
-        Strain of the sweep over that of the part; the first is taken, the others are what it
-        might be.
+        Strain of the sweep over that of the part; the first is used, the others are possible as
+        well.
     height : float or None
         m; None where the sweep is over displacement.
     fitted_at : float
@@ -310,7 +310,7 @@ class SweptPart(Serialisable):
         return tuple(resonances)
 
     def compute_relative_errors(
-        self, strain: float, hz: float, anchor: ReferencePoint
+        self, strain: float, frequency: float, anchor: ReferencePoint
     ) -> tuple[float, float]:
         r"""Two standard deviations of ln f and of ln of the height at a strain of the sweep.
 
@@ -327,11 +327,13 @@ class SweptPart(Serialisable):
         storage, loss = self._compute_law_misfit(strain)
         reference_misfit, _ = self._compute_law_misfit(anchor.strain)
         differ, height = self._between_tones(strain, anchor.strain)
-        log_distance = 0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / hz)
-        of_stiffness = np.sqrt(
+        log_distance = (
+            0.0 if anchor.frequency is None else _PER_E * np.log(anchor.frequency / frequency)
+        )
+        stiffness_error = np.sqrt(
             storage**2 + reference_misfit**2 + differ**2 + _MASTER**2 + log_distance**2
         )
-        return float(of_stiffness), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
+        return float(stiffness_error), float(2 * np.sqrt(loss**2 + height**2 + _HEIGHT**2))
 
     def _compute_law_misfit(self, strain: float) -> tuple[float, float]:
         """Return the rms misfit of the law in storage and loss, relative, about a strain."""
@@ -362,24 +364,33 @@ class SweptPart(Serialisable):
         if len(sweeps) < 2 or min(len(sweep.amplitude) for sweep in sweeps) < _ALONE:
             storage = self.law.stiffness([amplitude, strain]).real
             return 0.5 * abs(float(np.log(storage[1] / storage[0]))), _ONE_TONE
-        changes, lossy = [], []
+        changes, loss_factor_changes = [], []
         for amplitude_sweep in sweeps:
             amplitude_fit = fit_amplitude(
                 amplitude_sweep, law=self.law.law if self.law.law != "none" else "auto"
             )
-            first, last = amplitude_fit.stiffness([amplitude, strain]).tolist()
-            changes.append(float(np.log(last.real / first.real)))
+            stiffness_at_amplitude, stiffness_at_strain = amplitude_fit.stiffness(
+                [amplitude, strain]
+            ).tolist()
+            changes.append(float(np.log(stiffness_at_strain.real / stiffness_at_amplitude.real)))
             factor = amplitude_fit.linear[0].imag / amplitude_fit.linear[0].real
-            lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
-        return float(np.ptp(changes)), float(np.ptp(lossy))
+            loss_factor_changes.append(
+                float(
+                    np.log(
+                        max(stiffness_at_strain.imag / stiffness_at_strain.real, 1e-12)
+                        / max(factor, 1e-12)
+                    )
+                )
+            )
+        return float(np.ptp(changes)), float(np.ptp(loss_factor_changes))
 
     def check_level_coverage(self, resonances: Sequence[LevelResonance]) -> tuple[Check, ...]:
-        """Return whether the sweep goes as far as the part is moved at each level."""
+        """Return whether the sweep covers the motion of the part at each level."""
         return tuple(
             amplitude_in_tested_range(
                 resonance.amplitude / self.stretch(self.factors[0]),
                 self.law.amplitudes,
-                at=f"{resonance.level:.4g} {resonance.unit}",
+                location=f"{resonance.level:.4g} {resonance.unit}",
                 subject=self.law.of,
             )
             for resonance in resonances
@@ -489,12 +500,12 @@ def amplitude_file(
     if kind in _LOOPS:
         record = read_loops(path, options=options)
         with add_name_to_errors(Path(path).name):
-            swept = compute_sweep(record, machine)
-            return fit_amplitude(swept, law=law), swept, record
+            amplitude_sweep = compute_sweep(record, machine)
+            return fit_amplitude(amplitude_sweep, law=law), amplitude_sweep, record
     require_test_for_machine(machine, tests=0, add="recorded loops")
-    swept = read_amplitude(path, options=options)
+    amplitude_sweep = read_amplitude(path, options=options)
     with add_name_to_errors(Path(path).name):
-        return fit_amplitude(swept, law=law), swept, swept
+        return fit_amplitude(amplitude_sweep, law=law), amplitude_sweep, amplitude_sweep
 
 
 def _list_strain_factors(sweep: Source | None) -> tuple[float, ...]:
@@ -533,7 +544,7 @@ def _get_part_height(
 
 
 def _list_rival_laws(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
-    """Return the alternative laws that the sweep allows, such as one that scales the solid."""
+    """Return the alternative laws consistent with the sweep, such as one that scales the solid."""
     kraus, plus, spring = law.law.partition("+")
     other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
     scores = dict(law.orders)

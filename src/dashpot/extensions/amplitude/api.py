@@ -61,7 +61,7 @@ def fit_levels(
 def fit_sweep(
     sweep: AmplitudeSweep, choices: LevelChoices, *, unit: str, part: PartChoices | None
 ) -> SweptPart:
-    """Fit an amplitude sweep, and return what a level does to the part after it."""
+    """Fit an amplitude sweep, and return the effect of amplitude on the part."""
     from dashpot.extensions.amplitude.amplitude_response import make_swept_part
     from dashpot.extensions.amplitude.fit import fit_amplitude
 

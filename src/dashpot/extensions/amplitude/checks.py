@@ -15,7 +15,7 @@ SIGNIFICANT_DEVIANCE = 20.0
 FAR_ENOUGH = 2.0
 MAX_HIDDEN_CUBIC = 0.1
 MAX_RESIDUAL_SHARE = 0.1
-"""Part of F/X that is left where nothing was explained."""
+"""Relative residual of F/X above which the fit explains nothing."""
 
 
 @criterion(
@@ -29,7 +29,7 @@ def amplitude_dependence_detected(
     gain: float,
     amplitudes: tuple[float, float],
     subject: str,
-    by: str,
+    law_name: str,
     *,
     is_explained: bool = True,
 ) -> Finding:
@@ -41,7 +41,7 @@ def amplitude_dependence_detected(
         f"(2 ln L = {gain:.3g}). Larger amplitudes are not known"
     )
     return Finding(
-        f"{by} explains what arms alone do not (2 ln L = {gain:.3g})",
+        f"{law_name} explains what arms alone do not (2 ln L = {gain:.3g})",
         gain,
         failure=linear
         if is_explained
@@ -109,9 +109,9 @@ def no_hidden_cubic_spring(part: float) -> Finding:
     "time at an end beyond that of a sine / cycle", "<=", 0.1,
     "a sine that is cut so far loses 0.7 % of its size", grade="stop",
 )  # fmt: skip
-def loops_not_clipped(part: float, pushed: str) -> Finding:
+def loops_not_clipped(part: float, force_name: str) -> Finding:
     """The force or stress of recorded loops is not clipped at its ends."""
-    message = f"The {pushed} stays at its end {100 * part:.2g} % of a cycle longer than a sine"
+    message = f"The {force_name} stays at its end {100 * part:.2g} % of a cycle longer than a sine"
     return Finding(
         message,
         part,
@@ -227,17 +227,16 @@ def levels_residual_small(residual: float, noise: float | None) -> Finding:
 
 @criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
 def amplitude_in_tested_range(
-    amplitude: float, tested: tuple[float, float], *, at: str, subject: str = "m"
+    amplitude: float, tested_range: tuple[float, float], *, location: str, subject: str = "m"
 ) -> Finding:
     """At the requested amplitude the seal moves within the tested range."""
-    unit, (low, high) = get_display_unit(subject), tested
+    unit, (low, high) = get_display_unit(subject), tested_range
     amplitude_text, low_text, high_text = (
         f"{convert_to_unit(value, unit):.3g}" for value in (amplitude, low, high)
     )
     factor = max(amplitude / high, low / amplitude)
-    message = (
-        f"At {at} the seal {'moves' if subject == 'm' else 'is moved by'} {amplitude_text} {unit}"
-    )
+    motion = "moves" if subject == "m" else "is moved by"
+    message = f"At {location} the seal {motion} {amplitude_text} {unit}"
     range_ = f"{low_text} to {high_text} {unit} of the tests"
     return Finding(
         f"{message}, within the {range_}",

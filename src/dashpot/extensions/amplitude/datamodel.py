@@ -50,15 +50,15 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     unit : str
         ``"Pa"`` or ``"N/m"``.
     of : str
-        ``"m"`` or ``"strain"``: what the amplitude is of.
+        ``"m"`` or ``"strain"``: the unit of the amplitude.
     specimen : Specimen
     source : Source or None
     sd : array, shape (n,) or None
-        Standard deviation of storage and of loss, in `unit`, where it is known.
+        Standard deviation of storage and of loss, in `unit`, if known.
     delay_sd : float
         For recorded loops: standard deviation of the delay of their force, s.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -162,7 +162,7 @@ class StressStrainLoops(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -250,22 +250,24 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     amplitudes : (float, float)
         The range that the sweep informs.
     residual : float
-        Rms of what is left, over the size of the modulus.
+        Rms residual over the magnitude of the modulus.
     orders : tuple of (str, float)
         BIC of each law that may be: the smallest is best, and is taken unless another is as good.
     left_out : int
-        Samples of the smallest amplitudes that scatter beyond the rest, and were left out.
+        Number of omitted samples: those of the smallest amplitudes with more scatter than the
+        others.
     unit, of : str
         As in the sweep.
     checks : tuple of Check
     source : Source or None
     k3 : float
-        Coefficient of the cubic spring, in `unit` per square of `of`; 0 where there is none.
+        Coefficient of the cubic spring, in `unit` per square of `of`; 0 if there is none.
     k3_detection_limit : float
-        Where there is none: largest size that the data cannot exclude, 95 %; else 0.
+        Without a cubic spring: largest magnitude that the data cannot exclude, 95 %; else 0.
     loss_per_lag : float or None
-        What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
-        so at every amplitude alike, so loops of one frequency do not distinguish it from loss.
+        Change of the loss factor per second of delay between the channels of recorded loops, 1/s.
+        It does so at every amplitude alike, so loops of one frequency do not distinguish it from
+        loss.
     delay_sd : float
         For recorded loops: standard deviation of the delay of their force, s, which every standard
         error includes.
@@ -457,13 +459,13 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return InParallel(tuple(parts)) if parts else None
 
     def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:
-        """The cubic spring as an element beside a solid; scale and stretch as in `element`."""
+        """The cubic spring as an element parallel to a solid; scale and stretch as in `element`."""
         if not self.k3:
             raise DataError(f"the law is '{self.law}', which has no cubic spring")
         return Cubic(self.k3 * scale / stretch**2)
 
     def element(self, scale: float = 1.0, *, stretch: float = 1.0) -> Kraus:
-        """Return the additive law as an element beside a solid.
+        """Return the additive law as an element in parallel to a solid.
 
         Parameters
         ----------

@@ -85,7 +85,7 @@ def level(
     records : sequence of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
         As fitted: one sweep, one record of loops, or the FRF of each level.
     stamp : str
-        What the figure says of its origin; by default files, specimen and date.
+        Origin of the data, printed below the figure; by default files, specimen and date.
     """
     if isinstance(result, HitLevels):
         return hits_as_levels(result, stamp=stamp)
@@ -117,13 +117,13 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     fit : AmplitudeFit, optional
         Fit of those loops.
     stamp : str
-        What the figure says of its origin; by default file, specimen and date.
+        Origin of the data, printed below the figure; by default file, specimen and date.
     """
     shown_loops = _select_distinct_loops(find_steady_cycles(test))
-    of_material = isinstance(test, StressStrainLoops)
+    is_material = isinstance(test, StressStrainLoops)
     amplitudes = np.array([loop.amplitude for loop in shown_loops])
-    word, mm = ("%", 100.0) if of_material else select_plot_unit(amplitudes, "m")
-    unit, labels = ("MPa", ("ε/A", "σ/A")) if of_material else ("N/mm", ("x/X", "F/X"))
+    word, mm = ("%", 100.0) if is_material else select_plot_unit(amplitudes, "m")
+    unit, labels = ("MPa", ("ε/A", "σ/A")) if is_material else ("N/mm", ("x/X", "F/X"))
     panels: list[tuple[str, list[Line]]] = []
     for hysteresis_loop in shown_loops:
         curves = (
@@ -141,7 +141,7 @@ def loops(test: LoopRecord, fit: AmplitudeFit | None = None, *, stamp: str = "")
     upper_panels = [] if fit is None else _make_amplitude_panels(compute_sweep(test), fit)
     axes = (
         "amplitude A: stress σ over strain ε"
-        if of_material
+        if is_material
         else "amplitude X: force F over displacement x"
     )
     caption = f"Hysteresis loops, each over its own {axes}" + (
@@ -183,7 +183,7 @@ def amplitude_sweep(
     sweep : AmplitudeSweep
     fit : AmplitudeFit, optional
     stamp : str
-        What the figure says of its origin; by default file, specimen and date.
+        Origin of the data, printed below the figure; by default file, specimen and date.
     """
     strips = tuple((panel,) for panel in _make_amplitude_panels(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
@@ -202,9 +202,9 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
     ----------
     fit : LevelFit
     frfs : sequence of FRF
-        What it was fitted to.
+        Fitted FRFs.
     stamp : str
-        What the figure says of its origin; by default files, mass and seals.
+        Origin of the data, printed below the figure; by default files, mass and seals.
     """
     text = stamp or format_stamp(fit.source, mass=fit.mass, seals=fit.seals)
     strips = (
@@ -221,13 +221,13 @@ def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Pi
 def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     """Return frequency and damping of every hit over the motion that it made, with their lines.
 
-    Shaded is the 95 % interval of the line, dashed what no hit tested.
+    The 95 % interval of the line is shaded, amplitudes without a hit are dashed.
 
     Parameters
     ----------
     levels : HitLevels
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     hits = [hit for hit in levels.frf.hits if hit.amplitude]
     X = MEAN_AMPLITUDE_RATIO * np.array([hit.amplitude for hit in hits])
@@ -235,7 +235,7 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
     dense = np.geomspace(low / 2, high * 2, 80)
     is_tested = (dense >= low * 0.999) & (dense <= high * 1.001)
     unit_name, mm = select_plot_unit(X, "m")
-    across = Scale(
+    x_scale = Scale(
         f"amplitude of motion, {unit_name}",
         compute_padded_log_limits(mm * dense, margin=1.0),
         log=True,
@@ -259,14 +259,14 @@ def hits_as_levels(levels: HitLevels, *, stamp: str = "") -> Picture:
             Dots(mm * X, dots, "measured", "measured"),
         )
         limits = compute_padded_limits(dots, lower[is_tested], upper[is_tested], margin=0.3)
-        strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
+        strips.append((Panel(x_scale, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
     text = stamp or format_stamp(levels.frf.source)
     return Picture("hits", caption, tuple(strips), 2, text, width=_WIDTH)
 
 
 def _select_distinct_loops(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
-    """Return a cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
+    """Return a cycle of each amplitude, the smallest first; at most as many as fit in a row."""
     hysteresis_loops: list[HysteresisLoop] = []
     for cycle in sorted(cycles, key=lambda loop: loop.amplitude):
         if not hysteresis_loops or cycle.amplitude > 1.1 * hysteresis_loops[-1].amplitude:
@@ -300,7 +300,7 @@ def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> l
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
-    across = Scale(
+    x_scale = Scale(
         f"amplitude of {quantity}, {word}",
         compute_padded_log_limits(mm * dense, margin=1.0),
         log=True,
@@ -323,7 +323,7 @@ def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> l
         drawn_values = [mark.y for mark in marks if isinstance(mark, Line | Dots)]
         panels.append(
             Panel(
-                across,
+                x_scale,
                 Scale(f"{name}, {unit}", compute_padded_limits(*drawn_values)),
                 tuple(marks),
                 height=_HEIGHT,
@@ -408,7 +408,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(omega=middle, amplitude=dense)
     unit_name, mm = select_plot_unit(X, "m")
-    across = Scale(
+    x_scale = Scale(
         f"amplitude of displacement, {unit_name}",
         compute_padded_log_limits(mm * dense, margin=1.1),
         log=True,
@@ -433,7 +433,7 @@ def _draw_amplitude_panels(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
         limits = compute_padded_limits(y - 0.3 * pad, y + 0.3 * pad, low, high)
         title = f"one seal at {middle / 2 / np.pi:.3g} Hz"
         panels.append(
-            Panel(across, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
+            Panel(x_scale, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
         )
     return panels
 

@@ -36,7 +36,7 @@ from dashpot.fitting.nuisance_priors import Prior, compute_delay_errors
 from dashpot.preprocessing.checks import check_machine
 
 _MIN_SAMPLES = 6
-"""Samples: two numbers of a level, three of the law, one to spare."""
+"""Smallest number of samples: two of the stiffness, three of the law, one spare."""
 _MIN_OF_LEVEL = 2
 """Loops at one amplitude, which have no law."""
 _WORDS = {
@@ -49,22 +49,22 @@ _WORDS = {
 _DISTINCT_BIC = 2.0
 """Difference of BIC below which two laws are not distinguished (Kass and Raftery 1995)."""
 _ONE_AMPLITUDE = 1.05
-"""Largest over smallest amplitude of a frequency within which a drive holds one amplitude."""
+"""Ratio of amplitudes at one frequency up to which the amplitude counts as constant."""
 _OUTLIER_SD = 5.0
-"""A leading sample so many robust SD off is of an instrument that is not yet in its range."""
+"""Robust SD by which a leading sample is an outlier of the instrument's lower range."""
 
 
 def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     r"""Fit how stiffness and loss move with amplitude: Kraus's law, a cubic spring, or both.
 
-    Least squares on complex residuals over the size of the modulus; a linear complex level for
-    each frequency, one share, half-way amplitude and exponent of Kraus's law with tied loss for
-    all, and one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it
-    by 2 ln L > 20, a spring beside Kraus's law where it makes the storage rise again: else it
-    is but another way to soften. Kraus's law is a factor, or stands beside the solid: BIC chooses
-    where frequencies differ enough to distinguish them; at one frequency the two are the same
-    curve, and the factor is taken for a modulus, the element beside the solid for a stiffness.
-    Where the sweep ends below twice X_c the exponent is set to 0.5.
+    Least squares on complex residuals over the size of the modulus; a linear complex level for each
+    frequency, one share, half-way amplitude and exponent of Kraus's law with tied loss for all, and
+    one :math:`\tfrac34 k_3 X^2`. A law is taken where it explains what is left without it by 2 ln L
+    > 20, a spring beside Kraus's law where it makes the storage rise again: else it is but another
+    way to soften. Kraus's law is a factor, or in parallel to the solid: BIC chooses where
+    frequencies differ enough to distinguish them; at one frequency the two are the same curve, and
+    the factor is taken for a modulus, the element beside the solid for a stiffness. Where the sweep
+    ends below twice X_c the exponent is set to 0.5.
 
     Source: G. Kraus (1984); the tie of the loss is the rule of broad friction,
     :math:`K'' = -(2/\pi)\,dK'/d\ln X`.
@@ -102,7 +102,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         sweep = sweep.only(~is_stray)
         candidates = _sort_candidate_laws(sweep, law)
     constant_fit, best = fit_sweep_law(sweep, "none"), candidates[0]
-    reach_ratio = float(sweep.amplitude.max()) / best.numbers.get("half_way", np.nan)
+    reach_ratio = float(sweep.amplitude.max()) / best.parameters.get("half_way", np.nan)
     if reach_ratio < FAR_ENOUGH:
         best = fit_sweep_law(sweep, best.law, DEFAULT_EXPONENT)
     gain, law_words = constant_fit.deviance - best.deviance, _WORDS.get(best.law, "")
@@ -121,13 +121,13 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         loss_residual_small(best.residual_loss),
         *check_machine(list_sources([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
     ]
-    if "lost" in best.numbers:
+    if "lost" in best.parameters:
         checks.insert(2, softening_seen(reach_ratio))
     if return_difference is not None:
         checks.append(up_and_down_sweeps_agree(return_difference))
     cubic = 0.0
-    if "k3" in best.numbers:
-        checks.append(spring_cubic(best.bends))
+    if "k3" in best.parameters:
+        checks.append(spring_cubic(best.quartic_gain))
     elif has_several_amplitudes:
         cubic = _estimate_hidden_cubic(sweep, best)
         top = sweep.amplitude == sweep.amplitude.max()
@@ -139,9 +139,9 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         np.unique(sweep.frequency),
         best.linear,
         linear_se,
-        best.numbers.get("lost", 0.0),
-        best.numbers.get("half_way", np.nan),
-        best.numbers.get("exponent", np.nan),
+        best.parameters.get("lost", 0.0),
+        best.parameters.get("half_way", np.nan),
+        best.parameters.get("exponent", np.nan),
         tuple(se.items()),
         range_,
         best.residual,
@@ -151,7 +151,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         sweep.of,
         (*checks, *caution_checks(list_sources([sweep]))),
         sweep.source,
-        best.numbers.get("k3", 0.0),
+        best.parameters.get("k3", 0.0),
         cubic,
         delay_sd=sweep.delay_sd,
     )
@@ -170,12 +170,14 @@ def _compute_errors_with_delay(
     def numbers(delay: float) -> FloatArray:
         K = sweep.value * np.exp(-2j * np.pi * sweep.frequency * delay)
         rotated_sweep = replace(sweep, storage=K.real, loss=K.imag, units="SI")
-        fitted = fit_sweep_law(rotated_sweep, best.law, fixed_exponent)
-        return np.array([*fitted.linear.real, *fitted.linear.imag, *fitted.numbers.values()])
+        fitted_law = fit_sweep_law(rotated_sweep, best.law, fixed_exponent)
+        return np.array(
+            [*fitted_law.linear.real, *fitted_law.linear.imag, *fitted_law.parameters.values()]
+        )
 
     def levels(delay: float) -> FloatArray:
         L = best.linear * np.exp(-2j * np.pi * np.unique(sweep.frequency) * delay)
-        return np.array([*L.real, *L.imag, *best.numbers.values()])
+        return np.array([*L.real, *L.imag, *best.parameters.values()])
 
     if not sweep.delay_sd:
         return best.linear_se, best.se
@@ -194,9 +196,9 @@ def _compute_errors_with_delay(
 def _estimate_hidden_cubic(sweep: AmplitudeSweep, best: FittedLaw) -> float:
     """Return the 95 % limit of a cubic spring in parallel to a law without one."""
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
-    fixed_exponent = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
-    fitted = fit_sweep_law(sweep, law, fixed_exponent)
-    return abs(fitted.numbers["k3"]) + NORMAL * fitted.se["k3"]
+    fixed_exponent = best.parameters.get("exponent") if best.se.get("exponent") == 0 else None
+    fitted_law = fit_sweep_law(sweep, law, fixed_exponent)
+    return abs(fitted_law.parameters["k3"]) + NORMAL * fitted_law.se["k3"]
 
 
 def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
@@ -206,7 +208,7 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
     """
     if law == "auto" and not _has_several_amplitudes(sweep):
         return [fit_sweep_law(sweep, "none")]
-    home = "factor" if sweep.unit == "Pa" else "additive"
+    default_kind = "factor" if sweep.unit == "Pa" else "additive"
     candidates = [fit_sweep_law(sweep, name) for name in LAWS if law in {"auto", name}]
     spring = next((fitted for fitted in candidates if fitted.law == "cubic"), None)
 
@@ -229,7 +231,7 @@ def _sort_candidate_laws(sweep: AmplitudeSweep, law: str) -> list[FittedLaw]:
         key=lambda fitted: (
             cost(fitted) > lowest_cost + _DISTINCT_BIC,
             fitted.terms,
-            home not in fitted.law,
+            default_kind not in fitted.law,
             cost(fitted),
         ),
     )
@@ -242,13 +244,17 @@ def _compare_way_back(sweep: AmplitudeSweep) -> float | None:
         rows = np.flatnonzero(sweep.frequency == tone)
         X, magnitude = np.log(sweep.amplitude[rows]), np.abs(sweep.value[rows])
         peak_index = int(np.argmax(X))
-        up, down = slice(0, peak_index + 1), slice(peak_index + 1, None)
-        if np.any(np.diff(X[up]) <= 0) or np.any(np.diff(X[peak_index:]) > 0):
+        rising_samples, falling_samples = slice(0, peak_index + 1), slice(peak_index + 1, None)
+        if np.any(np.diff(X[rising_samples]) <= 0) or np.any(np.diff(X[peak_index:]) > 0):
             continue
-        in_common_range = (X[down] >= X[0]) & (X[down] < X[peak_index])
+        in_common_range = (X[falling_samples] >= X[0]) & (X[falling_samples] < X[peak_index])
         if peak_index >= 2 and np.count_nonzero(in_common_range) >= 3:
-            size_on_way_up = np.interp(X[down][in_common_range], X[up], magnitude[up])
-            values.append(float(median(magnitude[down][in_common_range] / size_on_way_up)) - 1)
+            size_on_way_up = np.interp(
+                X[falling_samples][in_common_range], X[rising_samples], magnitude[rising_samples]
+            )
+            values.append(
+                float(median(magnitude[falling_samples][in_common_range] / size_on_way_up)) - 1
+            )
     return max(values, key=abs) if values else None
 
 
@@ -259,7 +265,7 @@ def _has_several_amplitudes(sweep: AmplitudeSweep) -> bool:
 
 
 def _find_strays(sweep: AmplitudeSweep, residual: ComplexArray) -> BoolArray:
-    """The smallest amplitudes of a frequency whose residual is beyond the scatter of the rest."""
+    """The smallest amplitudes of a frequency whose residual exceeds the scatter of the others."""
     magnitude = np.abs(residual)
     limit = _OUTLIER_SD * 1.4826 * median(magnitude)
     is_stray = np.zeros(len(magnitude), dtype=bool)

@@ -57,10 +57,10 @@ class AmplitudeResult(HasVerdict, Serialisable):
     ----------
     fit : AmplitudeFit, LevelFit or HitLevels
     at : tuple of PeakAtLevel
-        The levels that were asked for.
+        The levels that were requested.
     checks : tuple of Check
     records : tuple of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
-        What it was found from: one sweep, one record of loops, or the FRF of each level.
+        Fitted records: one sweep, one record of loops, or the FRF of each level.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def requested_levels(self) -> tuple[PeakAtLevel, ...] | None:
-        """Return the requested levels; None where there can be none."""
+        """Return the requested levels; None if it cannot be determined."""
         return None if isinstance(self.fit, AmplitudeFit) else self.at
 
     def to_dict(self) -> dict[str, Any]:
@@ -148,7 +148,7 @@ def level_files(
         the base's acceleration, m/s^2. Of hammer files: peak force of their hits, N, which is held
         against the records; these count.
     mass : float, optional
-        Under those FRFs, kg; or what was struck, held against the mass that the hits show.
+        Under those FRFs, kg; or the struck mass, compared with the mass by the hits.
     seals : float
     band : (float, float), optional
         Lines taken, or where the resonance of the hits lies, Hz.
@@ -159,9 +159,9 @@ def level_files(
     motion : str
         Motion of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     machine : Machine, optional
-        What is known of the machine that drove recorded loops: its `sync`.
+        Known properties of the machine that recorded loops: its `sync`.
     options : ReadOptions, optional
-        What the user said of the files.
+        Reading options of the files.
     """
     kinds = [recognise(path, options).kind for path in files]
     if any(kind in RESPONSES or kind in HITS for kind in kinds):
@@ -210,24 +210,24 @@ def _attach_sweep(
 ) -> AmplitudeResult:
     if not isinstance(record, AmplitudeSweep):
         fastest = float(amplitude_fit.frequency.max())
-        pushed = "force" if amplitude_fit.unit == "N/m" else "stress"
-        clipped = loops_not_clipped(find_flat_part(find_steady_cycles(record)), pushed)
+        force_name = "force" if amplitude_fit.unit == "N/m" else "stress"
+        clipping_check = loops_not_clipped(find_flat_part(find_steady_cycles(record)), force_name)
         amplitude_fit = replace(
             amplitude_fit,
             loss_per_lag=2 * np.pi * fastest,
-            checks=(*([clipped] if clipped.failed else ()), *amplitude_fit.checks),
+            checks=(*([clipping_check] if clipping_check.failed else ()), *amplitude_fit.checks),
         )
     return AmplitudeResult(amplitude_fit, (), amplitude_fit.checks, (record,))
 
 
 _OF_HITS = ("--amplitude", "--mass", "--band", "--resonance-amplitude")
-"""Options that belong to FRFs, and to hits too."""
+"""Options of FRFs, and of hits."""
 
 
 def _refuse_frf_options(
     path: str | Path, options: Mapping[str, object], *accepted_flags: str
 ) -> None:
-    """Refuse options of FRFs that were given with a file that is none."""
+    """Refuse options of FRFs that were given with a file of another kind."""
     given_flags = [
         flag for flag, option in options.items() if option and flag not in accepted_flags
     ]
@@ -261,7 +261,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
 
 
 def _get_peak_forces(levels: Sequence[Quantity], tests: int) -> list[float]:
-    """Peak forces that are said of so many hammer tests, N."""
+    """Return the stated peak forces of the hammer tests, N."""
     if len(levels) not in {0, tests}:
         raise ReadError(
             f"{tests} hammer files and {len(levels)} amplitudes; expected the peak force of the "
@@ -313,11 +313,13 @@ def hits_at_levels(
         peaks.append(
             PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
         )
-    covered = tuple(
-        amplitude_in_tested_range(peak.amplitude, hit_levels.amplitudes, at=f"{peak.level:.4g} N")
+    range_checks = tuple(
+        amplitude_in_tested_range(
+            peak.amplitude, hit_levels.amplitudes, location=f"{peak.level:.4g} N"
+        )
         for peak in peaks
     )
-    return AmplitudeResult(hit_levels, tuple(peaks), (*hit_levels.checks, *covered), (frf,))
+    return AmplitudeResult(hit_levels, tuple(peaks), (*hit_levels.checks, *range_checks), (frf,))
 
 
 def frfs_at_levels(
@@ -338,11 +340,13 @@ def frfs_at_levels(
         )
     level_fit = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_find_peak(level_fit, level) for level in at)
-    covered = tuple(
-        amplitude_in_tested_range(peak.amplitude, level_fit.amplitudes, at=f"{peak.level:.4g} N")
+    range_checks = tuple(
+        amplitude_in_tested_range(
+            peak.amplitude, level_fit.amplitudes, location=f"{peak.level:.4g} N"
+        )
         for peak in peaks
     )
-    return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *covered), tuple(frfs))
+    return AmplitudeResult(level_fit, peaks, (*level_fit.checks, *range_checks), tuple(frfs))
 
 
 def _find_peak(level_fit: LevelFit, level: float) -> PeakAtLevel:

@@ -32,12 +32,12 @@ from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 _PER_DECADE = 10
 _FINE_GRID_POINTS = 8
-"""A second grid between the neighbours of every slider found: a sharp one leaves 0.05 % without."""
+"""Points of a finer grid around each slider; without it the error is up to 0.05 %."""
 _ROUNDING = 1e-9
 _THIRD_DIFFERENCE_RATIO = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
 _NEIGHBOUR_LINES = 20
-"""Neighbouring lines that are taken to be known alike."""
+"""Number of neighbouring lines with equal errors."""
 _DRAWS = 60
 _PASSES = 2
 _STEP = 1e-4
@@ -172,7 +172,7 @@ def _get_frf_name(frf: FRF, number: int) -> str:
 def _redraw_fits(
     problem: _LineData, K: ComplexArray, best: _TermsOptimum, seed: int
 ) -> tuple[Parts, ...]:
-    """Return the same fit of records that chance might have given."""
+    """Return the same fit of randomly perturbed records."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.residuals / best.problem.weight - inertia  # F/X of the fit itself
     scatter = best.residual / np.sqrt(2)
@@ -188,9 +188,11 @@ def _redraw_fits(
             * (rng.normal(size=len(K)) + 1j * rng.normal(size=len(K)))
             / problem.reliability
         )
-        redrawn = replace(data, X=problem.X / np.abs(random_factors))
+        simulated_data = replace(data, amplitude=problem.amplitude / np.abs(random_factors))
         pairs.append(
-            redrawn.fit_terms(direct * random_factors + inertia, best.terms, passes=0).parts
+            simulated_data.fit_terms(
+                direct * random_factors + inertia, best.terms, iterations=0
+            ).parts
         )
     return tuple(pairs)
 
@@ -201,7 +203,7 @@ class _TermsOptimum:
 
     problem: _LineData
     terms: tuple[Term, ...]
-    k: FloatArray
+    coefficients: FloatArray
     residuals: ComplexArray
 
     @property
@@ -218,7 +220,7 @@ class _TermsOptimum:
     @property
     def parts(self) -> Parts:
         """The solid and the parts parallel to it that are not zero."""
-        problem, k = self.problem, self.k
+        problem, k = self.problem, self.coefficients
         min_stiffness = _ROUNDING * float(k.sum())
         arms, yield_stiffness = k[1 : 1 + len(problem.tau)], k[1 + len(problem.tau) :]
         solid = GeneralizedMaxwell(
@@ -228,12 +230,16 @@ class _TermsOptimum:
         if "friction" in self.terms:
             parallel += [
                 Jenkins(float(value), float(value * yield_displacement))
-                for value, yield_displacement in zip(yield_stiffness, problem.yields, strict=False)
+                for value, yield_displacement in zip(
+                    yield_stiffness, problem.yield_displacements, strict=False
+                )
                 if value > min_stiffness
             ]
         if "a cubic spring" in self.terms and yield_stiffness[-2] != yield_stiffness[-1]:
             parallel.append(
-                Cubic(float(yield_stiffness[-2] - yield_stiffness[-1]) / problem.X.max() ** 2)
+                Cubic(
+                    float(yield_stiffness[-2] - yield_stiffness[-1]) / problem.amplitude.max() ** 2
+                )
             )
         return solid, tuple(parallel)
 
@@ -243,14 +249,14 @@ class _LineData:
     """Measured lines of the FRFs at their amplitudes."""
 
     omega: FloatArray
-    X: FloatArray
+    amplitude: FloatArray
     weight: FloatArray
     #: of each line, beside most: at most 1
     reliability: FloatArray
     #: of one seal, kg
     inertia: float
     #: yield displacements, m: beyond the largest amplitude a slider is a spring
-    yields: FloatArray
+    yield_displacements: FloatArray
     #: what the third harmonic makes of the stiffness of a cubic spring
     harmonic_factor: ComplexArray | float = 1.0
 
@@ -261,23 +267,25 @@ class _LineData:
         return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
 
     def fit_terms(
-        self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES
+        self, K: ComplexArray, terms: tuple[Term, ...], *, iterations: int = _PASSES
     ) -> _TermsOptimum:
         """Solved; sliders on a coarse grid, then on a finer one about those found there."""
         optimum = self._solve(K, terms)
         count = len(self.tau) + 1
         sliders = (
-            optimum.k[count : count + len(self.yields)] if "friction" in terms else np.zeros(0)
+            optimum.coefficients[count : count + len(self.yield_displacements)]
+            if "friction" in terms
+            else np.zeros(0)
         )
-        active = np.flatnonzero(sliders > _ROUNDING * float(optimum.k.sum()))
+        active = np.flatnonzero(sliders > _ROUNDING * float(optimum.coefficients.sum()))
         if len(active):
-            step = self.yields[1] / self.yields[0]
+            step = self.yield_displacements[1] / self.yield_displacements[0]
             factors = step ** (
                 np.arange(-_FINE_GRID_POINTS, _FINE_GRID_POINTS + 1) / _FINE_GRID_POINTS
             )
-            finer = np.unique((self.yields[active, None] * factors).round(15))
-            optimum = replace(self, yields=finer)._solve(K, terms)
-        for _ in range(passes if terms else 0):
+            finer = np.unique((self.yield_displacements[active, None] * factors).round(15))
+            optimum = replace(self, yield_displacements=finer)._solve(K, terms)
+        for _ in range(iterations if terms else 0):
             optimum = optimum.problem.weight_at_solution(optimum.parts, K)._solve(K, terms)
         return optimum
 
@@ -287,7 +295,7 @@ class _LineData:
         A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude
         at which it is taken to be, :math:`-\mathrm{Re}(e)\, dK/d\ln X`.
         """
-        X, h = self.X, _STEP
+        X, h = self.amplitude, _STEP
         up, down = (
             stiffness_at(parts, self.omega, X * scale, self.inertia) for scale in (1 + h, 1 - h)
         )
@@ -300,11 +308,11 @@ class _LineData:
 
     def _columns(self, terms: tuple[Term, ...]) -> ComplexArray:
         product = 1j * self.omega[:, None] * self.tau
-        arrays = [np.ones((len(self.X), 1), dtype=complex), product / (1 + product)]
+        arrays = [np.ones((len(self.amplitude), 1), dtype=complex), product / (1 + product)]
         if "friction" in terms:
-            arrays.append(jenkins_reduction(self.X[:, None], self.yields))
+            arrays.append(jenkins_reduction(self.amplitude[:, None], self.yield_displacements))
         if "a cubic spring" in terms:  # it stiffens, or it softens
-            square = 0.75 * (self.X / self.X.max()) ** 2 * self.harmonic_factor
+            square = 0.75 * (self.amplitude / self.amplitude.max()) ** 2 * self.harmonic_factor
             arrays.append(square[:, None] * np.array([1.0, -1.0]))
         return np.hstack(arrays)
 
@@ -357,7 +365,7 @@ def _compute_reliability(lines: FRF) -> FloatArray:
 
 
 def _estimate_noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
-    """Return relative scatter of F/X from line to line: what no smooth stiffness follows.
+    """Return the relative scatter of F/X from line to line.
 
     By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an
     FRF need not state its error; of neighbours, as lines beside a resonance are often worse known

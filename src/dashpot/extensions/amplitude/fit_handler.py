@@ -20,7 +20,7 @@ def run(request: FitRequest) -> CommandResult:
         law=request.model(AmplitudeLawOption),
         motion=request.hammer.motion,
         options=request.reading,
-        **request.some("seals", "band"),
-        **(request.some("machine") if "--machine" in request.get_option_words() else {}),
+        **request.select_options("seals", "band"),
+        **(request.select_options("machine") if "--machine" in request.get_option_words() else {}),
     )
     return request.write_output(levels)

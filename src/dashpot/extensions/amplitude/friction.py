@@ -58,7 +58,7 @@ class Coulomb(RateIndependent):
         return (0.0, 0.0)
 
     def step(self, state: tuple[float, float], x: float) -> tuple[float, tuple[float, float]]:
-        """Force, N; it stays what it was while nothing moves."""
+        """Force, N; constant without motion."""
         force = state[1] if x == state[0] else float(np.copysign(self.slip, x - state[0]))
         return force, (x, force)
 
@@ -95,12 +95,16 @@ class Iwan(Masing):
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form, also beyond 2 F_u / k."""
-        last = 2 * self.slip / self.k / amplitudes(amplitude)  # the largest yield over X
-        r = np.minimum(last, 1.0)
+        largest_yield_ratio = (
+            2 * self.slip / self.k / amplitudes(amplitude)
+        )  # the largest yield over X
+        r = np.minimum(largest_yield_ratio, 1.0)
         theta = np.arccos(1 - 2 * r)
         slip_part = (np.sin(theta) - theta * np.cos(theta) - np.sin(theta) ** 3 / 3) / (2 * np.pi)
         loss = 4 / np.pi * (r**2 / 2 - r**3 / 3)
-        return np.asarray(self.k / last * (slip_part + (last - r) + 1j * loss))
+        return np.asarray(
+            self.k / largest_yield_ratio * (slip_part + (largest_yield_ratio - r) + 1j * loss)
+        )
 
     def __mul__(self, count: float) -> Iwan:
         """`count` in parallel."""
@@ -128,11 +132,11 @@ class Berg(RateIndependent):
     def __post_init__(self) -> None:
         require_positive_parameters(self, "limit", "half_way")
 
-    def _compute_force_from(self, turning_point: Any, distance: Any, up: Any) -> Any:
-        """Return force after moving `distance` >= 0 from a turning point; `up` is +1 or -1."""
-        mu = up * turning_point / self.limit
+    def _compute_force_from(self, turning_point: Any, distance: Any, direction: Any) -> Any:
+        """Return the force at `distance` >= 0 from a turning point, in `direction` +1 or -1."""
+        mu = direction * turning_point / self.limit
         return turning_point + distance / (self.half_way * (1 - mu) + distance) * (
-            up * self.limit - turning_point
+            direction * self.limit - turning_point
         )
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:

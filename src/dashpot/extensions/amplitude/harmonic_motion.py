@@ -15,13 +15,13 @@ _PASSES = 3
 _MIN_COUNT = 2
 """Cycles: a creep that its drift is taken off looks like one."""
 _MIN_SAMPLES, _MANY = 7, 32
-"""Fewest samples of a cycle that distinguish a sine from a triangle, and noise from misfit."""
+"""Fewest samples per cycle that distinguish sine from triangle, and noise from misfit."""
 _MAX_DISTORTION = 0.04
-"""Rms of what a sine misses beyond noise, over its amplitude; of a triangle it misses 0.08."""
+"""Rms deviation from a sine beyond noise, over the amplitude; a triangle has 0.08."""
 _MIN_HARMONIC_SHARE = 0.65
-"""Part of the time from the first harmonic cycle to the last that such cycles fill."""
+"""Fraction of the time between first and last harmonic cycle that consists of such cycles."""
 _MIN_SPAN_SHARE = 0.4
-"""Part of a record that this time is at least: before it may be a ramp and a rest."""
+"""Smallest fraction of this time in the record, which may start with a ramp and a rest."""
 
 
 def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
@@ -33,17 +33,18 @@ def is_harmonic(time: FloatArray, motion: FloatArray, _: FloatArray) -> bool:
     Parameters
     ----------
     time, motion : array, shape (n,)
-        s, and displacement or strain in any unit. A third array, of what pushes, is not asked.
+        s, and displacement or strain in any unit. A third array, the force, is not checked.
     """
-    rises, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
-    starts = max(rises, fall_starts, key=len)
+    rise_starts, fall_starts = find_cycle_starts(time, motion), find_cycle_starts(time, -motion)
+    starts = max(rise_starts, fall_starts, key=len)
     cycles = [pair for pair in pairwise(starts.tolist()) if _is_sine(time, motion, *pair)]
     if len(cycles) < _MIN_COUNT:
         return False
-    filled = sum(end - begin for begin, end in cycles)
+    harmonic_duration = sum(end - begin for begin, end in cycles)
     span = cycles[-1][1] - cycles[0][0]
     return bool(
-        filled >= _MIN_HARMONIC_SHARE * span and span >= _MIN_SPAN_SHARE * float(np.ptp(time))
+        harmonic_duration >= _MIN_HARMONIC_SHARE * span
+        and span >= _MIN_SPAN_SHARE * float(np.ptp(time))
     )
 
 
@@ -68,9 +69,11 @@ def find_cycle_starts(t: FloatArray, x: FloatArray) -> FloatArray:
     noise = estimate_scatter(x)
     for _ in range(_PASSES):
         level = x - drift(t)
-        unsure, level_sd = _CROSSING_SD * noise, float(np.std(level))
+        tolerance, level_sd = _CROSSING_SD * noise, float(np.std(level))
         # of few samples a cycle a motion looks like noise, but of less than half its size
-        starts = _find_rises(t, level, min(unsure, level_sd) if 2 * noise < level_sd else unsure)
+        starts = _find_rises(
+            t, level, min(tolerance, level_sd) if 2 * noise < level_sd else tolerance
+        )
         if len(starts) < 3:
             break
         rows = np.searchsorted(t, starts)
@@ -86,11 +89,11 @@ def estimate_scatter(x: FloatArray) -> float:
     return float(1.4826 * median(np.abs(np.diff(x, 2))) / np.sqrt(6))
 
 
-def _find_rises(t: FloatArray, x: FloatArray, unsure: float) -> FloatArray:
+def _find_rises(t: FloatArray, x: FloatArray, tolerance: float) -> FloatArray:
     """Times at which x rises through its median; noise at a slow crossing is no cycle."""
     # a loop may stand on a preload, and small ones follow large ones about the same middle
     deviation = x - median(x)
-    is_clear = np.abs(deviation) > unsure
+    is_clear = np.abs(deviation) > tolerance
     t, deviation = t[is_clear], deviation[is_clear]
     turns = np.flatnonzero((deviation[:-1] < 0) & (deviation[1:] > 0))
     ratio = deviation[turns] / (deviation[turns] - deviation[turns + 1])

@@ -91,7 +91,7 @@ class HitLevels(HasChecks, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The verdict, the trend, and what it could have found."""
+        """The verdict, the trend, and the detectable trend."""
         trend = self.trend
         low, high = self.amplitudes
         return (

@@ -81,15 +81,15 @@ class LevelResonances:
     """Resonance at each level, with checks."""
 
     levels: tuple[LevelResonance, ...]
-    swept: SweptPart | None
+    swept_part: SweptPart | None
     preloaded: tuple[PreloadedLevel, ...]
     checks: tuple[Check, ...]
 
-    def complete(self, prediction: Prediction) -> LevelPrediction:
+    def add_to_prediction(self, prediction: Prediction) -> LevelPrediction:
         """Return the prediction with its levels."""
         entries = {field.name: getattr(prediction, field.name) for field in fields(prediction)}
         return LevelPrediction(
-            **entries, levels=self.levels, sweep=self.swept, preloaded=self.preloaded
+            **entries, levels=self.levels, sweep=self.swept_part, preloaded=self.preloaded
         )
 
 
@@ -98,14 +98,14 @@ class LevelEffect:
     """Effect of levels on parts, by an amplitude sweep or by the elastic law of the fit."""
 
     choices: LevelChoices
-    swept: SweptPart | None
+    swept_part: SweptPart | None
 
     def measured_peak(self, kind: Kind) -> Callable[[Solid, float, float], float] | None:
         """Return the resonance of a mass at the level at which that of the user was measured.
 
         None where the solid was measured as the resonance was: by a vanishing motion.
         """
-        fitted_sweep, stated_level = self.swept, self.choices.resonance_level
+        fitted_sweep, stated_level = self.swept_part, self.choices.resonance_level
         if fitted_sweep is None or not (stated_level or fitted_sweep.fitted_at):
             return None
         level = parse_level(stated_level, kind) if stated_level else VANISHING_LEVEL
@@ -123,7 +123,7 @@ class LevelEffect:
 
         return peak
 
-    def respond(
+    def predict_resonances(
         self,
         rig: MountedMass,
         part: PartChoices | None,
@@ -135,23 +135,23 @@ class LevelEffect:
         """Return the resonance at each level: of `scale` parts, `linear_frequency` in Hz."""
         anchor = self._anchor(part, rig.solid, kind=rig.kind, scale=scale)
         levels = [parse_level(word, rig.kind) for word in self.choices.levels]
-        if self.swept is not None:
-            resonances = self.swept.compute_resonances(
-                rig.solid, levels, scale=scale, mass=rig.load.mass, kind=rig.kind,
+        if self.swept_part is not None:
+            resonances = self.swept_part.compute_resonances(
+                rig.solid, levels, scale=scale, mass=rig.mass_on_seals.mass, kind=rig.kind,
                 around_hz=linear_frequency,
-                frequency=frequency, coupled=rig.load.coupled, anchor=anchor,
+                frequency=frequency, coupled=rig.mass_on_seals.coupled, anchor=anchor,
             )  # fmt: skip
-            checks = (*self.swept.check_level_coverage(resonances), *self.swept.checks)
-            return LevelResonances(resonances, self.swept, (), checks)
+            checks = (*self.swept_part.check_level_coverage(resonances), *self.swept_part.checks)
+            return LevelResonances(resonances, self.swept_part, (), checks)
         nonlinear_levels = preloaded_levels(
             rig.fit,
             levels,
-            rig.load,
+            rig.mass_on_seals,
             kind=rig.kind,
             around_hz=linear_frequency,
             frequency=frequency,
         )
-        depth = rig.rests.point.depth
+        depth = rig.equilibrium.point.depth
         compressions = tuple(
             compression_tested(level.compression, depth) for level in nonlinear_levels
         )
@@ -161,7 +161,7 @@ class LevelEffect:
         self, part: PartChoices | None, solid: Solid, *, kind: Kind, scale: float
     ) -> ReferencePoint | None:
         """The resonance that determined the geometry, and its strain; None where a shape did."""
-        fitted_sweep, stated_level = self.swept, self.choices.resonance_level
+        fitted_sweep, stated_level = self.swept_part, self.choices.resonance_level
         if (
             fitted_sweep is None
             or part is None

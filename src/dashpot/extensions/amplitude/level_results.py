@@ -28,7 +28,7 @@ from dashpot.solids.rate_independent import InParallel, RateIndependent
 Elements: TypeAlias = tuple[RateIndependent, ...]
 """Elements in parallel with a solid: sliders and a cubic spring."""
 Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
-"""A solid, and what stands beside it."""
+"""A solid, and its parallel elements."""
 
 
 @dataclass(frozen=True)
@@ -80,21 +80,21 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     Attributes
     ----------
     solid : GeneralizedMaxwell
-        What does not depend on the level; its single arms mean little beyond the band.
+        Part that does not depend on the level; its single arms mean little beyond the band.
     rate_independent : tuple of Jenkins or Cubic
-        What stands beside it: friction, a spectrum over yield displacements, and a spring that
-        stiffens or softens; none where it is not seen.
+        Elements in parallel: friction, as a spectrum over yield displacements, and a stiffening or
+        softening spring; empty if none was detected.
     amplitudes : (float, float)
         Range of displacement amplitudes of the seal that the lines cover, m.
     band : (float, float)
         Hz.
     residual : float
-        Rms of what is left of F/X, relative, over every line.
+        Relative rms residual of F/X over all lines.
     linear_residual : float
         As `residual`, of arms alone.
     draws : tuple of (GeneralizedMaxwell, tuple of Jenkins or Cubic)
-        The same fit of records that chance might have given: what is known of anything that
-        follows from the solid and what stands beside it. None of a fit that was read from a file.
+        Fits to simulated repetitions of the records: they give the uncertainty of every quantity
+        that follows from the solid and its parallel elements. None if read from a file.
     mass : float
         On all seals, kg.
     seals : float
@@ -106,9 +106,9 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         2 ln L of each explanation that was tried, over arms alone.
     specimen : Specimen
     steps : tuple of Step
-        What was made of it since.
+        Later steps.
     at : tuple of PeakAtLevel
-        The levels that were asked for.
+        The levels that were requested.
     """
 
     schema = "dashpot/levels@2"
@@ -172,7 +172,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def sliders(self) -> tuple[Jenkins, ...]:
-        """The friction beside the solid."""
+        """The friction in parallel to the solid."""
         return tuple(element for element in self.rate_independent if isinstance(element, Jenkins))
 
     @property
@@ -235,7 +235,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         )
 
     def at_compression(self, compression: float) -> NoReturn:  # noqa: ARG002
-        """Refuse every compression but that of the tests.
+        """Refuse a compression other than that of the tests.
 
         Raises
         ------
@@ -286,7 +286,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The verdict, and what moves with amplitude by how much."""
+        """The verdict, and the changes with amplitude."""
         low, high = self.amplitudes
         middle = np.pi * (self.band[0] + self.band[1])
         end_stiffnesses = self.stiffness(omega=middle, amplitude=[low, high])

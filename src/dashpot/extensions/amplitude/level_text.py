@@ -51,9 +51,9 @@ def _format_level_resonances(level_prediction: LevelPrediction) -> list[str]:
     message = f"  {' or '.join(level_prediction.sweep.names)} law of the sweep"
     if first_level.strain is not None:
         message += f", its strain {factors_text} of X/height"
-    last = level_prediction.levels[-1]
-    if last is not first_level:
-        change = 100 * (last.frequency / first_level.frequency - 1)
+    largest_level = level_prediction.levels[-1]
+    if largest_level is not first_level:
+        change = 100 * (largest_level.frequency / first_level.frequency - 1)
         message += f"; the peak moves by {change:+.3g} % from first to last"
     return [*table(rows), message]
 
@@ -123,11 +123,11 @@ def _format_interval_row(level: PreloadedLevel, min_value: float) -> list[str]:
     hz, height, shift, *harmonics = level.facts
     cells = ["  95 %"]
     for reported_value in (hz, height, *harmonics, shift):
-        reported = reported_value.has_interval and (
+        has_reported_interval = reported_value.has_interval and (
             reported_value.unit != "m" or abs(reported_value.value) > min_value
         )
         half_width = convert_to_unit(
             0.5 * (reported_value.high - reported_value.low), reported_value.read or "1"
         )
-        cells.append(f"± {half_width:.2g}" if reported else "")
+        cells.append(f"± {half_width:.2g}" if has_reported_interval else "")
     return [*cells, "", ""]

@@ -14,7 +14,7 @@ from dashpot.extensions.amplitude.preprocess import compute_sweep
 from dashpot.registry import LotSpecimen
 
 _SAME_AMPLITUDE_FACTOR = 1.05
-"""Amplitudes no farther apart than this factor are one."""
+"""Ratio up to which amplitudes count as equal."""
 _UNITS = (("N/m", "m"), ("Pa", ""))
 """Units of storage and amplitude: of a part, and of a material."""
 

@@ -23,7 +23,7 @@ def mass_at_level(
     frequency: FloatArray,
     kind: Kind | str = Kind.ACCELERANCE,
 ) -> tuple[FRF, FloatArray]:
-    r"""FRF of a rigid mass at a level, by one harmonic, and the stretch of what carries it, m.
+    r"""FRF of a rigid mass at a level, by one harmonic, and the deformation of its support, m.
 
     .. math:: |K^*(\omega, X) - m\omega^2|\,X = F, \qquad F = m a
 
@@ -34,13 +34,13 @@ def mass_at_level(
     solid : Solid
         All that carries the mass, N/m, at a vanishing amplitude.
     dependent : AmplitudeDependent or None
-        What amplitude changes of it.
+        Amplitude-dependent part.
     mass : float
         kg.
     level : float
         Amplitude of the force, N; for a transmissibility of the base's acceleration, m/s^2.
     frequency : array, shape (n,)
-        Hz, rising: where the resonance folds, what a sweep upwards shows.
+        Hz, rising: where the resonance folds, the branch of an upward sweep.
     kind : Kind or str
 
     Raises

@@ -27,7 +27,7 @@ class StagedSpring(RateIndependent):
     k : tuple of float
         Tangent stiffness of each stage, N/m, >= 0.
     until : tuple of float
-        Where all stages but the last end, m, rising from above 0.
+        Upper ends of all stages but the last, m, > 0 and rising.
     """
 
     k: tuple[float, ...]
@@ -49,7 +49,7 @@ class StagedSpring(RateIndependent):
         return np.asarray(np.copysign(self.k[0] * magnitude + excess @ np.diff(self.k), x))
 
     def start(self) -> None:
-        """Return no state: a spring remembers nothing."""
+        """Return an empty state: a spring has no history."""
 
     def step(self, state: None, x: float) -> tuple[float, None]:  # noqa: ARG002
         """Return the force, N."""
@@ -58,8 +58,8 @@ class StagedSpring(RateIndependent):
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Return the equivalent stiffness, N/m, in closed form."""
         r = np.minimum(np.asarray(self.until) / amplitudes(amplitude)[..., None], 1.0)
-        saturated = 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2))
-        return np.asarray(self.k[0] + (1 - saturated) @ np.diff(self.k) + 0j)
+        saturation_factor = 2 / np.pi * (np.arcsin(r) + r * np.sqrt(1 - r**2))
+        return np.asarray(self.k[0] + (1 - saturation_factor) @ np.diff(self.k) + 0j)
 
     def __mul__(self, count: float) -> StagedSpring:
         """Return `count` in parallel."""

@@ -37,11 +37,11 @@ from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.job import LevelJob
 
 _MIN_RELATIVE_ERROR = 1e-6
-"""Part of a number to which it is known at best: no sweep has more digits."""
+"""Smallest relative error of a number."""
 
 
 def page(levels: AmplitudeResult) -> KindPage:
-    """Return what the page of levels holds."""
+    """Return the contents of the result page of a fit at several amplitudes."""
     fit = levels.fit
     stiffness_checks = {
         "amplitude_dependence_detected",
@@ -88,7 +88,7 @@ def page(levels: AmplitudeResult) -> KindPage:
 
 
 def prediction_page(prediction: LevelPrediction) -> KindPage:
-    """Return what the page of a prediction at several amplitudes holds."""
+    """Return the contents of the page of a prediction at several amplitudes."""
     linear_page = solid_and_frf_pages.prediction_page(prediction)
     levels = (
         Group(
@@ -113,7 +113,7 @@ def draw_prediction(prediction: LevelPrediction) -> Picture:
 
 
 def fit_job(job: LevelJob) -> tuple[AmplitudeResult, JobPage]:
-    """Fit the files of a job, and list what the app shows of them."""
+    """Fit the files of a job, and return the cards for the app."""
     send_progress(f"fitting {', '.join(Path(path).name for path in job.files)}")
     levels = level_files(**vars(job))
     return levels, JobPage(
@@ -126,7 +126,7 @@ def fit_job(job: LevelJob) -> tuple[AmplitudeResult, JobPage]:
 
 
 def list_level_values(levels: AmplitudeResult) -> list[ReportedValue]:
-    """Return what moves with amplitude, and the resonance at every level that was asked for."""
+    """Return the amplitude-dependent quantities, and the resonance at every requested level."""
     fit = levels.fit
     if isinstance(fit, AmplitudeFit):
         return [*_make_law_facts(fit)]
@@ -214,7 +214,7 @@ def _get_amplitude_unit(fit: AmplitudeFit) -> tuple[str, float]:
 def _make_fact(
     name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
 ) -> ReportedValue:
-    """Return a number with its error; `size` is what it is a part of."""
+    """Return a number with its error; `size` is the quantity to which it is relative."""
     error = max(error, _MIN_RELATIVE_ERROR * max(abs(value), size))
     return ReportedValue.from_error(name, value, error, unit=unit, read=read)
 

@@ -29,7 +29,7 @@ class Softening(AmplitudeDependent):
     Attributes
     ----------
     solid : Solid
-        The solid that it stands beside: what a vanishing amplitude feels.
+        The solid in parallel, valid at vanishing amplitude.
     share : float
         d, the part of the stiffness that large amplitudes lose, 0 < d <= 1.
     half_way : float
@@ -37,7 +37,7 @@ class Softening(AmplitudeDependent):
     exponent : float
         m, 0 < m < 1.
     since : float
-        X_0, m; 0 where the solid is what a vanishing amplitude feels.
+        X_0, m; 0 where the solid is valid at vanishing amplitude.
     """
 
     solid: Solid

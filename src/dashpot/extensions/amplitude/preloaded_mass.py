@@ -46,7 +46,7 @@ REPORTED_HARMONICS = 5
 _MAX_HARMONICS, _HARMONIC_TOLERANCE = 80, 1e-7
 """Harmonics at most, and what twice as many may change of those shown, of the largest."""
 _PER_HARMONIC, _MIN_COUNT = 32, 256
-"""Samples of a cycle for each harmonic, and at least."""
+"""Samples per cycle for each harmonic, and their smallest number."""
 _FLOQUET_STEPS = 256
 _JUMP_RATIO, _MAX_HALVINGS, _STEP = 0.2, 8, 1e-5
 """Part of the first harmonic by which neighbours differ that may be two answers, and how often the
@@ -75,9 +75,9 @@ class Orbit(EqualByValue):
     multiplier : complex
         The largest Floquet multiplier: by how much a small disturbance grows in a period.
     lost_contact : float
-        Part of the cycle in which nothing presses.
+        Fraction of the cycle without contact.
     least, most : float
-        Compressions between which it swings, m; a seal that has not caught up lets go above 0.
+        Compressions between which it swings, m; a seal that has not recovered separates above 0.
     """
 
     frequency: float
@@ -150,8 +150,8 @@ class Jump(NamedTuple):
 class BalancedState(NamedTuple):
     """Solution of the harmonic balance, with the state of contact at each sample."""
 
-    unknown: FloatArray
-    pressing: BoolArray
+    unknowns: FloatArray
+    in_contact: BoolArray
     path: FloatArray
 
 
@@ -166,14 +166,14 @@ class PreloadedMass:
     law : ElasticLaw or PolynomialLaw
         Relaxed force of all that carries it.
     solid : Solid
-        Whose arms answer that force; its own stiffness does not matter.
+        Its arms relax that force; its equilibrium stiffness is not used.
     preload : float or None
         N; by default the weight.
 
     Raises
     ------
     DataError
-        If the preload pulls, nothing carries it, or several compressions do.
+        If the preload is tensile, or is in equilibrium at no compression or at several.
 
     Examples
     --------
@@ -227,7 +227,7 @@ class PreloadedMass:
         return self._rest_positions[0]
 
     def shaken(self, *, level: Quantity, frequency: Quantity) -> Orbit:
-        """Return the steady answer to a harmonic force, in as many harmonics as it takes.
+        """Return the steady response to a harmonic force, with as many harmonics as necessary.
 
         Parameters
         ----------
@@ -248,15 +248,16 @@ class PreloadedMass:
         state = line.solve_by_continuation()
         while 2 * line.most <= _MAX_HARMONICS:
             finer = _PressedBalance(self, hz, F, 2 * line.most)
-            finer_state = finer.from_start(line.extend_harmonics(state.unknown, finer.most))
+            finer_state = finer.solve_from(line.extend_harmonics(state.unknowns, finer.most))
             if finer_state is None:
                 break
-            coarse, fine_harmonics = (
-                line.harmonics(state.unknown),
-                finer.harmonics(finer_state.unknown),
+            coarse_harmonics, fine_harmonics = (
+                line.harmonics(state.unknowns),
+                finer.harmonics(finer_state.unknowns),
             )
             change = np.abs(
-                fine_harmonics[: REPORTED_HARMONICS + 1] - coarse[: REPORTED_HARMONICS + 1]
+                fine_harmonics[: REPORTED_HARMONICS + 1]
+                - coarse_harmonics[: REPORTED_HARMONICS + 1]
             ).max()
             line, state = finer, finer_state
             if change <= _HARMONIC_TOLERANCE * np.abs(fine_harmonics).max():
@@ -271,8 +272,8 @@ class PreloadedMass:
         """The answers to a force, N, over frequencies, Hz, in their order, :data:`HARMONICS` each.
 
         Each goes on from the one before, the first from `start`, where that leads to one that
-        lasts, else it is followed from rest. Those that do not last are among them; lines without
-        one are left out.
+        lasts, else it is followed from rest. Unstable ones are included; lines without one are
+        omitted.
 
         Raises
         ------
@@ -307,7 +308,7 @@ class PreloadedMass:
         )
 
     def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
-        """Return where a sweep leaves one answer that lasts for another.
+        """Return the jumps of a sweep from one stable response to another.
 
         Beyond the jump both last, so that a sweep the other way meets the other one.
         """
@@ -352,12 +353,12 @@ class PreloadedMass:
         with R' what the balance of the other leaves. Shape (others, H + 1), m.
         """
         line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
-        z = line.real(orbit.harmonics)
+        z = line.to_real(orbit.harmonics)
         residuals = [
             _PressedBalance(mass, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
             for mass in others
         ]
-        change = -np.linalg.solve(line.slope(z), np.reshape(residuals, (-1, len(z))).T).T
+        change = -np.linalg.solve(line.jacobian(z), np.reshape(residuals, (-1, len(z))).T).T
         return np.array([line.harmonics(item) for item in change]).reshape(-1, line.most + 1)
 
     def end_changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> FloatArray:
@@ -368,8 +369,8 @@ class PreloadedMass:
         with w what the slope of the balance no longer reaches there, its left null vector.
         """
         line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
-        z = line.real(orbit.harmonics)
-        w = np.linalg.svd(line.slope(z))[0][:, -1]
+        z = line.to_real(orbit.harmonics)
+        w = np.linalg.svd(line.jacobian(z))[0][:, -1]
 
         def evaluate_balance(preloaded_mass: PreloadedMass, hz: float) -> float:
             return float(
@@ -385,7 +386,7 @@ class PreloadedMass:
     def _solve_near_orbit(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
         """Return the answer at a frequency to which that at another leads."""
         line = _PressedBalance(self, hz, level, len(orbit.harmonics) - 1)
-        state = line.from_start(line.real(orbit.harmonics))
+        state = line.solve_from(line.to_real(orbit.harmonics))
         return None if state is None else line.orbit(state)
 
 
@@ -447,7 +448,7 @@ class _PressedBalance:
         padding = np.zeros(harmonic_count - self.most)
         return np.concatenate((z[: self.most + 1], padding, z[self.most + 1 :], padding))
 
-    def real(self, value: ComplexArray) -> FloatArray:
+    def to_real(self, value: ComplexArray) -> FloatArray:
         """Return the real unknowns, of complex ones."""
         return np.concatenate((value.real, value.imag[1:]))
 
@@ -458,7 +459,7 @@ class _PressedBalance:
         return np.asarray(np.fft.irfft(value, self.samples, axis=0))
 
     def pressing(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Compression, m, and what presses were the seal glued, N, over a cycle."""
+        """Compression, m, and the force of a seal that cannot separate, N, over a cycle."""
         x = self.basis @ z
         return x, self._apply_arms(self.of.law.force(np.maximum(x, 0.0)))
 
@@ -468,13 +469,13 @@ class _PressedBalance:
         residual = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
         residual[0] -= self.of.static_force
         residual[1] -= share * self.level
-        return self.real(residual)
+        return self.to_real(residual)
 
-    def slope(self, z: FloatArray) -> FloatArray:
+    def jacobian(self, z: FloatArray) -> FloatArray:
         """Return the derivative of the balance by the unknowns, N/m."""
-        x, glued = self.pressing(z)
+        x, contact_state = self.pressing(z)
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
-        force = np.where(glued > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
+        force = np.where(contact_state > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
         # samples last
         harmonics = self.cycle.harmonics_of(force)
         H = self.most
@@ -488,11 +489,11 @@ class _PressedBalance:
         z[0] = self.of.rest
         return z
 
-    def from_start(self, z: FloatArray) -> BalancedState | None:
+    def solve_from(self, z: FloatArray) -> BalancedState | None:
         """Return the answer near some unknowns."""
         values = find_root_by_newton(
             lambda z: self.balance(z, 1.0),
-            lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
+            lambda z, r: np.asarray(np.linalg.solve(self.jacobian(z), r)),
             z,
             size=self.size,
             max_steps=15,
@@ -500,8 +501,8 @@ class _PressedBalance:
         return None if values is None else self._build_balanced_state(values)
 
     def _build_balanced_state(self, z: FloatArray) -> BalancedState:
-        x, glued = self.pressing(z)
-        return BalancedState(z, glued > 0, x)
+        x, contact_state = self.pressing(z)
+        return BalancedState(z, contact_state > 0, x)
 
     def solve_by_continuation(self) -> BalancedState:
         """Return the answer that rest becomes as the level rises: by arc length, past every fold.
@@ -520,18 +521,18 @@ class _PressedBalance:
         tangent = direction / np.linalg.norm(direction / scale)
         for _ in range(_MAX_STEPS):
             ratio = float((1 - fraction) / tangent[n]) if tangent[n] > 0 else np.inf
-            last = ratio <= step
+            is_last_step = ratio <= step
             length = min(ratio, step)
             self.steps += 1
             arclength_step = self._solve_arclength_step(
-                z, fraction, tangent, length, scale, last=last
+                z, fraction, tangent, length, scale, last=is_last_step
             )
             if arclength_step is None:
                 step = length / 2
                 if step < _MIN_STEP:
                     break
                 continue
-            if last:
+            if is_last_step:
                 return self._build_balanced_state(arclength_step[:n])
             if arclength_step[n] > 1:  # the level lies between, and is met from below
                 step = length / 2
@@ -555,7 +556,7 @@ class _PressedBalance:
         """Direction of the curve of unknowns and share; its product with the last one is 1."""
         n = len(z)
         border = np.zeros((n + 1, n + 1))
-        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, previous_tangent
+        border[:n, :n], border[1, n], border[n] = self.jacobian(z), -self.level, previous_tangent
         return np.asarray(np.linalg.solve(border, np.append(np.zeros(n), 1.0)))
 
     def _solve_arclength_step(
@@ -580,7 +581,7 @@ class _PressedBalance:
 
         def step(u: FloatArray, r: FloatArray) -> FloatArray:
             border = np.zeros((n + 1, n + 1))
-            border[:n, :n], border[1, n], border[n] = self.slope(u[:n]), -self.level, normal
+            border[:n, :n], border[1, n], border[n] = self.jacobian(u[:n]), -self.level, normal
             border[:n] /= self.size
             return np.asarray(np.linalg.solve(border, r))
 
@@ -598,7 +599,7 @@ class _PressedBalance:
         DataError
             If it moves farther than in any test.
         """
-        amplitude = float(np.abs(self.harmonics(state.unknown)[1:]).max())
+        amplitude = float(np.abs(self.harmonics(state.unknowns)[1:]).max())
         SIZES["amplitude"].refuse(
             max(amplitude, SIZES["amplitude"].hard[0]),
             f"at an amplitude of {format_quantity_short(self.level, 'N')} the mass would move by "
@@ -609,9 +610,9 @@ class _PressedBalance:
             self.hz,
             self.level,
             self.of.rest,
-            self.harmonics(state.unknown),
-            self._multiplier(state.unknown),
-            float((~state.pressing).mean()),
+            self.harmonics(state.unknowns),
+            self._multiplier(state.unknowns),
+            float((~state.in_contact).mean()),
             float(state.path.min()),
             float(state.path.max()),
         )

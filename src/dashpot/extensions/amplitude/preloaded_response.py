@@ -79,7 +79,7 @@ class PreloadedLevel(Serialisable):
         Amplitude of the force, N, or of the base's acceleration, m/s^2.
     unit : str
     frequency, value : float
-        Frequency and value of the largest magnitude of answers that last, Hz, and that magnitude.
+        Frequency, Hz, and value of the largest magnitude of the stable responses.
     orbit : Orbit
         The answer there.
     doubled : Orbit
@@ -87,7 +87,8 @@ class PreloadedLevel(Serialisable):
     unsteady : tuple of (float, float)
         Between which frequencies no answer at the drive's period lasts, Hz.
     jumps : tuple of Jump
-        Where a rising frequency leaves one answer for another, which a falling one keeps.
+        Jumps between two responses at rising frequency; at falling frequency the second one
+        persists.
     frf : FRF
         First harmonics over the band.
     interval : LevelInterval or None
@@ -222,7 +223,7 @@ def preloaded_levels(
     Raises
     ------
     DataError
-        If the law does not bend, nothing rests, or no resonance is found.
+        If the law is linear, there is no static equilibrium, or no resonance is found.
     """
     if fit.elastic_law is None or fit.elastic_law.kind == "linear":
         raise DataError(
@@ -270,16 +271,16 @@ def _list_shifted_laws(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Soli
 
 @dataclass(frozen=True)
 class _AtLevels:
-    """A pressed mass, others one standard error off, and what of them is asked."""
+    """Responses of a preloaded mass, and of masses with one parameter off by its error."""
 
     preloaded_mass: PreloadedMass
-    others: Sequence[PreloadedMass]
-    load: MassOnSeals
+    perturbed_masses: Sequence[PreloadedMass]
+    mass_on_seals: MassOnSeals
     kind: Kind
 
     def compute_resonance(self, level: float, band: FloatArray, around_hz: float) -> PreloadedLevel:
         """Return the resonance at a level, N or m/s^2."""
-        force = self.load.mass * level if self.kind.over_base else level
+        force = self.mass_on_seals.mass * level if self.kind.over_base else level
         if force >= self.preloaded_mass.static_force:
             raise DataError(
                 f"an amplitude of {level:.4g} {get_level_unit(self.kind)} lifts the mass off the "
@@ -289,10 +290,14 @@ class _AtLevels:
         range_hz = around_hz * _LINE_RANGE[0], around_hz * _LINE_RANGE[1]
         lines = np.union1d(band, np.geomspace(*range_hz, _LINES))
         orbits_in_sweep = self.preloaded_mass.sweep(level=force, frequency=lines)
-        lasting = [orbit for orbit in orbits_in_sweep if orbit.stable]
-        near_orbits = [orbit for orbit in lasting if range_hz[0] <= orbit.frequency <= range_hz[1]]
+        stable_orbits = [orbit for orbit in orbits_in_sweep if orbit.stable]
+        near_orbits = [
+            orbit for orbit in stable_orbits if range_hz[0] <= orbit.frequency <= range_hz[1]
+        ]
         peak_index = (
-            int(np.argmax([self.size(orbit) for orbit in near_orbits])) if near_orbits else 0
+            int(np.argmax([self.response_magnitude(orbit) for orbit in near_orbits]))
+            if near_orbits
+            else 0
         )
         if peak_index in {0, max(len(near_orbits) - 1, 0)}:
             raise DataError(
@@ -311,17 +316,17 @@ class _AtLevels:
         )
         # both sides of a jump, between which nothing is to be drawn
         orbits = {
-            end.frequency: end for end in (*lasting, *(end for jump in jumps for end in jump))
+            end.frequency: end for end in (*stable_orbits, *(end for jump in jumps for end in jump))
         }
         shown_orbits = [orbits[hz] for hz in sorted(orbits) if band[0] <= hz <= band[-1]]
         return PreloadedLevel(
             level,
             get_level_unit(self.kind),
             run[best].frequency,
-            self.size(run[best]),
+            self.response_magnitude(run[best]),
             run[best],
             find_largest_orbit(near_orbits, 2),
-            _find_unsteady_runs(lines, lasting),
+            _find_unsteady_runs(lines, stable_orbits),
             jumps,
             self.frf(shown_orbits),
             self.interval(run, best, jump_into, shown_orbits),
@@ -332,12 +337,12 @@ class _AtLevels:
         fine_lines = np.linspace(start.frequency, last.frequency, _FINE_LINES)[1:-1]
         about_top = self.preloaded_mass.sweep(level=force, frequency=fine_lines, start=start)
         run = [start, *(orbit for orbit in about_top if orbit.stable), last]
-        best_index = int(np.argmax([self.size(orbit) for orbit in run]))
+        best_index = int(np.argmax([self.response_magnitude(orbit) for orbit in run]))
         if 0 < best_index < len(run) - 1:
             # between the lines, where the parabola through three is highest
             top_orbits = run[best_index - 1 : best_index + 2]
             curvature, slope, _ = _fit_parabola(top_orbits) @ np.log(
-                [self.size(orbit) for orbit in top_orbits]
+                [self.response_magnitude(orbit) for orbit in top_orbits]
             )
             near_top = np.array([top_orbits[1].frequency - slope / (2 * curvature)])
             summit = self.preloaded_mass.sweep(level=force, frequency=near_top, start=top_orbits[1])
@@ -354,12 +359,16 @@ class _AtLevels:
         H = np.asarray(response / force, dtype=complex)
         if not self.kind.over_base:
             return FRF.from_receptance(f, H, kind=self.kind)
-        T: ComplexArray = np.asarray(1 + self.load.mass * (2 * np.pi * f) ** 2 * H)
+        T: ComplexArray = np.asarray(1 + self.mass_on_seals.mass * (2 * np.pi * f) ** 2 * H)
         frf = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
-        coupled = self.load.coupled
-        return add_mount_mass(frf, mass=self.load.mass, coupled=coupled) if coupled > 0 else frf
+        coupled = self.mass_on_seals.coupled
+        return (
+            add_mount_mass(frf, mass=self.mass_on_seals.mass, coupled=coupled)
+            if coupled > 0
+            else frf
+        )
 
-    def size(self, orbit: Orbit) -> float:
+    def response_magnitude(self, orbit: Orbit) -> float:
         """Magnitude of the response."""
         return float(np.abs(self.frf([orbit]).value[0]))
 
@@ -373,40 +382,44 @@ class _AtLevels:
         The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
         :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.
         """
-        if not self.others:
+        if not self.perturbed_masses:
             return None
         response, f = (
             np.abs(self.frf(shown_orbits).value),
             [orbit.frequency for orbit in shown_orbits],
         )
-        errors = [_compute_norm(self._logs(orbit)) for orbit in shown_orbits[::_LINE_STRIDE]]
+        errors = [_compute_norm(self._log_changes(orbit)) for orbit in shown_orbits[::_LINE_STRIDE]]
         error_factor = np.exp(NORMAL * np.interp(f, f[::_LINE_STRIDE], errors))
         magnitude = np.array([response / error_factor, response * error_factor])
         peak_orbit, first, last = run[best], best == 0, best == len(run) - 1
         if first or last:
             end = peak_orbit if jump_into is None or last else jump_into.before
-            shift = self.preloaded_mass.end_changes(end, self.others)
+            shift = self.preloaded_mass.end_changes(end, self.perturbed_masses)
         else:
             shift = self._compute_frequency_shifts(run[best - 1 : best + 2])
         frequency = _compute_interval(peak_orbit.frequency, shift)
         if last:
             return LevelInterval(frequency, None, None, None, magnitude)
         by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
-        log_slope = by_frequency(lambda orbit: np.log(self.size(orbit)))
-        value = self.size(peak_orbit) * np.exp(
-            NORMAL * _compute_norm(self._logs(peak_orbit) + log_slope * shift) * _SIGNS
+        log_slope = by_frequency(lambda orbit: np.log(self.response_magnitude(orbit)))
+        value = self.response_magnitude(peak_orbit) * np.exp(
+            NORMAL * _compute_norm(self._log_changes(peak_orbit) + log_slope * shift) * _SIGNS
         )
         count = len(peak_orbit.harmonic_amplitudes)
         rotation = np.conj(peak_orbit.harmonics[:count]) / np.maximum(
             peak_orbit.harmonic_amplitudes, 1e-300
         )
-        real = (rotation * self.preloaded_mass.changes(peak_orbit, self.others)[:, :count]).real
+        real = (
+            rotation * self.preloaded_mass.changes(peak_orbit, self.perturbed_masses)[:, :count]
+        ).real
         real += np.outer(shift, by_frequency(lambda orbit: orbit.harmonic_amplitudes))
-        rest_changes = np.array([other.rest for other in self.others]) - peak_orbit.rest
+        rest_changes = np.array([other.rest for other in self.perturbed_masses]) - peak_orbit.rest
         low, high = value.tolist()
         return LevelInterval(
             frequency,
-            (low, high) if high < (1 + _MAX_HALF_WIDTH) * self.size(peak_orbit) else None,
+            (low, high)
+            if high < (1 + _MAX_HALF_WIDTH) * self.response_magnitude(peak_orbit)
+            else None,
             _compute_narrow_interval(peak_orbit.shift, real[:, 0] - rest_changes),
             tuple(
                 _compute_narrow_interval(float(number), real[:, h])
@@ -417,20 +430,20 @@ class _AtLevels:
             magnitude,
         )
 
-    def _logs(self, orbit: Orbit) -> FloatArray:
+    def _log_changes(self, orbit: Orbit) -> FloatArray:
         """Return the change of the logarithm of the response for each of the other masses."""
         first = complex(orbit.harmonics[1])
         part = _SLOPE_SHARE * first
         value, changed_value = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
-        change = self.preloaded_mass.changes(orbit, self.others)[:, 1]
+        change = self.preloaded_mass.changes(orbit, self.perturbed_masses)[:, 1]
         return np.asarray(((value - changed_value) / part / value * change).real)
 
     def _compute_frequency_shifts(self, top_orbits: Sequence[Orbit]) -> FloatArray:
         """Return the shift of the largest response for each of the other masses, Hz."""
         curvature, slope, _ = _fit_parabola(top_orbits)
-        size = np.log([self.size(orbit) for orbit in top_orbits])
+        size = np.log([self.response_magnitude(orbit) for orbit in top_orbits])
         return np.asarray(
-            -(slope @ [self._logs(orbit) for orbit in top_orbits]) / (2 * curvature @ size)
+            -(slope @ [self._log_changes(orbit) for orbit in top_orbits]) / (2 * curvature @ size)
         )
 
     @staticmethod
@@ -443,11 +456,15 @@ class _AtLevels:
 
 
 def _find_adjacent_jumps(
-    low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
+    low: Orbit, peak_orbit: Orbit, high: Orbit, jumps: Sequence[Jump]
 ) -> tuple[Jump | None, Jump | None]:
     """The jump into the largest response from the one below it, and out of it to the one above."""
-    jumps_into = (jump for jump in jumps if low.frequency < jump.after.frequency <= top.frequency)
-    jumps_out = (jump for jump in jumps if top.frequency <= jump.before.frequency < high.frequency)
+    jumps_into = (
+        jump for jump in jumps if low.frequency < jump.after.frequency <= peak_orbit.frequency
+    )
+    jumps_out = (
+        jump for jump in jumps if peak_orbit.frequency <= jump.before.frequency < high.frequency
+    )
     return next(jumps_into, None), next(jumps_out, None)
 
 
@@ -479,10 +496,10 @@ def _compute_narrow_interval(value: float, change: FloatArray) -> Ends | None:
 
 
 def _find_unsteady_runs(
-    lines: FloatArray, lasting: Sequence[Orbit]
+    lines: FloatArray, stable_orbits: Sequence[Orbit]
 ) -> tuple[tuple[float, float], ...]:
     """Runs of lines without an answer that lasts, Hz."""
-    is_missing = ~np.isin(lines, [orbit.frequency for orbit in lasting])
+    is_missing = ~np.isin(lines, [orbit.frequency for orbit in stable_orbits])
     turns = np.flatnonzero(np.diff(np.concatenate(([0], is_missing.astype(int), [0]))))
     return tuple(
         (float(lines[a]), float(lines[b - 1])) for a, b in zip(turns[::2], turns[1::2], strict=True)

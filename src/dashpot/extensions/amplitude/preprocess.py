@@ -20,9 +20,9 @@ _MIN_SAMPLES_PER_CYCLE = 12
 _STEADY_CHANGE = 0.05
 """Change of amplitude from a cycle to the next, relatively, in which a loop is closed."""
 _ONE_TONE = 1.05
-"""Cycles whose frequencies lie no farther apart than this factor were asked for at one."""
+"""Ratio up to which frequencies of cycles count as equal."""
 _MAX_TILT = 1e-3
-"""Part of a force by which a drift tilts its flat end."""
+"""Relative slope of a clipped force by drift."""
 _ELASTIC = "a law of stress over strain is fitted with --kind stress-strain"
 
 
@@ -71,12 +71,12 @@ def compute_sweep(test: LoopRecord, machine: Machine | None = None) -> Amplitude
     machine.refuse_unused("sync", subject="recorded loops")
     cycles = find_steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
-    unit, amplitude_unit, pushed = (
+    unit, amplitude_unit, force = (
         ("N/m", "m", "force") if isinstance(test, RelaxationTest) else ("Pa", "strain", "stress")
     )
     source = test.source
     if source is not None and cycles[0].sign_reversed:
-        note = f"the {pushed} falls where the motion rises; its sign was reversed"
+        note = f"the {force} falls where the motion rises; its sign was reversed"
         source = replace(source, notes=(*source.notes, note))
     return AmplitudeSweep(
         np.array([cycle.frequency for cycle in cycles]),
@@ -153,7 +153,7 @@ def find_steady_cycles(test: LoopRecord) -> tuple[HysteresisLoop, ...]:
 
 
 def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
-    r"""Return how long what pushes stays at its largest or least value, as a part of a cycle.
+    r"""Return the part of a cycle for which the force is at its largest or smallest value.
 
     Of the loops at least half as large as the largest it is the longest stretch within six standard
     deviations of the noise, less that of the crest of a sine, :math:`\sqrt{2\delta/A}/\pi`.
@@ -176,9 +176,9 @@ def find_flat_part(loops: Sequence[HysteresisLoop]) -> float:
 
 
 def _find_tones(frequency: FloatArray) -> FloatArray:
-    """Return the frequency that each cycle was asked to have: neighbours share their median.
+    """Return the nominal frequency of each cycle: neighbours share their median.
 
-    Those of a sweep of the frequency have their own: most are far from the median.
+    Cycles of a frequency sweep have their own: most are far from the median.
     """
     order = np.argsort(frequency)
     indices = np.flatnonzero(np.diff(np.log(frequency[order])) > np.log(_ONE_TONE))

@@ -103,7 +103,7 @@ def read_loops(
 ) -> LoopRecord:
     """Return the hysteresis loops in a file, in SI units.
 
-    Displacement and force are those of a part, strain and stress those of a material.
+    Displacement and force belong to a part, strain and stress to a material.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def read_amplitude(
     Storage and loss (or storage and loss factor) against a column of strain or displacement
     amplitude (a column that says peak to peak, double amplitude or rms is turned into it, with a
     note), at one frequency or a few, in any order; frequencies that differ by less than an
-    instrument holds them are one. Rows that lack a number are left out with a note.
+    instrument's accuracy are equal. Rows that lack a number are omitted with a note.
 
     Raises
     ------
@@ -174,7 +174,7 @@ def read_amplitude(
 
 
 def _find_tones(frequency: FloatArray) -> FloatArray:
-    """Return the frequencies, each the median of those that an instrument meant to be the same."""
+    """Return the frequencies, each the median of a group with the same nominal one."""
     if not np.all(frequency > 0):
         return frequency
     tone = group_values(np.log10(frequency), ONE_FREQUENCY_DECADES)

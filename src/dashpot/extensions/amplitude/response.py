@@ -26,7 +26,7 @@ def receptance_at_level(level_fit: LevelFit, level: float, frequency: FloatArray
     level : float
         N.
     frequency : array, shape (n,)
-        Hz, rising: where the resonance folds, what a sweep upwards shows.
+        Hz, rising: where the resonance folds, the branch of an upward sweep.
     """
     solid = level_fit.seals * level_fit.solid
     dependent = (
@@ -50,7 +50,7 @@ def resonance_at_level(
 ) -> tuple[float, float]:
     r"""Frequency, Hz, and amplitude, m, of the largest motion under a force of that amplitude.
 
-    The force that an amplitude takes is least at its own resonance,
+    The force required for an amplitude is smallest at its own resonance,
 
     .. math:: F(X) = X \min_\omega |n K^*(\omega, X) - m\omega^2|
 
@@ -132,7 +132,7 @@ def with_third_harmonic(
     Parameters
     ----------
     parts : (GeneralizedMaxwell, tuple of Jenkins or Cubic)
-        Friction is left out of the motion at the third harmonic.
+        Friction is omitted from the motion at the third harmonic.
     omega, X : array
         rad/s and m; broadcast.
     inertia : float

@@ -5,8 +5,8 @@ elongation u until it reaches the slip force; then it stays there and u does not
 
 .. math:: |F[u]| \le F_c, \qquad \dot u = \dot x \text{ while } |F| < F_c
 
-A steady cycle is antisymmetric: after half of it the state of the solid is the negative of what it
-was. That is solved by Newton; the map of half a cycle is affine wherever what slips stays the same.
+A steady cycle is antisymmetric: after half of it the state of the solid has the opposite sign. That
+is solved by Newton; the map of half a cycle is affine while the same elements slip.
 
 Source: P. Gaillard and R. Singh, Applied Acoustics 60 (2000) 37.
 """
@@ -135,7 +135,7 @@ _STEPS_PER_HALF_CYCLE, _MAX_ITERATIONS, _STEADY_TOLERANCE = 512, 60, 1e-9
 _DASHPOT_OMEGA_TAU = 1e-4
 """Product omega tau of a dashpot that is represented by an arm."""
 _TABULATED_RATIOS = np.geomspace(1e-3, 1e8, 130)
-"""Amplitudes over the one that begins to slip, less 1, at which the answer is tabulated."""
+"""Tabulated ratios of amplitude and slip amplitude, less 1."""
 
 
 def compute_slip_ratio(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:

@@ -28,22 +28,22 @@ def render_levels(value: AmplitudeResult) -> Text:
     rows = [["amplitude, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for item in value.at:
         peak, motion = (reported_value.cells.ascii for reported_value in item.facts)
-        of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
+        peak_value, motion_value = (peak.value, peak.interval), (motion.value, motion.interval)
         seal = f"{convert_to_unit(item.amplitude, 'mm'):.3g}"
-        rows.append([f"{item.level:.4g}", *of_peak, *of_motion, seal])
+        rows.append([f"{item.level:.4g}", *peak_value, *motion_value, seal])
     return Text([*lines, *(table(rows) if value.at else ()), *list_notes(value.source)])
 
 
 def _format_small_loops(amplitude_fit: AmplitudeFit) -> list[str]:
     """Return lines on storage and loss of small loops, and the delay that their errors include."""
-    read = get_display_unit(amplitude_fit.unit)
+    display_unit = get_display_unit(amplitude_fit.unit)
     storage, loss = ("stiffness", "loss")
     if amplitude_fit.unit == "Pa":
         storage, loss = ("storage modulus", "loss modulus")
     stiffness_texts = (
         f"at {line.frequency_hz:.4g} Hz {storage} "
         f"{with_error(line.storage, line.storage_se, amplitude_fit.unit)}, {loss} "
-        f"{with_error(line.loss, line.loss_se, amplitude_fit.unit)} {read}"
+        f"{with_error(line.loss, line.loss_se, amplitude_fit.unit)} {display_unit}"
         for line in amplitude_fit.lines
     )
     quantity = format_quantity(amplitude_fit.delay_sd, "ms", ".3g")

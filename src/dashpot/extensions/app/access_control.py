@@ -53,7 +53,7 @@ class Guard:
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer one request of the ASGI server, or let it through."""
+        """Answer one request of the ASGI server, or pass it on."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return

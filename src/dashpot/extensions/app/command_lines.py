@@ -39,7 +39,7 @@ _part_files: dict[Any, str] = {}
 
 
 def note_file(part: T, name: str) -> T:
-    """Return a part of a job that a file states, whose options are then the name of that file."""
+    """Return a part of a job stated in a file; its option is the name of that file."""
     _part_files[part] = name
     return part
 
@@ -94,7 +94,7 @@ def format_values(attribute: Field[Any], value: Any) -> list[str]:
 def format_command_quantity(value: float, dimension: Dimension) -> str:
     """Return an SI value as it is typed: a text that is read as exactly this value.
 
-    In the unit that people use where that loses no digit, else in the SI unit.
+    In the customary unit if no digit is lost, else in the SI unit.
 
     >>> format_command_quantity(0.1148, "mass"), format_command_quantity(296.15,
     ...     "temperature"), format_command_quantity(1 / 3, "length")
@@ -114,7 +114,7 @@ def format_command_quantity(value: float, dimension: Dimension) -> str:
 
 
 FIT_FILE = "fit.json"
-"""What the solid is called that one command writes and the next reads."""
+"""File name of the solid that one command writes and the next reads."""
 
 
 def format_job_command(command: str, job: Any) -> str:

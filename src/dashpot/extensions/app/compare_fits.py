@@ -46,7 +46,7 @@ from dashpot.workflow.study import Study
 
 PENS = {"A": Pen("fit", 2.0, (7, 4)), "B": Pen("joint-ink", 2.0)}
 MULTIPLE_FROM = 1.5
-"""Above which a number is so many times another, and not so many per cent more."""
+"""Ratio above which a difference is stated as a multiple, not in per cent."""
 
 
 class ComparedFit(NamedTuple):
@@ -83,7 +83,7 @@ def _load_fit(name: str, request: Mapping[str, Any], folder: Path) -> ComparedFi
 
 
 def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Two fits: verdict of neither, figures of both, a table with their difference."""
+    """Comparison of two fits: their figures, and a table with the differences."""
     a, b = (_load_fit(name, request, folder) for name in "AB")
     sizes = get_panel_sizes(request)
     rows = [*_compare_numbers(a, b), *_compare_arms(a.solid, b.solid)]
@@ -109,8 +109,8 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
-def _get_source_name(side: ComparedFit) -> str:
-    return "joint model" if side.study.joint is not None else "relaxation"
+def _get_source_name(compared_fit: ComparedFit) -> str:
+    return "joint model" if compared_fit.study.joint is not None else "relaxation"
 
 
 def _make_indicators(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
@@ -134,7 +134,7 @@ class ComparedValue(NamedTuple):
 def _compare_numbers(a: ComparedFit, b: ComparedFit) -> Iterator[ComparedValue]:
     """Return the numbers that both fits have, with the limits of A."""
     values_of_b = {value.quantity: value for value in b.values}
-    mass_quantities = {answer.quantity for answer in a.recommendation.under_mass}
+    mass_quantities = {answer.quantity for answer in a.recommendation.mass_values}
     for value_of_a in a.values:
         value_of_b = values_of_b.get(value_of_a.quantity)
         if value_of_b is None:
@@ -184,7 +184,7 @@ def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
 
 
 def _compare_arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
-    """Springs and arms side by side: those of one time constant, and those that one has alone."""
+    """Springs and arms in one chart: common time constants in one row, others alone."""
     entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
     group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
@@ -273,26 +273,26 @@ def _format_comparison(a: ComparedFit, b: ComparedFit, rows: list[ComparedValue]
     return f"B against A: {', '.join(differences)}.{count}"
 
 
-def _get_response(side: ComparedFit) -> Curve | None:
+def _get_response(compared_fit: ComparedFit) -> Curve | None:
     """Return the prediction of a model, with the peak of its own tab; None without a mass."""
-    study = side.study
+    study = compared_fit.study
     comparison = study.joint_comparison if study.joint is not None else study.comparison
     frf = study.joint_prediction if study.joint is not None else study.prediction
-    pen = PREDICTED if side.name == "A" else JOINT
+    pen = PREDICTED if compared_fit.name == "A" else JOINT
     if comparison is not None:
         peak = comparison.predicted_hz, comparison.predicted_peak
-        return Curve(comparison.predicted, side.name, pen, peak)
+        return Curve(comparison.predicted, compared_fit.name, pen, peak)
     if frf is None:
         return None
     (curve,) = resonance_curves(None, frf)
-    return Curve(curve.frf, side.name, pen, curve.peak)
+    return Curve(curve.frf, compared_fit.name, pen, curve.peak)
 
 
 # -- figures --------------------------------------------------------------------------------------
 
 
 def _render_responses(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) -> str:
-    """Return both responses in one panel, and the hammer's; nothing where no mass is given."""
+    """Return both responses in one panel, and the hammer's; empty without a mass."""
     limits = make_prediction_bands(a.study.frf_band if a.study.joint is None else None)[:1]
     curves = [curve for side in (a, b) if (curve := _get_response(side)) is not None]
     if len(curves) < 2:
@@ -321,7 +321,11 @@ def _render_residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) 
         spans.append(residual_panel.x.limits)
         unit = residual_panel.y.label.rpartition(", ")[2]
     noise = convert_to_unit(a.ramp_hold.force_noise, unit)
-    rules = (Rule(noise, REF, across=True), Rule(-noise, REF, across=True)) if noise else ()
+    rules = (
+        (Rule(noise, REF, is_horizontal=True), Rule(-noise, REF, is_horizontal=True))
+        if noise
+        else ()
+    )
     curves = [mark.y for mark in marks if isinstance(mark, Line)]
     time_span = (min(low for low, _ in spans), max(high for _, high in spans))
     panel = Panel(

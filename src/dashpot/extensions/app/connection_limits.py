@@ -1,4 +1,4 @@
-"""Time limits of a connection: a request that is not sent to its end holds no place."""
+"""Time limits of a connection: an incomplete request does not block a connection."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 HEAD_SECONDS = 10.0
-"""From the first byte, or from the connection, to the end of a request's head."""
+"""Time limit of a request's head, from its first byte or the connection, s."""
 BODY_SECONDS = 30.0
-"""Between two parts of a request's body."""
+"""Time limit between two parts of a request's body, s."""
 
 
 class LimitedProtocol(H11Protocol):
-    """HTTP protocol that closes a connection whose request stops on its way.
+    """HTTP protocol that closes a connection with an incomplete request.
 
     The head of a request has `HEAD_SECONDS` in all, however slowly its bytes come; its body may
-    pause for `BODY_SECONDS`. While an answer is computed nothing is limited.
+    pause for `BODY_SECONDS`. There is no limit while a response is computed.
     """
 
     _timer: asyncio.TimerHandle | None = None

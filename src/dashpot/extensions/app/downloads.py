@@ -83,7 +83,7 @@ def download_profile(request: Mapping[str, Any], folder: Path) -> bytes:  # noqa
 
 
 def _render_report(request: Mapping[str, Any], folder: Path, job: Job) -> str:
-    """Return the report, with the section of the limits that the page asks.
+    """Return the report, with the section of the limits of the page.
 
     Raises
     ------

@@ -23,24 +23,24 @@ class FigureCard(NamedTuple):
 
     title: str
     html: str
-    across: int = 1
+    cards_per_row: int = 1
 
 
 def draw_cards(cards: Sequence[AppCard], width: float) -> list[FigureCard]:
     """Return the figures of an extension as cards; of a titled picture the first strip only."""
     figure_cards: list[FigureCard] = []
-    for title, content, across in cards:
+    for title, content, cards_per_row in cards:
         if isinstance(content, Picture):
             strips = make_figure_cards(content, width)
             figure_cards += [strips[0]._replace(title=title)] if title else strips
         elif isinstance(content, TextTable):
             html = render_template("cells", head=content.head, rows=content.rows)
-            figure_cards.append(FigureCard(title, html, across))
+            figure_cards.append(FigureCard(title, html, cards_per_row))
         elif isinstance(content, str):
-            figure_cards.append(FigureCard(title, content, across))
+            figure_cards.append(FigureCard(title, content, cards_per_row))
         else:
             figure_cards.append(
-                FigureCard(title, render_small_multiples(content, "shape", width), across)
+                FigureCard(title, render_small_multiples(content, "shape", width), cards_per_row)
             )
     return figure_cards
 
@@ -84,26 +84,29 @@ def _are_alike(strips: tuple[tuple[Panel, ...], ...]) -> bool:
 
 
 def _make_card(
-    name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
+    name: str, panels: tuple[Panel, ...], width: float, cards_per_row: int, key: AbstractSet[str]
 ) -> FigureCard:
-    """One strip under its title; an axis that says no more than the title is named there."""
+    """One strip under its title; an axis with the same label as the title is named there."""
     first, *lower_panels = panels
     has_y_label_as_title = not (first.title or first.note or first.drawing)
     title = first.title or (
         first.y.label if has_y_label_as_title else first.y.label.partition(",")[0]
     )
     drawing = (replace(first, title="", without_y_label=has_y_label_as_title), *lower_panels)
-    across = across if width >= TWO_CARDS_WIDTH else 1
+    cards_per_row = cards_per_row if width >= TWO_CARDS_WIDTH else 1
     svg = strip(
-        drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD_BORDER, kind="figure"
+        drawing,
+        name=name,
+        width=(width - 8 * (cards_per_row - 1)) / cards_per_row - CARD_BORDER,
+        kind="figure",
     )
     samples = [sample for sample in _make_key(drawing, name) if sample[1] in key]
     html = render_template("figure", key=samples, svg=svg, title="", note="")
-    return FigureCard(title[:1].upper() + title[1:], html, across)
+    return FigureCard(title[:1].upper() + title[1:], html, cards_per_row)
 
 
 def _make_key(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
-    """Return what each mark looks like, and its name."""
+    """Return the symbol and the name of each mark."""
     key = Picture(name, "", (tuple(panels),)).key
     return [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
 

@@ -16,8 +16,8 @@ class FileWatch:
     """State of open files against the files on disk that they were read from.
 
     A change is detected by size, times of contents and of the directory entry, and number of the
-    file; one that is still written is left alone until two looks agree. What is read again is a new
-    file of the store, so no result of the old contents can be taken for one of the new.
+    file; a file that is still being written is not read until two checks agree. A changed file
+    becomes a new file of the store, so results of the old contents are not used for the new.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ from dashpot.workflow.measured_frf import ImpactResult, modes_of_hits
 ACCEPTED_PEN, REJECTED_PEN = Pen("fit", 1.0), Pen("bad", 1.0, (5, 3))
 """Pen of the FRF of one hit: accepted, and rejected."""
 VIEW_RATIO = 5.0
-"""Times the peak to either side that the FRFs of hits show."""
+"""Frequency range around the peak in the figure of single hits, as a factor."""
 
 
 @dataclass(frozen=True)
@@ -131,12 +131,12 @@ def _get_visible_curve(frf: FRF, view: tuple[float, float]) -> tuple[FloatArray,
 
 
 def propose_selection(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> HitSelection:
-    """Return which hits to keep, of those that are accepted now."""
+    """Return the hits to keep among the accepted ones."""
     return propose_hits(frf, get_single_hits(impact, frf, choices))
 
 
 def analyse_hits(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the modes of hits that no relaxation test goes with, and what the hits show."""
+    """Return the modes and figures of hits without a relaxation test."""
     hammer_request = _parse_request(request, folder)
     result, reason = _find_modes(hammer_request)
     page, sizes = kind_page(result), get_panel_sizes(request)

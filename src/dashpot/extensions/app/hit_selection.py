@@ -6,7 +6,7 @@ of the resonance,
 .. math:: d_i = \frac{\|A_i - m_i\|}{\|m_i\|}
 
 where :math:`m_i` is the median, of real and imaginary part, of all the other accepted hits. The hit
-that is farthest off is left out while it is off by three times the median of all and by 5 %, and
+that is farthest off is omitted while it is off by three times the median of all and by 5 %, and
 three remain. Overloads and double hits are rejected before, for reasons of their own.
 """
 
@@ -29,13 +29,13 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
 MAX_HITS = 24
-"""Hits whose own FRFs are estimated, at most."""
+"""Largest number of hits with separate FRFs."""
 BAND_RATIO = 2.3
 """Highest of the compared frequencies over the resonance, and the resonance over the lowest."""
 MIN_HITS = 3
-"""Hits that are kept at least."""
+"""Smallest number of kept hits."""
 DEVIATION_RATIO, MIN_DEVIATION = 3.0, 0.05
-"""Times the median deviation, and the deviation, above which a hit is left out."""
+"""Multiple of the median deviation, and deviation, above which a hit is left out."""
 
 
 class HitSelection(NamedTuple):
@@ -54,13 +54,13 @@ class HitSelection(NamedTuple):
         distance_text = f"about the resonance by at most {_format_deviation(largest)}"
         if not self.drop:
             return f"Keep all {len(self.keep)}: each differs from the others {distance_text}."
-        dropped = ", ".join(
+        dropped_text = ", ".join(
             f"{name} by {_format_deviation(self.deviations[name])}" for name in self.drop
         )
-        word = "hit" if len(self.drop) == 1 else "hits"
+        noun = "hit" if len(self.drop) == 1 else "hits"
         return (
             f"Keep {', '.join(self.keep)}: each differs from the others {distance_text}, "
-            f"{word} {dropped}."
+            f"{noun} {dropped_text}."
         )
 
 
@@ -69,7 +69,7 @@ def _format_deviation(value: float) -> str:
 
 
 def estimate_each_hit(impact: ImpactTest, frf: FRF, choices: HammerChoices) -> dict[str, FRF]:
-    """Return the FRF of every single hit, by its name; failed ones are left out.
+    """Return the FRF of every single hit, by its name; failed ones are omitted.
 
     Parameters
     ----------

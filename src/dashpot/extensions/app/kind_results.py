@@ -1,7 +1,7 @@
 """Result of a single kind of test on the page: verdict, lights, figure, table, checks.
 
-What one is asked beside its files, and its fit by what was answered, is its row's panel in the
-register; what it shows is what the page of its kind shows in `dashpot.report`.
+The registry row of the kind has its form and its fit; the result is shown as on the page of the
+kind in `dashpot.report`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class KindRequest:
 
 
 def read_form(asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormData:
-    """Return the fields as they were typed; those not asked, and empty ones, are left out."""
+    """Return the typed fields of the form, without empty ones."""
     fields_by_name = {form_field.name: form_field for form_field in asks}
     typed_values = ((name, fields_by_name[name.split(" ")[0]].read(text)) for name,
     text in fields.items()
@@ -97,7 +97,7 @@ def _fit_with_page(request: KindRequest) -> tuple[Any, KindPage]:
 def _predict_files(request: KindRequest) -> Any:
     """Return the prediction of such files with the fit of the open relaxation test."""
     path = Path(request.files[0])
-    home = path.parent.parent / f"{request.kind}s" / path.parent.name
+    folder = path.parent.parent / f"{request.kind}s" / path.parent.name
 
     def fit_test() -> Fit:
         choices = result_cache.select_fit_choices(Job(request.behind))
@@ -105,7 +105,7 @@ def _predict_files(request: KindRequest) -> Any:
         return fit
 
     predict = require_handler("predict open files", request.kind)
-    return predict(request.files, home, fit_test if request.behind else None)
+    return predict(request.files, folder, fit_test if request.behind else None)
 
 
 def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -135,7 +135,7 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def download_kind(request: Mapping[str, Any], folder: Path) -> bytes:
-    """Return the file that is kept of a result, or its JSON as ``--json`` prints it."""
+    """Return the saved file of a result, or its JSON as printed by ``--json``."""
     result, page = _fit_with_page(_parse_request(request, folder))
     save_file = find_handler("app file", result)
     if save_file is not None:

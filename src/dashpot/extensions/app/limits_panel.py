@@ -1,4 +1,4 @@
-"""Limits that a page asks of a result, held against it."""
+"""Acceptance limits entered on a page, compared with a result."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class LimitsPanel:
     Attributes
     ----------
     html : str
-        Section with the outcome of each; empty where none is asked, or one is refused.
+        Section with the outcome of each limit; empty without limits, or if one is refused.
     refusal : str
         Why one is no limit of this result.
     words : tuple of str
-        Options of the command line that ask the same.
+        Equivalent options of the command line.
     document : Serialisable or None
-        The result with what was found of its limits.
+        The result with the outcome of its limits.
     """
 
     html: str = ""
@@ -37,7 +37,7 @@ class LimitsPanel:
     document: Any = None
 
     def add_to(self, command: str) -> dict[str, Any]:
-        """Return the entries of an answer: the limits, and the command that also asks them."""
+        """Return the entries of an answer: the limits, and the equivalent command."""
         return {
             "limits": {"html": self.html, "refusal": self.refusal},
             "command": " ".join([command, shlex.join(self.words)]).rstrip(),
@@ -49,9 +49,9 @@ class LimitsPanel:
 
 
 def judge_limits(request: Mapping[str, Any], folder: Path, result: Any) -> LimitsPanel:
-    """Return the limits of a request held against a result; a refused one is said, not raised.
+    """Return the limits of a request compared with a result; an invalid one is a message.
 
-    A limit that cannot be judged says nothing against the result.
+    A limit that cannot be judged does not count against the result.
     """
     requested_limits = require_mapping(request.get("limits", {}), "limits")
     expressions = [text.strip() for text in map(_read_text, get_list(requested_limits, "typed"))]

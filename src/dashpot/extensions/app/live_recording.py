@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 
 MAX_CURVE_POINTS = 2000
-"""Stretches of a curve beyond which two become one."""
+"""Number of points of a curve above which neighbours are merged."""
 _AXES_HEIGHT = 60.0
 """Height of the axes of a drawing below and above its plot, px."""
 _WIDTH_RANGE, _HEIGHT_RANGE = (240.0, 2000.0), (60.0, 600.0)
-"""What a page may ask a drawing to be, px."""
+"""Range of widths of a drawing that a page may request, px."""
 
 
 class Trace:
@@ -39,7 +39,7 @@ class Trace:
         self._minima = self._maxima = self._remaining_samples = np.empty((0, 2))
 
     def add(self, time: FloatArray, value: FloatArray) -> None:
-        """Take what came."""
+        """Add the received samples."""
         samples = np.concatenate([self._remaining_samples, np.column_stack([time, value])])
         complete_count = len(samples) // self._samples_per_point * self._samples_per_point
         self._take_block(samples[:complete_count].reshape(-1, self._samples_per_point, 2))
@@ -131,14 +131,14 @@ class Live:
         self._thread.start()
 
     def stop(self, timeout: float = 10.0) -> None:
-        """End the record, and wait, so many seconds at most, until it is on the disk."""
+        """End the record, and wait, up to a time limit, until it is on the disk."""
         if self._recorder is not None:
             self._recorder.stop()
         if self._thread is not None:
             self._thread.join(timeout=timeout)
 
     def look(self, width: float, height: float) -> dict[str, Any]:
-        """Return what there is to be seen: the state, in words, and a drawing of each channel."""
+        """Return the displayed state: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:
             return {"running": False, "rows": 0, "message": "", "drawn": [], "kept": None}
@@ -176,7 +176,7 @@ class Live:
 
     def _run(self, recorder: acquisition.Recorder) -> None:
         """Read until the end, in a thread of its own."""
-        failed, notes, saved_file = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
+        error_text, notes, saved_file = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
             record = require_handler("record", "file")
             _, notes = record(recorder, self._path, seen=self._add_block)
@@ -184,13 +184,13 @@ class Live:
                 name = self._path.name
                 saved_file = {"id": self._store.put(name, self._path.read_bytes()), "name": name}
             else:
-                failed = f"too long for this page; fit it with: dashpot fit {self._path}"
+                error_text = f"too long for this page; fit it with: dashpot fit {self._path}"
         except (DashpotError, OSError) as error:
-            failed = str(error)
+            error_text = str(error)
         except Exception as error:  # noqa: BLE001 -- a driver of anyone's; the page must hear of it
-            failed = f"a fault in the driver: {type(error).__name__}: {error}"
+            error_text = f"a fault in the driver: {type(error).__name__}: {error}"
         with self._lock:
-            self._failed, self._notes, self._saved_file = failed, notes, saved_file
+            self._failed, self._notes, self._saved_file = error_text, notes, saved_file
 
     def _add_block(self, block: acquisition.Block) -> None:
         with self._lock:
@@ -199,7 +199,7 @@ class Live:
                 trace.add(block[0], values)
 
     def _folder(self, driver: str, name: str) -> Path:
-        """Return where the record is kept: a measurement never in what goes with the server."""
+        """Return the path of the record: outside the server's temporary folder."""
         if not name and driver == "serial":
             raise DataError("say in which folder the record is kept: it cannot be measured again")
         if not name:

@@ -28,11 +28,11 @@ COLUMNS = (
     "file", "part", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",
     "k_end_high_N_per_m", "k_inf_N_per_m", "verdict", "outcome", "reason",
 )  # fmt: skip
-"""What the page shows of a row."""
+"""Columns of a row on the page."""
 
 
 def open_folder(request: Mapping[str, Any], path: Path) -> bytes:
-    """Return what is in a folder: the files and the choices of a project, or the table of a lot."""
+    """Return the files and options of a project folder, or the table of a lot."""
     opened_folder = _parse_folder(request)
     if (opened_folder / "dashpot.toml").exists():
         contents = _describe_project(opened_folder, path)
@@ -50,7 +50,7 @@ def open_folder(request: Mapping[str, Any], path: Path) -> bytes:
 
 
 def get_recent_folders(_: Mapping[str, Any], __: Path) -> bytes:
-    """Return the folders that were kept or opened last."""
+    """Return the folders saved or opened last."""
     return wire_format.encode_message({"recent": recent.list_recent_folders()})
 
 
@@ -149,7 +149,7 @@ def _list_rows(lot_folder: Path) -> list[dict[str, Any]]:
 
 
 def _describe_lot(lot_folder: Path) -> dict[str, Any]:
-    """Return the table of a lot; what is no number is null."""
+    """Return the table of a lot; missing numbers become null."""
     lot = require_handler("read", "lot")(lot_folder)
     rows = [
         [_replace_non_finite(table_row.get(name)) for name in COLUMNS]

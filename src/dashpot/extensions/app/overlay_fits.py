@@ -30,13 +30,13 @@ from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
 
 MAX_TESTS = 60
-"""Tests that are laid over each other, at most."""
+"""Largest number of overlaid tests."""
 MAX_NAMES = 6
-"""Tests that have names in the key, at most; others have theirs in the table."""
+"""Largest number of names in the key; other names are only in the table."""
 
 
 class OverlaidTest(NamedTuple):
-    """Test with its fit; an error in place of them where there is none."""
+    """Test with its fit; an error if there is none."""
 
     name: str
     file: str
@@ -109,25 +109,25 @@ def _fit_test(options: Any, folder: Path) -> OverlaidTest:
     send_progress(f"fitting {name}")
     try:
         fit = result_cache.fit_job(job, True, None)
-        prepared = result_cache.select_shown_test(job, fit)[1]
+        ramp_hold = result_cache.select_shown_test(job, fit)[1]
     except DashpotError as error:
         return OverlaidTest(name, file, job, None, None, str(error))
-    return OverlaidTest(name, file, job, fit, prepared)
+    return OverlaidTest(name, file, job, fit, ramp_hold)
 
 
 def _format_message(tests: Sequence[OverlaidTest], median: float) -> str:
-    fitted = [test for test in tests if test.fit is not None]
-    if not fitted:
+    fitted_tests = [test for test in tests if test.fit is not None]
+    if not fitted_tests:
         return "None of the tests could be fitted: the table says why."
-    values = [test.stiffness for test in fitted]
-    farthest = max(fitted, key=lambda test: abs(test.stiffness - median))
-    difference = percent(farthest.stiffness / median - 1)
+    values = [test.stiffness for test in fitted_tests]
+    farthest_test = max(fitted_tests, key=lambda test: abs(test.stiffness - median))
+    difference = percent(farthest_test.stiffness / median - 1)
     text = (
         f"Stiffness at the end of the hold: {round_to_error(min(values), digits=4)} to "
         f"{round_to_error(max(values), digits=4)} N/mm, median {round_to_error(median, digits=4)} "
-        f"N/mm. Farthest from it: {farthest.name}, {difference}."
+        f"N/mm. Farthest from it: {farthest_test.name}, {difference}."
     )
-    missing = len(tests) - len(fitted)
+    missing = len(tests) - len(fitted_tests)
     return f"{text} {format_count(missing, 'test')} not fitted." if missing else text
 
 
@@ -148,9 +148,9 @@ def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) 
         # a first sample may follow the end of the ramp by any part of a step: no axis for that
         step = float(np.median(np.diff(test.prepared.time)))
         is_held = test.prepared.time > test.prepared.ramp_end + step / 2
-        elapsed = test.prepared.time[is_held] - test.prepared.ramp_end
+        time_since_ramp = test.prepared.time[is_held] - test.prepared.ramp_end
         stiffness = convert_to_unit(test.prepared.force[is_held] / test.prepared.depth, "N/mm")
-        x, y = downsample_to_means(elapsed, stiffness, log=True)
+        x, y = downsample_to_means(time_since_ramp, stiffness, log=True)
         marks.append(Line(x, y, Pen(colours[test.file], 1.8), test.name))
     curves = [mark for mark in marks if isinstance(mark, Line)]
     time_span = min(mark.x[0] for mark in curves), max(mark.x[-1] for mark in curves)

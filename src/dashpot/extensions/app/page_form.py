@@ -18,11 +18,11 @@ from dashpot.workflow.job import Job
 LABELS = {
     "full": "ramp and hold", "hold": "hold", "nonlinear": "curved", "maxwell": "Maxwell",
 }  # fmt: skip
-"""Labels on the page of the choices of a command."""
+"""Labels on the page for the values of options."""
 
 
 def fill_form(page: str) -> str:
-    """Return the page with the choices of a job in their places, and what is usual as data."""
+    """Return the page with the options of a job, and the defaults as data."""
     for name in ("method", "law", "family"):
         field = _get_field(Job, name)
         page = page.replace(f"<!-- {name} -->", _render_buttons(field))

@@ -16,8 +16,7 @@ from dashpot.fitting.relaxation import build_point_fit, build_setup
 def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     """Return the optimum of a test from the fit of another time range of it, as a preview.
 
-    The descent starts at the relaxation times of `fit`, whose number of arms and linear law are
-    kept.
+    The descent starts at the relaxation times of `fit`, with its number of arms and its linear law.
 
     Parameters
     ----------

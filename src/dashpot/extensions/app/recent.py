@@ -16,7 +16,7 @@ MAX_FOLDERS = 12
 """Folders of the list."""
 _LIST_FILE = "recent.json"
 STATE_VARIABLE = "DASHPOT_STATE"
-"""Name of the variable that says where the list is kept instead."""
+"""Environment variable with another path of the list."""
 
 
 def list_recent_folders() -> list[dict[str, Any]]:
@@ -27,9 +27,9 @@ def list_recent_folders() -> list[dict[str, Any]]:
 def add_recent_folder(folder: Path) -> None:
     """Put a folder at the head of the list; ignore a list that cannot be written."""
     path = str(folder.resolve())
-    now = datetime.now(UTC).isoformat(timespec="seconds")
+    timestamp = datetime.now(UTC).isoformat(timespec="seconds")
     other_entries = [entry for entry in _read_list() if entry["folder"] != path]
-    entries = [{"folder": path, "name": folder.resolve().name, "when": now}, *other_entries][
+    entries = [{"folder": path, "name": folder.resolve().name, "when": timestamp}, *other_entries][
         :MAX_FOLDERS
     ]
     with suppress(OSError):
@@ -46,7 +46,7 @@ def _read_list() -> list[dict[str, Any]]:
 
 
 def get_state_path(name: str) -> Path:
-    """Return where this system keeps what a program remembers of its user."""
+    """Return the folder in which this system keeps user data of programs."""
     folder = os.environ.get(STATE_VARIABLE)
     if folder:
         return Path(folder) / name

@@ -16,7 +16,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.workflow.json_archive import from_json, to_json
 
 FOLDER = "records"
-"""Folder of the records, in the folder of the files; no identity of a file is called so."""
+"""Folder of the records, in the folder of the files; no file identity has this name."""
 _PREVIEW_SAMPLES = 8
 _SIGNALS = ("time", "displacement", "force")
 
@@ -26,7 +26,7 @@ def read_relaxation_test(
 ) -> RelaxationTest:
     """Return the test in a file, as read before if any worker has.
 
-    Of a specimen the temperature alone can change what a reader says.
+    Of the specimen only the temperature can change the result of a reader.
     """
     known_specimen = specimen or Specimen()
     cache_path = _get_cache_path(path, options, known_specimen.temperature)
@@ -38,19 +38,19 @@ def read_relaxation_test(
     return replace(test, specimen=replace(known_specimen, temperature=test.specimen.temperature))
 
 
-def cache_record(path: str, reading: ReadOptions, record: RelaxationTest) -> RelaxationTest:
-    """Return a test that was read with nothing said of its specimen, and keep it."""
-    _save_record(_get_cache_path(path, reading, None), record)
+def cache_record(path: str, options: ReadOptions, record: RelaxationTest) -> RelaxationTest:
+    """Read a test without a stated specimen, and cache it."""
+    _save_record(_get_cache_path(path, options, None), record)
     return record
 
 
-def _get_cache_path(path: str, reading: ReadOptions, temperature: float | None) -> Path:
-    key = sha256(repr((path, reading, temperature)).encode()).hexdigest()
+def _get_cache_path(path: str, options: ReadOptions, temperature: float | None) -> Path:
+    key = sha256(repr((path, options, temperature)).encode()).hexdigest()
     return Path(path).parents[1] / FOLDER / key
 
 
 def _save_record(cache_path: Path, record: RelaxationTest) -> None:
-    """Write the signals, then the words, which say that all is there."""
+    """Write the signals, then the metadata, which mark the entry as complete."""
     cache_path.parent.mkdir(exist_ok=True)
     temporary_path = cache_path.with_suffix(f".{os.getpid()}")
     size = len(_SIGNALS), len(record.time)

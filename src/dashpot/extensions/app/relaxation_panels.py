@@ -39,7 +39,7 @@ def make_fit_panels(
     """Ramp, hold and residual with the record upon its fit, and all of the record in sight.
 
     The ramp is on the clock of the record; hold and residual are on log time since the end of the
-    ramp, to the last sample: what a cut leaves out is hatched.
+    ramp, to the last sample: the part cut off is hatched.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def make_fit_panels(
 def make_record_panels(
     prepared: RampHold, *, full_test: RampHold | None = None
 ) -> tuple[Panel, Panel]:
-    """Ramp and hold of :func:`make_fit_panels` before there is any fit."""
+    """Ramp and hold of :func:`make_fit_panels` before a fit."""
     unit, scale = select_plot_unit(prepared.force, "N")
     t, force, ramp_time = prepared.time, scale * prepared.force, prepared.ramp_time
     full_test = full_test or prepared

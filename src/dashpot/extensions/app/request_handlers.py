@@ -175,18 +175,18 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the point estimate while a time limit is dragged: curves and values, no intervals."""
     job = build_job(request.get("job"), folder)
     preview = result_cache.fit_while_dragging(result_cache.select_fit_choices(job))
-    _, prepared = result_cache.select_shown_test(job, preview, result_cache.MAX_PREVIEW_SAMPLES)
+    _, ramp_hold = result_cache.select_shown_test(job, preview, result_cache.MAX_PREVIEW_SAMPLES)
     by_eq5 = result_cache.fit_by_eq5(job, preview, result_cache.MAX_PREVIEW_SAMPLES)
     origin_text = request.get("since")
     time_origin = None if origin_text is None else require_number(origin_text, "since")
     live_curves = view_models.compute_live_test(
-        preview, prepared, by_eq5, unit=require_text(request, "unit") or "N",
+        preview, ramp_hold, by_eq5, unit=require_text(request, "unit") or "N",
         time_origin=time_origin
     )  # fmt: skip
     message = {
         "beside": live_curves.words,
-        "time_limits": _list_time_limits(prepared),
-        "end": view_models.format_end_stiffness(preview, prepared),
+        "time_limits": _list_time_limits(ramp_hold),
+        "end": view_models.format_end_stiffness(preview, ramp_hold),
         "left": live_curves.residual_note,
     }
     return wire_format.encode_message(message, live_curves.arrays)
@@ -196,9 +196,11 @@ def preview_record(request: Mapping[str, Any], folder: Path) -> bytes:
     """Return the recorded test, downsampled, to show while it is fitted."""
     job = build_job(request.get("job"), folder)
     max_samples = result_cache.MAX_PREVIEW_SAMPLES if request.get("quick") is True else None
-    ready = result_cache.prepare_job_tests(result_cache.select_test_choices(job), max_samples)[0]
+    ramp_hold = result_cache.prepare_job_tests(result_cache.select_test_choices(job), max_samples)[
+        0
+    ]
     return wire_format.encode_message(
-        {"panels": view_models.render_record_panels(ready, get_panel_sizes(request))}
+        {"panels": view_models.render_record_panels(ramp_hold, get_panel_sizes(request))}
     )
 
 
@@ -211,10 +213,10 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
     sizes = get_panel_sizes(request)
     max_samples = result_cache.MAX_QUICK_SAMPLES if request.get("quick") is True else None
     fit = result_cache.fit_job(result_cache.select_fit_choices(job), True, max_samples)
-    test, prepared = result_cache.select_shown_test(job, fit, max_samples)
+    test, ramp_hold = result_cache.select_shown_test(job, fit, max_samples)
     by_eq5 = result_cache.fit_by_eq5(job, fit, max_samples)
-    uncut_test = result_cache.prepare_uncut_test(job, prepared)
-    panels = view_models.render_test_panels(fit, prepared, by_eq5, sizes, uncut_test)
+    uncut_test = result_cache.prepare_uncut_test(job, ramp_hold)
+    panels = view_models.render_test_panels(fit, ramp_hold, by_eq5, sizes, uncut_test)
     checks = fit.checks
     if job.mass is not None:
         response = _predict_response(fit, job, _get_frf_kind(request), RESPONSE_LINES)
@@ -239,14 +241,14 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
                 "beside", rows=view_models.make_parameter_rows(fit, by_eq5)
             ),
             "panels": panels,
-            "time_limits": _list_time_limits(prepared),
-            "pressed": _format_compression(fit, job, prepared),
+            "time_limits": _list_time_limits(ramp_hold),
+            "pressed": _format_compression(fit, job, ramp_hold),
             "temperature": format_cell(test.specimen.temperature, "°C"),
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
             "arms": fit.model.arms if fit.family == "maxwell" else "",
             "law": _get_law_option(fit),
-            "end": view_models.format_end_stiffness(fit, prepared),
+            "end": view_models.format_end_stiffness(fit, ramp_hold),
             "simulated": test.source is not None and test.source.simulated,
             "command": format_job_command("report", job),
         }
@@ -351,7 +353,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "colour": VERDICT_COLOURS[verdict.use],
         "hint": MASS_HINT if asks_for_mass else "",
         "answers": view_models.list_values(study, recommendation),
-        "solid": view_models.render_arms(solid, single=study.fit if study.joint else None),
+        "solid": view_models.render_arms(solid, relaxation_fit=study.fit if study.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
         "checks": view_models.render_checks(sorted(checks, key=lambda check: not check.failed)),
         "more": view_models.format_next_test(study, checks),

@@ -25,7 +25,7 @@ MAX_SIZE = 8000.0
 
 
 def build_job(value: object, folder: Path) -> Job:
-    """Return the job that a page asks for: quantities as texts, files by identity.
+    """Return the job of a page's request: quantities as texts, files by identity.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def build_part(kind: type[T], given: object, name: str) -> T:
     Raises
     ------
     DataError
-        If it has what the part does not, or a value of the wrong kind.
+        If it has an unknown key or a value of the wrong type.
     """
     options = require_mapping(given, name)
     unknown_options = options.keys() - _list_field_names(kind)
@@ -243,7 +243,7 @@ def get_deck_options(request: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def require_mapping(value: object, name: str) -> Mapping[str, Any]:
-    """Return what must be an object.
+    """Return a value that must be an object.
 
     Raises
     ------
@@ -283,7 +283,7 @@ def read_quantity(options: Mapping[str, Any], name: str, dimension: Any) -> floa
 
 
 def require_number(value: object, name: str) -> float:
-    """Return what must be a number."""
+    """Return a value that must be a number."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise DataError(f"{name} = {value!r}; expected a number")
     return float(value)

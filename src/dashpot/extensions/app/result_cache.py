@@ -46,7 +46,7 @@ read_test = lru_cache(MAX_CACHED)(record_cache.read_relaxation_test)
 
 
 def read_tests(job: Job) -> tuple[RelaxationTest, ...]:
-    """Return the tests of a job, each with its own temperature where that is said."""
+    """Return the tests of a job, each with its stated temperature, if any."""
     files = job.relaxation, *job.other_tests
     specimens = make_file_specimens(job.specimen, job.temperatures, len(files))
     return tuple(
@@ -64,7 +64,7 @@ def prepare_job_tests(job: Job, max_samples: int | None) -> tuple[RampHold, ...]
     downsampled_tests = [downsample_test(test, max_samples) for test in full_tests]
     return prepared_tests(
         downsampled_tests,
-        checked=max_samples != MAX_PREVIEW_SAMPLES,
+        with_checks=max_samples != MAX_PREVIEW_SAMPLES,
         filter=job.filter,
         machine=job.machine,
         time_limits=_shorten_hold(job.time_limits, full_tests, downsampled_tests),
@@ -102,7 +102,7 @@ def downsample_test(
 
 @lru_cache(MAX_CACHED)
 def fit_job(job: Job, intervals: bool, max_samples: int | None) -> Fit:
-    """Return the fit of a job's tests; with its intervals and checks if asked for."""
+    """Return the fit of a job's tests; with its intervals and checks if requested."""
     return fit(
         prepare_job_tests(select_test_choices(job), max_samples),
         **replace(job.fit_options, intervals=intervals).choices,
@@ -117,13 +117,13 @@ def fit_while_dragging(job: Job) -> Fit:
     """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
     uncut_job = replace(job, time_limits=TimeLimits())
     tests = prepare_job_tests(select_test_choices(job), MAX_PREVIEW_SAMPLES)
-    previous_fit, refitted = _previous_fits.get(uncut_job), None
+    previous_fit, preview = _previous_fits.get(uncut_job), None
     if previous_fit is not None and len(tests) == 1 and _can_refit(previous_fit, job):
         with suppress(FitError):
-            refitted = refit_nearby(tests[0], previous_fit)
+            preview = refit_nearby(tests[0], previous_fit)
     if len(_previous_fits) > MAX_CACHED:
         _previous_fits.clear()
-    _previous_fits[uncut_job] = refitted or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
+    _previous_fits[uncut_job] = preview or fit_job(job, job.arms == "auto", MAX_PREVIEW_SAMPLES)
     return _previous_fits[uncut_job]
 
 
@@ -155,9 +155,9 @@ def select_shown_test(
     job: Job, fit: Fit, max_samples: int | None = None
 ) -> tuple[RelaxationTest, RampHold]:
     """Return the test that is drawn: that of the temperature of the solid."""
-    prepared = prepare_job_tests(select_test_choices(job), max_samples)
-    test_index = find_reference_test(fit, prepared)
-    return read_tests(job)[test_index], prepared[test_index]
+    prepared_tests = prepare_job_tests(select_test_choices(job), max_samples)
+    test_index = find_reference_test(fit, prepared_tests)
+    return read_tests(job)[test_index], prepared_tests[test_index]
 
 
 def prepare_uncut_test(job: Job, prepared: RampHold) -> RampHold | None:
@@ -175,7 +175,7 @@ def prepare_uncut_test(job: Job, prepared: RampHold) -> RampHold | None:
 
 
 _fitted_tests: dict[tuple[Any, ...], tuple[tuple[RelaxationTest, ...], FittedTests]] = {}
-"""Records and what was made of them, by which they are and how they were fitted."""
+"""Fitted records by their identity and the options of the fit."""
 
 
 def fit_study_tests(
@@ -183,8 +183,7 @@ def fit_study_tests(
 ) -> FittedTests:
     """Return the relaxation tests of a study, fitted; another mass or band leaves them as they are.
 
-    Records are distinguished by identity: those in use are kept, so none takes the place of
-    another.
+    Records are distinguished by identity: entries in use are not removed.
     """
     key = (*map(id, tests), *choices, *preparation.items())
     if key not in _fitted_tests:
@@ -195,7 +194,7 @@ def fit_study_tests(
 
 
 _ANY_MASS = 1.0
-"""Mass, kg, for a check that is then replaced."""
+"""Placeholder mass, kg, of a check that is replaced later."""
 
 
 @lru_cache(MAX_CACHED)
@@ -222,7 +221,7 @@ def measure_hammer(
     mass: float | None,
     band: tuple[float, float] | None,
 ) -> tuple[ImpactTest | None, FRF]:
-    """Return what :func:`.read_measured` does; another mass reads no file and averages no hit.
+    """Return the result of :func:`.read_measured`; another mass reads no file and averages no hit.
 
     Of hits it decides over one check alone.
     """
@@ -251,8 +250,8 @@ def get_study(job: Job) -> Study:
 def predict_base_motion(job: Job) -> Prediction:
     r"""The transmissibility to the mass of a job, as ``dashpot predict FIT --base`` predicts it.
 
-    By the solid of both tests where they are fitted together; where the job names no band, to
-    either side of the highest frequency of the peak, :math:`\sqrt{n k_0 / m} / 2\pi`.
+    By the solid of both tests if they are fitted together; where the job names no band, to either
+    side of the highest frequency of the peak, :math:`\sqrt{n k_0 / m} / 2\pi`.
 
     Raises
     ------
@@ -272,10 +271,10 @@ def predict_base_motion(job: Job) -> Prediction:
 
 
 def select_test_choices(job: Job) -> Job:
-    """Return what of a job decides the prepared test."""
+    """Return the fields of a job on which the prepared test depends."""
     return select_options(job, "test")
 
 
 def select_fit_choices(job: Job) -> Job:
-    """Return what of a job decides the fit of the relaxation test."""
+    """Return the fields of a job on which the fit of the relaxation test depends."""
     return select_options(job, "test", "fit")

@@ -101,7 +101,7 @@ class AppContext:
             self.state["left"] = saved_session
 
     async def answer(self, verb: str, body: bytes) -> bytes:
-        """Return the answer to a request, from the cache if there is one."""
+        """Return the response to a request, from the cache if possible."""
         name = sha256(verb.encode() + b"\0" + body).hexdigest()
         if name in self.answers:
             self.answers.move_to_end(name)
@@ -403,15 +403,15 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
     bound_port = int(listener.getsockname()[1])
     remove_stale_stores()
     context = AppContext(files)
-    guarded = Guard(application(context), port=bound_port)
-    address = f"http://127.0.0.1:{bound_port}/?token={guarded.token}"
+    guarded_app = Guard(application(context), port=bound_port)
+    address = f"http://127.0.0.1:{bound_port}/?token={guarded_app.token}"
     print(address, flush=True)  # noqa: T201 -- the one line that a program may wait for
     if browser:
         webbrowser.open(address)
     from dashpot.extensions.app.connection_limits import LimitedProtocol
 
     config = uvicorn.Config(
-        guarded, log_level="error", access_log=False, lifespan="on", http=LimitedProtocol,
+        guarded_app, log_level="error", access_log=False, lifespan="on", http=LimitedProtocol,
         timeout_graceful_shutdown=CLOSING_SECONDS,
     )  # fmt: skip
 

@@ -66,7 +66,7 @@ def get_saved_session() -> dict[str, Any] | None:
 
 
 def restore_session(store: Store) -> dict[str, Any]:
-    """Return the state of the session that was left, with its files where the page has them."""
+    """Return the saved state of the session, with its files."""
     entries = _read_session()
     if entries is None:
         return {}
@@ -91,7 +91,7 @@ def delete_session() -> None:
 
 
 def _read_session() -> dict[str, Any] | None:
-    """Return what was kept, if all of it is there."""
+    """Return the stored session if it is complete."""
     try:
         data = json.loads(get_state_path(_SESSION_FILE).read_text(encoding="utf-8"))
         files = data["state"]["files"]

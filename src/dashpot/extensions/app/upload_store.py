@@ -20,15 +20,15 @@ MAX_FILE_BYTES = 200 << 20
 MAX_TOTAL_BYTES = 2 << 30
 """Bytes of all files of a server, at most."""
 MAX_NAME_BYTES = 240
-"""Bytes of a name, at most: its start is kept, and its end, which says the format."""
+"""Largest length of a name, bytes; its start and its suffix are kept."""
 _FOLDER_PREFIX, _LOCK_NAME = "dashpot-", ".lock"
-"""How the folder of a server is named, and what in it says that the server lives."""
+"""Prefix of a server's folder, and its lock file."""
 _IDENTITY = re.compile(r"([0-9a-f]{16})(?:-[0-9a-f]{8})?")
-"""An identity; what stands behind a dash says which specimen of the file is meant."""
+"""Identity of a file, with the specimen after a dash."""
 _DIGITS = 16
-"""Of the identity of a file."""
+"""Digits of the identity of a file."""
 _ORIGINS = "origins"
-"""Folder that says from where on this machine a file was read; no identity is called so."""
+"""Folder with the original path of each file on this machine; no identity is called so."""
 
 
 class TooLargeError(DataError):
@@ -41,7 +41,7 @@ class Store:
     Parameters
     ----------
     folder : path, optional
-        Where they lie; by default a new folder of the system's temporary ones.
+        Folder of the files; by default a new folder of the system's temporary ones.
     """
 
     def __init__(self, folder: str | Path | None = None) -> None:
@@ -141,7 +141,7 @@ class Store:
         return self.put(path.name, content, origin=path, stamp=stamp, modified=modified)
 
     def get_origin(self, identity: str) -> tuple[Path, tuple[int, ...]] | None:
-        """Return where a file was read and its stamp then; None of one that a page sent."""
+        """Return where a file was read and its stamp then; None of an uploaded file."""
         try:
             origin_text = (self.folder / _ORIGINS / identity[:_DIGITS]).read_text(encoding="utf-8")
         except FileNotFoundError:
@@ -151,21 +151,21 @@ class Store:
 
     def _sizes(self) -> list[tuple[Path, int]]:
         """Return each file with its bytes, the oldest first."""
-        paths = [path for home in self.folder.iterdir() if _IDENTITY.fullmatch(home.name)
-                 for path in home.iterdir()]  # fmt: skip
+        paths = [path for folder in self.folder.iterdir() if _IDENTITY.fullmatch(folder.name)
+                 for path in folder.iterdir()]  # fmt: skip
         paths.sort(key=lambda path: path.parent.stat().st_mtime)
         return [(path, path.stat().st_size) for path in paths]
 
     def make_room(self, is_wanted: Callable[[str], bool], *, total: int = MAX_TOTAL_BYTES) -> None:
         """Remove the oldest files that are not wanted until half of `total` is free."""
         files = self._sizes()
-        used = sum(size for _, size in files)
+        used_bytes = sum(size for _, size in files)
         for path, size in files:
-            if used <= total / 2:
+            if used_bytes <= total / 2:
                 return
             if not is_wanted(path.parent.name):
                 shutil.rmtree(path.parent, ignore_errors=True)
-                used -= size
+                used_bytes -= size
 
     def remove(self) -> None:
         """Delete the store."""
@@ -232,8 +232,8 @@ def make_safe_name(name: str) -> str:
         c if c.isprintable() and c not in '<>:"|?*' else "_" for c in base_name
     ).strip(". ")
     # a file system counts bytes
-    encoded = printable.encode()
-    if len(encoded) <= MAX_NAME_BYTES:
+    encoded_name = printable.encode()
+    if len(encoded_name) <= MAX_NAME_BYTES:
         return printable or "file"
-    kept_ends = encoded[: MAX_NAME_BYTES // 2], encoded[-(MAX_NAME_BYTES // 2 - 1) :]
+    kept_ends = encoded_name[: MAX_NAME_BYTES // 2], encoded_name[-(MAX_NAME_BYTES // 2 - 1) :]
     return "_".join(end.decode(errors="ignore") for end in kept_ends)

@@ -1,6 +1,6 @@
 """View models: panels, tables and curves in the form that the page displays.
 
-Pure functions, tested without a server. Words, digits and marks are those of the report.
+Pure functions, tested without a server. Terms, digits and symbols are those of the report.
 """
 
 from __future__ import annotations
@@ -83,11 +83,11 @@ from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
-"""What a column of a relaxation test or of a hammer test can be."""
+"""Roles of the columns of a relaxation test or hammer test."""
 _SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
-"""Places of the page where a file is no part of a job, or not of one only."""
+"""Sections of the page with files that belong to no job, or to several."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
-"""What its unit can be one of."""
+"""Possible units."""
 EQ5_PEN = Pen("ref", 1.6, (2, 3))
 SHORT_LABELS = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
@@ -100,20 +100,20 @@ SHORT_LABELS = {
     "fitted mode": "mode", "new pole": "new", "stable in frequency": "stable in frequency",
     "stable in frequency and damping": "stable in damping",
 }  # fmt: skip
-"""What the key calls a mark where the title has said the rest."""
+"""Short labels in the key of a figure with a title."""
 STIFFNESS_LABELS = {
     "relaxation fit": "valid band", "relaxation fit, extrapolated": "extrapolated",
     "fit, extrapolated": "extrapolated", "fit": "valid band",
     "95 % interval of the parameters": "95 % interval",
     "95 % bounds over all spectra": "bounds over all spectra",
 }  # fmt: skip
-"""What the key of a stiffness over frequency calls a mark."""
+"""Labels in the key of stiffness over frequency."""
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
 HIDDEN_SIZE = (400.0, 180.0)
-"""Size of a panel one that is not shown yet, px."""
+"""Size of a panel that is not shown yet, px."""
 LABELLED_AT_LINE = {"displacement", "coherence"}
-"""What is named where it is drawn, and in no key."""
+"""Marks labelled in the drawing, not in a legend."""
 MIN_WIDTH, NARROW_WIDTH = 160.0, 480.0
 """Least width of a drawing, px; below which two peaks are named and no third."""
 HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
@@ -121,27 +121,27 @@ HEIGHT_SHARES = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 PULSE_SIZE, PULSE_EDGE = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
 MAX_SAME_TAU_FACTOR = 3.0
-"""Factor within which the arms of two solids stand for the same."""
+"""Ratio of relaxation times up to which arms of two solids count as the same."""
 MAX_LISTED_ARMS = 8
-"""Arms of a table that is read; more are a spectrum for a solver."""
+"""Largest number of arms in a table."""
 MIN_PLOT_HEIGHT = 44.0
 """Least height of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
-"""Points of a curve that follows a handle: more than a panel has px across a bend."""
+"""Points of a curve while a handle is dragged."""
 
 
 def render_template(name: str, **values: Any) -> str:
-    """Return a piece of the page, from its template; whatever came from a file is escaped."""
+    """Return a piece of the page, from its template; text from files is escaped."""
     return str(environment("dashpot.extensions.app").get_template(f"{name}.html").render(values))
 
 
 def preload_templates() -> None:
-    """Load every piece: who waits for the first plot waits for no template, and for no module."""
+    """Load every template and module, so that the first plot is not delayed."""
     for module in ("msgspec", "dashpot.reading.formats.text", "dashpot.plot.solid"):
         import_module(module)
-    pieces = environment("dashpot.extensions.app")
+    template_environment = environment("dashpot.extensions.app")
     for path in resources.files("dashpot.extensions.app").joinpath("templates").iterdir():
-        pieces.get_template(path.name)
+        template_environment.get_template(path.name)
 
 
 # -- panels ---------------------------------------------------------------------------------------
@@ -153,7 +153,7 @@ def render_panels(
     """Panels as the page has them: the key, then the drawing at the size of its place.
 
     Of several, one below the other, the first is as high as `HEIGHT_SHARES` of them. A `title`
-    replaces what stands over the place; a `note` stands in place of the key.
+    replaces the heading of the slot; a `note` replaces the legend.
     """
     width, height = sizes.get(name, HIDDEN_SIZE)
     panel_strip = panels if isinstance(panels, tuple) else (panels,)
@@ -192,7 +192,7 @@ def render_test_panels(
 ) -> dict[str, str]:
     """Ramp, hold with its residual, and arms of a fit, in the colour of its solid.
 
-    Of a hold that is cut the `full_test` stays in sight: its handle goes both ways.
+    With a shortened hold the `full_test` remains visible: its handle goes both ways.
     """
     plotted_fit = _make_plotted_fit(fit, prepared)
     eq5_fit = None
@@ -295,7 +295,7 @@ def _shorten_key(panel: Panel, words: Mapping[str, str] = SHORT_LABELS) -> Panel
 
 
 def format_response_title(job: Job, quantity: Kind) -> str:
-    """Return what the panel of the response shows: the title of its place."""
+    """Return the title of the panel of the response."""
     name = quantity.value.replace("_", " ").capitalize()
     return f"{name} of {format_load(job)}, {DISPLAY_UNITS[quantity][0]}"
 
@@ -375,8 +375,8 @@ def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBa
     joint, comparison = study.joint_comparison, study.comparison
     if joint is None or comparison is None or study.prediction is None:
         return _make_predicted_curves(study), make_prediction_bands(study.frf_band)[:1]
-    failed = study.joint is not None and study.joint.verdict.use == "do not use"
-    measured, relaxation_curve, joint_curve = curves_of(comparison, joint, failed=failed)
+    is_failed = study.joint is not None and study.joint.verdict.use == "do not use"
+    measured, relaxation_curve, joint_curve = curves_of(comparison, joint, failed=is_failed)
     if joint_curve.pen is JOINT:
         joint_curve = replace(joint_curve, label="joint model")
     return [measured, joint_curve, replace(relaxation_curve, label="relaxation alone", pen=REF)], ()
@@ -384,12 +384,12 @@ def _make_response_curves(study: Study) -> tuple[list[Curve], tuple[PredictionBa
 
 def _make_predicted_curves(study: Study) -> list[Curve]:
     """Return the prediction from the relaxation test, as the figure of a resonance has it."""
-    return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
+    return resonance_curves(study.comparison, study.prediction, alternative=study.rival)  # type: ignore[arg-type]
 
 
-def render_base_response(prediction: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
+def render_base_response(prediction: Prediction, is_joint: bool, sizes: Sizes, title: str) -> str:
     """Return the transmissibility to the mass, its peak, and from where on the mass is isolated."""
-    pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
+    pen, name = joint_pen(failed=False) if is_joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(prediction.frf, name, pen, prediction.peak)], tagged=True)
     if prediction.isolation is not None:
         text = f"less than its base above {round_to_error(prediction.isolation, digits=4)} Hz"
@@ -407,7 +407,7 @@ def render_hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
 def render_pulse_panels(
     impact: ImpactTest, frf: FRF, chart: Picture | None, sizes: Sizes
 ) -> dict[str, str]:
-    """The pulses of the hits, their spectra, the answers to them, and the chart of their poles."""
+    """The pulses of the hits, their spectra, the responses, and the stabilisation chart."""
     strips = plot.hits(impact, frf).strips
     panels = {"pulses": strips[0][0], "force": strips[1][0], "answers": strips[-1][0]}
     if chart is not None:
@@ -612,8 +612,8 @@ def _is_near_any(tau: float, values: Iterable[float]) -> bool:
     return any(1 / MAX_SAME_TAU_FACTOR < tau / value < MAX_SAME_TAU_FACTOR for value in values)
 
 
-def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
-    """The solid of one seal, one row an arm; those that no test `single` shows are the hammer's.
+def render_arms(fit: Fit, *, relaxation_fit: Fit | None = None) -> str:
+    """Return the solid of one seal, one row an arm; arms not in `relaxation_fit` are marked.
 
     A solid without arms, or with too many to read, is shown by its parameters.
     """
@@ -631,8 +631,8 @@ def render_arms(fit: Fit, *, single: Fit | None = None) -> str:
         marks = [make_term(fact).mark for fact in facts]
         is_new = (
             len(facts) > 1
-            and single is not None
-            and not _is_near_any(facts[1].value, single.model.tau)
+            and relaxation_fit is not None
+            and not _is_near_any(facts[1].value, relaxation_fit.model.tau)
         )
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
         mark = max(marks, key=first_screen.MARK_ORDER.index)
@@ -676,7 +676,7 @@ def render_terms(title: str, terms: Sequence[Term], note: str = "", *, subject: 
 
 
 def _make_pads(texts: Sequence[str]) -> list[str]:
-    """Return what each number lacks behind its point to be as long as the longest."""
+    """Return the padding behind each number that aligns their decimal points."""
     decimal_counts = [len(text.partition(".")[2]) for text in texts]
     return [
         "." * (not decimals and max(decimal_counts) > 0) + "0" * (max(decimal_counts) - decimals)
@@ -688,22 +688,26 @@ def _make_pads(texts: Sequence[str]) -> list[str]:
 
 def render_checks(checks: Sequence[Check]) -> str:
     """Render the failed checks, the gravest first, and the number of checks by grade."""
-    distinct = list(dict.fromkeys(checks))
-    failed = [
+    unique_checks = list(dict.fromkeys(checks))
+    failed_checks = [
         (GRADE_MARKS[check.grade], *_split_finding(check), check.message_with_remedy)
-        for check in distinct
+        for check in unique_checks
         if check.failed
     ]
-    failed.sort(key=lambda row: -first_screen.MARK_ORDER.index(row[0]))
-    passed = sum(check.passed is True for check in distinct)
+    failed_checks.sort(key=lambda row: -first_screen.MARK_ORDER.index(row[0]))
+    passed_count = sum(check.passed is True for check in unique_checks)
     grades = [
         (mark, f"{count} {grade}{'' if count == 1 else 's'}")
         for grade, mark in reversed(GRADE_MARKS.items())
-        if (count := sum(failed_row[0] == mark for failed_row in failed))
+        if (count := sum(failed_row[0] == mark for failed_row in failed_checks))
     ]
     grades.sort(key=lambda pair: -first_screen.MARK_ORDER.index(pair[0]))
     return render_template(
-        "checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades
+        "checks",
+        failed=failed_checks,
+        passed=passed_count,
+        judged=passed_count + len(failed_checks),
+        grades=grades,
     )
 
 
@@ -717,9 +721,11 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
     title, rows = first_screen.make_mass_rows(study, recommendation)
     value_groups: list[tuple[str, list[Row]]] = []
     if rows:
-        pairs = zip(recommendation.under_mass, rows, strict=True)
+        pairs = zip(recommendation.mass_values, rows, strict=True)
         value_groups.append((title, [_shorten_name(*pair) for pair in pairs]))
-    pairs = zip(recommendation.one_seal, first_screen.rows(recommendation.one_seal), strict=True)
+    pairs = zip(
+        recommendation.seal_values, first_screen.rows(recommendation.seal_values), strict=True
+    )
     value_groups.append(("One seal", [_shorten_name(*pair) for pair in pairs]))
     has_measurement = study.comparison is not None
     return render_template(
@@ -729,10 +735,10 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
 
 
 def format_next_test(study: Study, checks: Sequence[Check]) -> str:
-    """Return the test that would determine the end of the hold; "" if a check has said so."""
+    """Return the test that would determine the end of the hold; "" if a check states it."""
     end = study.fit.evidence.end_of_hold
-    stated = {check.remedy.words for check in checks if check.failed and check.remedy}
-    if end is None or end.remedy in stated:
+    stated_remedies = {check.remedy.words for check in checks if check.failed and check.remedy}
+    if end is None or end.remedy in stated_remedies:
         return ""
     return render_template("more", remedy=end.remedy, told=end.format_limits(study.fit.unit))
 
@@ -765,7 +771,7 @@ def get_short_name(value: RecommendedValue) -> str:
 
 
 def format_load(job: Job) -> str:
-    """Return what rests on how many seals."""
+    """Return the mass and the number of seals under it."""
     mass_text = "the mass" if job.mass is None else format_with_error(job.mass, "g", digits=4)
     return f"{mass_text} on {seals(job.seals)}"
 
@@ -807,14 +813,14 @@ def _draw_pulses(impact: ImpactTest | None) -> dict[str, str]:
 
 
 def get_section(inspection: InspectedFile) -> str:
-    """Return where the page takes a file; empty where it does not."""
+    """Return where the page takes a file; empty if not."""
     return KINDS[inspection.kind].app_section if inspection.kind in KINDS else ""
 
 
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
-    """Return the fields that are asked beside a file, as the page draws them."""
+    """Return the form fields of a file as HTML."""
     return [{"name": item.name, "label": item.label, "unit": item.unit, "choices": [*item.choices],
-             "each": item.each} for item in fields]  # fmt: skip
+             "each": item.per_file} for item in fields]  # fmt: skip
 
 
 def file_row(inspection: InspectedFile) -> dict[str, Any]:
@@ -858,11 +864,11 @@ def _format_heading(inspection: InspectedFile) -> str:
 
 
 def _format_unplaced_kind(inspection: InspectedFile) -> str:
-    """Return what to do with a file of a kind that this page has no place for, if it is one."""
+    """Return the advice for a file of a kind that this page does not show."""
     has_place = get_section(inspection) or inspection.kind not in KINDS_OF_FILE
     if inspection.questions or inspection.refusal or has_place:
         return ""
-    advice = KINDS_OF_FILE[inspection.kind].use
+    advice = KINDS_OF_FILE[inspection.kind].usage
     return (
         "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
         f"tests; for this one: {advice}"
@@ -883,9 +889,9 @@ def render_column_questions(
     rate: float | None,
     specimens: Sequence[Mapping[str, Any]],
 ) -> str:
-    """Return the first rows with roles and units to choose, and what is to be answered.
+    """Return the first rows with choices of roles and units, and the open questions.
 
-    The sampling rate, Hz, is asked for where no column is the time, or one was given; of several
+    The sampling rate, Hz, is requested where no column is the time, or one was given; of several
     specimens one is to be chosen, or all.
     """
     units_by_dimension: dict[str, list[str]] = {}

@@ -24,7 +24,7 @@ _LENGTH = struct.Struct("<I")
 def encode_message(
     head: Mapping[str, Any], arrays: Mapping[str, FloatArray] | None = None
 ) -> bytes:
-    """Return a message; what is no number in JSON is null in the head and NaN in an array.
+    """Return a message; non-finite numbers are null in the head and NaN in an array.
 
     >>> decode_message(encode_message({"a": 1}, {"x": np.array([1.0, 2.0])}))[1]["x"].tolist()
     [1.0, 2.0]
@@ -45,9 +45,9 @@ def decode_message(message: bytes) -> tuple[dict[str, Any], dict[str, FloatArray
     """Return head and arrays of a message."""
     (length,) = _LENGTH.unpack_from(message)
     head = json.loads(message[_LENGTH.size : _LENGTH.size + length])
-    rest = np.frombuffer(message, dtype="<f4", offset=_LENGTH.size + length)
-    places = head.pop("arrays")
-    return head, {name: rest[at : at + count] for name, (at, count) in places.items()}
+    array_data = np.frombuffer(message, dtype="<f4", offset=_LENGTH.size + length)
+    array_places = head.pop("arrays")
+    return head, {name: array_data[at : at + count] for name, (at, count) in array_places.items()}
 
 
 def encode_frame(kind: str, body: bytes) -> bytes:

@@ -11,7 +11,7 @@ _PARTS = re.compile(r"(; |: |\. )")
 
 
 def format_for_page(sentence: str) -> str:
-    """Return a refusal without what only a command line or Python can heed.
+    """Return a refusal without advice for the command line or Python.
 
     >>> format_for_page("no unit of force; add --units force=N, or write it into the header")
     'no unit of force'

@@ -45,7 +45,7 @@ class WorkerProcess:
         return time.monotonic() - self._started_at if self._started_at else None
 
     async def ask(self, verb: str, request: Any) -> bytes:
-        """Return the answer to a question.
+        """Return the response to a request.
 
         Raises
         ------
@@ -80,7 +80,7 @@ class WorkerProcess:
                 self._started_at = 0.0
 
     async def start(self) -> asyncio.subprocess.Process:
-        """Start the worker if none is there."""
+        """Start the worker if none is running."""
         if self._process is None or self._process.returncode is not None:
             self._process = await asyncio.create_subprocess_exec(
                 *interpreter("dashpot.extensions.app.worker_process"), str(self._folder),
@@ -90,7 +90,7 @@ class WorkerProcess:
         return self._process
 
     async def _prestart(self) -> None:
-        """Start anew, so that the modules are there when the next question comes."""
+        """Restart the process, so that its modules are loaded before the next request."""
         if not self._is_closed:
             await self.start()
         self._end_if_closed()
@@ -120,7 +120,7 @@ class WorkerProcess:
             self.doing = body.decode()
 
     def cancel(self) -> bool:
-        """End the computation with its process, and who reads for it; True if there was one."""
+        """End the computation with its process and its reader; True if there was one."""
         is_running = self.seconds is not None
         if is_running:
             self._cancelled = True
@@ -128,12 +128,12 @@ class WorkerProcess:
         return is_running
 
     def end(self) -> None:
-        """End the worker, whatever it does."""
+        """End the worker at once."""
         if self._process is not None and self._process.returncode is None:
             stop_process_group(self._process.pid)
 
     def shut_down(self) -> None:
-        """End the worker, and start no other for who still waits."""
+        """End the worker, and start no other for waiting requests."""
         self._is_closed = True
         self.end()
 

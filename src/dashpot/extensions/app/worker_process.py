@@ -35,7 +35,7 @@ def stop_process_group(process_id: int) -> None:
 
 
 def trim_memory(max_bytes: int) -> None:
-    """Give memory that is free back to the system, if this process holds more than so many bytes.
+    """Return free memory to the system if this process uses more than that many bytes.
 
     Where the C library (of GNU) keeps it; elsewhere nothing is done.
     """
@@ -50,7 +50,7 @@ def trim_memory(max_bytes: int) -> None:
 
 
 MAX_IDLE_BYTES = 200 << 20
-"""Bytes of a worker that has had a long record: what it needed in between it gives back."""
+"""Memory above which an idle worker returns free memory to the system, bytes."""
 IDLE_SECONDS = 1.0
 """Time without a question after which a worker collects its garbage."""
 
@@ -102,7 +102,7 @@ def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> No
 def _answer_all_with_fault(
     error: Exception, questions: queue.Queue[bytes], answers: BinaryIO
 ) -> NoReturn:
-    """Answer every question with the error of an import, which a new worker would meet, too."""
+    """Answer every request with the error of an import, which a new worker would raise as well."""
     while True:
         questions.get()
         answers.write(wire_format.encode_frame("f", _format_fault(error)))

@@ -28,11 +28,11 @@ class SealDecision(NamedTuple):
     lot, seal : str
     decision : str
         ``"pass"``; ``"fail"`` outside a limit; ``"not proven"`` inside it by less than the guard
-        band; ``"no result"`` where no test of the seal is used.
+        band; ``"no result"`` if no test of the seal is used.
     value : float or None
         Mean of its tests, SI.
     guard : float or None
-        The guard band: what the uncertainty of this mean takes off either limit.
+        Guard band: the uncertainty of this mean, by which both limits are tightened.
     """
 
     lot: str
@@ -50,7 +50,7 @@ class SealDecision(NamedTuple):
 
 
 def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
-    r"""Return what limits make of every seal that was tested, in the order of lot and seal.
+    r"""Return the judgement of every tested seal by limits, in the order of lot and seal.
 
     The guard band is :math:`t_{0.95,\nu}\,u`, the decision rule of ISO 14253-1, with the standard
     uncertainty u of the mean of n repeats: :math:`u^2 = s_r^2/n`, pooled over all seals with
@@ -80,15 +80,15 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
 
 
 def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
-    """Lot and name of every seal; a file that nobody named and that has no fit need not be one."""
+    """Lot and name of every seal; a file without a name and a fit is not counted."""
     rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
     return {(lot, seal or file): None for lot, seal, file, end in rows if seal or end == "fitted"}
 
 
-def _decide_acceptance(limits: Limits, value: float, guard: float | None) -> Decision:
+def _decide_acceptance(limits: Limits, value: float, guard_band: float | None) -> Decision:
     if limits.judge(value, value) == "missed":
         return "fail"
-    band = guard or 0.0
+    band = guard_band or 0.0
     return "pass" if limits.judge(value - band, value + band) == "met" else "not proven"
 
 

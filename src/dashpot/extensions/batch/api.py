@@ -79,7 +79,7 @@ def batch(what: Any, /, **options: Any) -> Any:
         Folder of the lot, with lot.csv, lot.xlsx, lot.json and its page lot.html as the command
         writes them; a second run makes only the rows that are missing.
     jobs : int, optional
-        Processes side by side.
+        Number of parallel processes.
     arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
         As ``dashpot batch --help`` has them.
     machine : Machine, optional
@@ -179,7 +179,7 @@ def _fit_arrays(
 
 
 def _convert_arrays_to_si(units: str, **arrays: tuple[Any, Dimension]) -> list[Any]:
-    """Return arrays in SI, each given with its dimension; None stays None.
+    """Return arrays in SI, each given with its dimension; None is returned as None.
 
     Raises
     ------

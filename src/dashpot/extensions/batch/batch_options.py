@@ -21,7 +21,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job
 
 MAX_ARMS = 6
-"""The most that are tried where their number is left to choose."""
+"""Largest number of arms with ``arms="auto"``."""
 
 
 def convert_quantities(
@@ -62,7 +62,7 @@ class BatchOptions:
     quick : bool
         The optimum alone: no errors, no checks, no verdict.
     mass : float or None
-        Mass of the block on the seals, kg, where a test has none of its own.
+        Mass of the block on the seals, kg, for tests without their own.
     seals : float
         Under that mass.
     reading, reading_impact : ReadOptions
@@ -79,7 +79,7 @@ class BatchOptions:
     radius : float or None
         Radius of an indenter's tip, m: a hit then has a modulus.
     machine : Machine
-        On which the tests were made, where the manifest gives a test none of its own.
+        Testing machine of tests without one in the manifest.
     """
 
     arms: int | Literal["auto"] = copy_option(Job, "arms")
@@ -127,7 +127,7 @@ class BatchOptions:
             object.__setattr__(self, name, results)
             for result in results:
                 _require_positive(name, result, expected="numbers")
-        _refuse_unused_cable(self.machine, joint=self.joint)
+        _refuse_unused_cable(self.machine, is_joint=self.joint)
         if self.joint and self.quick:
             raise DataError(
                 "--joint weights relaxation and hammer test by errors, which --quick leaves out"
@@ -135,7 +135,7 @@ class BatchOptions:
 
     @property
     def columns(self) -> int:
-        """Number of arms that a row can hold."""
+        """Largest number of arms in a row."""
         return MAX_ARMS if self.arms == "auto" or self.joint else self.arms
 
     @property
@@ -163,12 +163,12 @@ class BatchOptions:
 def find_test_machine(entry: Entry, choices: BatchOptions) -> Machine:
     """Return the machine on which a test was made: its own, or that of all tests."""
     machine = make_machine(json.loads(entry.machine)) if entry.machine else choices.machine
-    _refuse_unused_cable(machine, joint=choices.joint)
+    _refuse_unused_cable(machine, is_joint=choices.joint)
     return machine
 
 
-def _refuse_unused_cable(machine: Machine, *, joint: bool) -> None:
-    if machine.cable is not None and not joint:
+def _refuse_unused_cable(machine: Machine, *, is_joint: bool) -> None:
+    if machine.cable is not None and not is_joint:
         raise DataError(
             "--machine cable= is of the hammer's rig, and the row of a test takes it with --joint "
             "alone. Add --joint, or leave it out"

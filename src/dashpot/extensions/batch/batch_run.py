@@ -1,4 +1,4 @@
-"""Run of a batch of tests to one table, which a second run completes."""
+"""Run of a batch of tests to one table; a second run adds the missing rows."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ from dashpot.extensions.batch.table_row import make_row
 from dashpot.reading.read_options import ReadOptions
 
 CHUNK = SMALL_PART
-"""Files of a chunk: what a run that is cut short loses at most, for each process."""
+"""Files of a chunk, the largest loss of an interrupted run for each process."""
 _LAST_CHUNK_FILES = 5
-"""Files of the last chunks, where each process can have so many: to write a part takes 3 ms."""
+"""Smallest number of files of the last chunks: each part takes 3 ms to write."""
 _LOCK = ".lock"
 _TIMED_TESTS = 3
 """Tests that a dry run times."""
@@ -53,8 +53,8 @@ _TIMED_TESTS = 3
 class BatchJob:
     """Job of a batch: its tests, its executor and its statistics.
 
-    The fields are the arguments of :func:`batch`, but for the last two: the quantity that its page
-    is of, if one was asked for, and the limits of acceptance.
+    The fields are the arguments of :func:`batch`, and two more: the quantity that the page shows,
+    if one was requested, and the limits of acceptance.
     """
 
     paths: tuple[str | Path, ...]
@@ -69,14 +69,14 @@ class BatchJob:
     limits: tuple[Limits, ...] = ()
 
     def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
-        """Return the tests that are there now; where more are to come, none is no error."""
+        """Return the tests found; an empty list is an error unless `allow_none` is set."""
         return find_entries(
             self.paths, manifest=self.manifest, label_pattern=self.by, pair=self.pair,
             output_folder=self.output, allow_none=allow_none,
         )  # fmt: skip
 
     def tasks(self) -> tuple[Task, ...]:
-        """Return the rows that are asked for."""
+        """Return the rows that are requested."""
         send_progress("finding the files")
         entries = self.entries()
         send_progress(f"hashing the files of {len(entries)} tests")
@@ -85,18 +85,18 @@ class BatchJob:
 
 @dataclass(frozen=True)
 class BatchPlan(Serialisable):
-    """Plan of a batch: what it would do.
+    """Plan of a batch: number of files, expected time and processes.
 
     Attributes
     ----------
     files, done : int
-        In all, and those whose rows are there already.
+        Number of files, and of those whose rows exist already.
     chunks : int
-        Still to be made.
+        Number of chunks to compute.
     seconds : float
-        That they would take, by the first few tests on this machine; 0 if nothing is to be done.
+        Expected time, estimated from the first few tests on this machine; 0 if no row is missing.
     jobs : int
-        Processes side by side.
+        Number of parallel processes.
     """
 
     schema = "dashpot/batch-plan@1"
@@ -133,18 +133,18 @@ def batch(
 ) -> Lot:
     r"""Fit every test in files, folders and patterns, one row each.
 
-    Each test is fitted alone, in the way that suits it, as ``dashpot fit`` does it: a ramp and
-    hold, a creep test, a dynamic sweep, a master curve, a relaxation modulus. A hammer that is
-    paired with it is held against what it predicts. A file that has no fit, or cannot be read, is a
-    row that says why. Rows are kept in `output` as Parquet parts by
-    the hash of what decides them: configuration, version, contents; a second run, whatever ended
-    the first, makes only those that are missing, and ends with the same table.
+    Each test is fitted separately by its kind, as by ``dashpot fit``: a ramp and hold, a creep
+    test, a dynamic sweep, a master curve, a relaxation modulus. A paired hammer test is compared
+    with its prediction. A file without a fit, or that cannot be read, is a row with the reason.
+    Rows are stored in `output` as Parquet parts by the hash of their inputs: configuration,
+    version, contents; a second run, after an interrupted first one, computes only the missing rows
+    and gives the same table.
 
     Parameters
     ----------
     paths : path or sequence of path
     output : path, optional
-        Folder of the parts and of the log; without one nothing is kept.
+        Folder of the parts and of the log; without it nothing is written.
     arms, method
         As in :func:`~dashpot.fitting.relaxation.fit`.
     quick : bool
@@ -166,7 +166,7 @@ def batch(
         On which the tests were made; the manifest may give each test its own.
     by : str, optional
         A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
-        ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
+        ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may be in any order.
     manifest : path, optional
         CSV or TOML with the columns file, lot, seal, repeat, operator, date, temperature, mass,
         hammer, hammer_temperature, machine.
@@ -177,19 +177,19 @@ def batch(
     joint : bool
         Fit a ramp and hold and its hammer together.
     jobs : int, optional
-        Processes side by side; by default as many as there are processors.
+        Number of parallel processes; by default as many as there are processors.
     scheduler : str, optional
         Address of a cluster of dask.distributed, ``"tcp://host:8786"``, whose workers make the
         rows: the same dashpot is installed there, and the files have the same paths.
     options, impact_options : ReadOptions, optional
-        What is known of the files of the tests, and of the hammer.
+        Reading options of the tests' files, and of the hammer's.
 
     Raises
     ------
     ReadError, DataError
         If a path names nothing, or a choice makes no sense. No file's contents raise.
     ExportError
-        If `output` holds something else, or polars is missing.
+        If `output` contains other files, or polars is missing.
     """
     choices = BatchOptions(
         arms,
@@ -229,7 +229,7 @@ def lock_results_folder(folder: Path) -> Iterator[None]:
 
 
 def compute_missing_rows(job: BatchJob, tasks: Sequence[Task]) -> Lot:
-    """Make of the rows asked for those that are missing, in a folder that is occupied."""
+    """Compute the missing ones of the requested rows, in a locked folder."""
     missing = _select_missing_tasks(tasks, job.output)
     if missing:
         try:
@@ -260,11 +260,13 @@ def plan_batch(job: BatchJob) -> BatchPlan:
     import_polars()
     executor, tasks = open_executor(job.jobs, job.scheduler), job.tasks()
     missing = _select_missing_tasks(tasks, job.output)
-    with executor as making:
-        chunks = len(_split_into_chunks(missing, making.side))
-    value = _estimate_seconds_per_row(missing[:_TIMED_TESTS], job.choices)
-    seconds = value * len(missing) / min(making.at_once, max(chunks, 1))
-    return BatchPlan(len(tasks), len(tasks) - len(missing), chunks, seconds, making.side)
+    with executor as running_executor:
+        chunks = len(_split_into_chunks(missing, running_executor.parallel_chunks))
+    seconds_per_row = _estimate_seconds_per_row(missing[:_TIMED_TESTS], job.choices)
+    seconds = seconds_per_row * len(missing) / min(running_executor.processor_count, max(chunks, 1))
+    return BatchPlan(
+        len(tasks), len(tasks) - len(missing), chunks, seconds, running_executor.parallel_chunks
+    )
 
 
 def _estimate_seconds_per_row(sample_tasks: Sequence[Task], choices: BatchOptions) -> float:
@@ -298,8 +300,8 @@ def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, .
     task_groups: list[tuple[Task, ...]] = []
     first, chunk_limit = 0, max(1, len(missing) // jobs)
     while first < len(missing):
-        remaining = len(missing) - first
-        size = min(CHUNK, max(_LAST_CHUNK_FILES, remaining // (2 * jobs)), chunk_limit)
+        remaining_count = len(missing) - first
+        size = min(CHUNK, max(_LAST_CHUNK_FILES, remaining_count // (2 * jobs)), chunk_limit)
         task_groups.append(tuple(missing[first : first + size]))
         first += size
     return task_groups
@@ -308,15 +310,21 @@ def _split_into_chunks(missing: Sequence[Task], jobs: int) -> list[tuple[Task, .
 def _compute(
     missing: Sequence[Task], choices: BatchOptions, folder: Path, executor: Executor
 ) -> None:
-    chunks, done_count, start_time = _split_into_chunks(missing, executor.side), 0, time.monotonic()
+    chunks, done_count, start_time = (
+        _split_into_chunks(missing, executor.parallel_chunks),
+        0,
+        time.monotonic(),
+    )
     send_progress(f"{len(missing)} tests in {len(chunks)} chunks")
     first = (0, 0.0)
-    for number, (chunk, rows) in enumerate(executor.computed(chunks, choices), start=1):
+    for number, (chunk, rows) in enumerate(executor.compute_chunks(chunks, choices), start=1):
         path = write_part(folder, build_row_frame(rows, choices))
         done_count += len(chunk)
         progress = done_count, max(time.monotonic() - start_time, 1e-6)
         first = progress if number == 1 else first
-        tests_per_second = estimate_rate(first, progress, number, min(executor.side, len(chunks)))
+        tests_per_second = estimate_rate(
+            first, progress, number, min(executor.parallel_chunks, len(chunks))
+        )
         text = f"{done_count} of {len(missing)} tests, {tests_per_second:.1f} tests/s"
         if done_count < len(missing):
             text += f", {(len(missing) - done_count) / tests_per_second:.0f} s left"
@@ -329,8 +337,8 @@ def estimate_rate(
 ) -> float:
     """Return tests in a second, by how many were done, and after how many s, at two chunks.
 
-    Of the first round of chunks, `parallel_chunks` by side, those that are not there yet are as
-    good as done; after it, the start of the workers counts no more.
+    In the first round of `parallel_chunks` chunks, the unfinished ones are counted as nearly done;
+    after it, the start of the workers is not counted.
     """
     if chunks <= parallel_chunks:
         return progress[0] * parallel_chunks / chunks / progress[1]

@@ -12,7 +12,7 @@ from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import NOT_NORMAL
 
 MAX_DOUBTED = 0.5
-"""Part of the fits of a lot that may be doubted."""
+"""Allowed fraction of doubtful fits in a lot."""
 
 
 @criterion(
@@ -29,10 +29,10 @@ def files_fitted(unfitted_count: int, files: int) -> Finding:
 
 
 @criterion('fits with the verdict "do not use"', "<=", 0, "by definition")
-def fits_usable(unusable: int, fitted: int) -> Finding:
+def fits_usable(unusable: int, fitted_count: int) -> Finding:
     """No fit of a batch has the verdict "do not use"."""
     return Finding(
-        f"{unusable} of {fitted} fits have the verdict 'do not use'",
+        f"{unusable} of {fitted_count} fits have the verdict 'do not use'",
         unusable,
         remedy="Look up their reasons in the table.",
     )
@@ -44,24 +44,24 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
     MAX_DOUBTED,
     "our choice: what most tests share, a mean does not remove",
 )
-def few_fits_doubted(doubtful_count: int, fitted: int) -> Finding:
+def few_fits_doubted(doubtful_count: int, fitted_count: int) -> Finding:
     """Few fits of a batch have the verdict "use with care"."""
     return Finding(
-        f"{doubtful_count} of {fitted} fits have the verdict 'use with care'",
-        doubtful_count / max(fitted, 1),
+        f"{doubtful_count} of {fitted_count} fits have the verdict 'use with care'",
+        doubtful_count / max(fitted_count, 1),
         "A fault that all tests share is in the mean, too",
         "Look up their reasons in the table.",
     )  # fmt: skip
 
 
 @criterion("hammer tests not compared", "<=", 0, "by definition")
-def hammers_compared(uncompared_count: int, paired: int) -> Finding:
+def hammers_compared(uncompared_count: int, pair_count: int) -> Finding:
     """Every hammer test of the batch was compared with its relaxation test."""
-    if not paired:
+    if not pair_count:
         return Finding("No test of the batch has a hammer test, so none is compared")
     return Finding(
-        f"{paired - uncompared_count} of {paired} hammer tests were compared with their relaxation "
-        "tests",
+        f"{pair_count - uncompared_count} of {pair_count} hammer tests were compared with their "
+        "relaxation tests",
         uncompared_count,
         remedy="Look up the reason of each other one in the table.",
     )
@@ -81,7 +81,7 @@ def tests_alike(dissimilar: int, tests: int) -> Finding:
 
 @criterion("repeated records", "<=", 0, "by definition", grade="note")
 def records_distinct(copy_count: int, tests: int) -> Finding:
-    """Every test has its own record; none is a copy of another."""
+    """No record is a copy of another."""
     return Finding(
         f"{tests - copy_count} of {tests} fits have records of their own",
         copy_count,
@@ -151,12 +151,14 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
         "fail": "outside", "not proven": "inside by less than the guard band",
         "no result": "without a value that is used",
     }  # fmt: skip
-    broken = ", ".join(f"{count} {decision_texts[name]}" for name, count in counts.items() if count)
+    failed_text = ", ".join(
+        f"{count} {decision_texts[name]}" for name, count in counts.items() if count
+    )
     passed_count, seal_count = decisions.count("pass"), len(decisions)
     return Finding(
         f"{passed_count} of {seal_count} seals pass: {words} {limits}",
         seal_count - passed_count,
-        broken,
+        failed_text,
         "Look up those seals in the table.",
     )
 
@@ -164,15 +166,14 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
 @criterion("Cpk", ">=", None, "asked for with the limits",
            other_grade="stop where all of its interval is below")  # fmt: skip
 def capability_as_asked(
-    words: str, lowest: tuple[str, Capability] | None, unknown: int, target: float
+    words: str, lowest: tuple[str, Capability] | None, unknown_count: int, target: float
 ) -> Finding:
     """The Cpk of every lot is known and reaches the required value."""
-    if lowest is None or unknown:
+    if lowest is None or unknown_count:
         return Finding(
             "",
-            failure=f"Cpk of {words} is not known of {format_count(unknown, 'lot')}; {target:.2f} "
-            "is "
-            "asked",
+            failure=f"Cpk of {words} is not known of {format_count(unknown_count, 'lot')}; "
+            f"{target:.2f} is asked",
             remedy="Test two or more different seals of each lot.",
             limit=target,
             always_fails=True,

@@ -103,22 +103,22 @@ def _compute_chunks(
         "folder": str(Path.cwd()),
         "version": __version__,
     }
-    waiting, requested_tasks = iter(chunks), dict[str, Chunk]()
+    chunk_iterator, requested_tasks = iter(chunks), dict[str, Chunk]()
 
     def send_chunk(chunk: Chunk) -> Any:
-        tasks = json.dumps([task.packed for task in chunk])
+        tasks = json.dumps([task.serialised for task in chunk])
         future = client.submit(make_rows, tasks, **common, pure=False)
         requested_tasks[future.key] = chunk
         return future
 
     queue_length = _QUEUED_CHUNKS * sum(client.nthreads().values())
-    first = list(map(send_chunk, islice(waiting, queue_length)))
+    first = list(map(send_chunk, islice(chunk_iterator, queue_length)))
     running = distributed.as_completed(first, loop=client.loop)
     try:
         for future in running:
             chunk = requested_tasks.pop(future.key)
             yield chunk, _get_rows(future, address)
-            next_chunk = next(waiting, None)
+            next_chunk = next(chunk_iterator, None)
             if next_chunk is not None:
                 running.add(send_chunk(next_chunk))
         client.run(stop_idle_workers)

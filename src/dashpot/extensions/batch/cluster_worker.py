@@ -18,7 +18,7 @@ from dashpot.extensions.batch.parquet_parts import Task
 from dashpot.extensions.batch.process_pool import Worker
 
 WAITING_TIME = 60.0
-"""Seconds that a process waits for the next chunk, if nobody tells it to go."""
+"""Time that an idle process waits for the next chunk, s."""
 
 _idle: list[tuple[tuple[str, str], Worker]] = []
 _lock = threading.Lock()
@@ -51,8 +51,8 @@ def make_rows(tasks: str, *, choices: str, folder: str, version: str) -> str:
 def stop_idle_workers() -> None:
     """End the processes that wait."""
     with _lock:
-        ended, _idle[:] = list(_idle), []
-    for _, worker in ended:
+        idle_workers, _idle[:] = list(_idle), []
+    for _, worker in idle_workers:
         worker.end()
 
 

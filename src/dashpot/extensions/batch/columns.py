@@ -20,7 +20,7 @@ TEXT_COLUMNS = (
 `RETRIED_OUTCOMES`.
 
 `part` is which of several specimens in its file a row is of, as ``--file-part`` takes it. `origin`
-is ``simulated`` where a file of the row says so.
+is ``simulated`` if a file of the row is marked so.
 """
 LEADING_COLUMNS = ("file", *LABELS, "kind", "outcome", "verdict", "reason")
 """The columns with which a written table begins."""
@@ -28,11 +28,11 @@ TRAILING_COLUMNS = (
     "failed_checks", "status", "method", "arms", "samples", "bytes", "origin", "version", "hammer",
     "sha256", "key",
 )  # fmt: skip
-"""The columns with which a written table ends: what a file is, rather than what its test says."""
+"""Last columns of a written table: metadata of the file."""
 REQUIRED_COLUMNS = ("file", "kind", "outcome", "verdict", "reason")
-"""The columns that are written even where they are empty."""
+"""The columns that are written even if empty."""
 RETRIED_OUTCOMES = ("died", "changed")
-"""Outcomes that another run may mend: such a file is tried again."""
+"""Outcomes that may change in another run: such a file is tried again."""
 COUNT_COLUMNS = ("bytes", "samples", "arms")
 _STIFFNESS_SUFFIXES = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", "inf_high")
 
@@ -74,10 +74,10 @@ def list_arm_columns(arms: int) -> tuple[str, ...]:
 def build_requested_columns(
     choices: BatchOptions, unit: str
 ) -> dict[FrequencyAndCompression, tuple[str, ...]]:
-    """Return the columns of each frequency, Hz, and compression, m, that was asked for.
+    """Return the columns of each frequency, Hz, and compression, m, that was requested.
 
-    Without a frequency, that of the stiffness at the end of the hold; without a compression, those
-    at the depth of the test. A material (`unit` Pa) has no compression.
+    Without a frequency, the column of the stiffness at the end of the hold; without a compression,
+    those at the depth of the test. A material (`unit` Pa) has no compression.
     """
     compressions = choices.compression if unit == "N/m" else ()
     entries: dict[FrequencyAndCompression, tuple[str, ...]] = {

@@ -51,7 +51,7 @@ A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
     ),
 )
 def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> CommandResult:
-    """Fit what is there, or what comes."""
+    """Fit the files of a folder, and with ``--watch`` new ones."""
     if not paths and said["manifest"] is None:
         raise click.UsageError(
             "Give files, folders or patterns, and the folder to fill: dashpot batch tests/ -o LOT"
@@ -64,8 +64,8 @@ def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) 
     from dashpot.extensions.batch.batch_run import plan_batch, run_batch
 
     if dry_run:
-        planned = plan_batch(batch_job)
-        return CommandResult(planned, Text(_format_plan(planned)))
+        plan = plan_batch(batch_job)
+        return CommandResult(plan, Text(_format_plan(plan)))
     summary = summarise_lot(batch_job, run_batch(batch_job))
     write_lot(batch_job.output, summary, batch_job.quantity)
     return make_command_result(batch_job, summary)

@@ -30,7 +30,7 @@ class QuantityComparison(Serialisable):
     difference : Difference
         The second lot less the first, SI.
     shared : int
-        Records that both lots hold: the test wants lots that know nothing of each other.
+        Records in both lots; the test assumes independent lots.
     """
 
     _keys = (
@@ -54,7 +54,7 @@ class QuantityComparison(Serialisable):
     def different(self) -> bool | None:
         """Whether chance gives such a difference in fewer than 5 % of trials.
 
-        None of lots that share records.
+        None if the lots share records.
         """
         return None if self.shared else self.difference.different
 
@@ -136,7 +136,7 @@ def _format_comparison(item: QuantityComparison) -> Iterator[str]:
 
 
 def open_lot(folder_name: str) -> tuple[str, Lot]:
-    """Return the one lot that ``FOLDER`` or ``FOLDER:LOT`` names, and what it is called.
+    """Return the lot that ``FOLDER`` or ``FOLDER:LOT`` names, and its name.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def open_lot(folder_name: str) -> tuple[str, Lot]:
 
 
 def open_both_lots(names: Sequence[str]) -> list[tuple[str, Lot]]:
-    """Return two lots, opened each; those of one name are called as they were named."""
+    """Return two lots, opened each; lots with the same name are called by their files."""
     lots = [open_lot(name) for name in names]
     if len({name for name, _ in lots}) == 1:
         return [(name, lot) for name, (_, lot) in zip(names, lots, strict=True)]
@@ -171,12 +171,12 @@ def open_both_lots(names: Sequence[str]) -> list[tuple[str, Lot]]:
 def compare_two_lots(
     first: tuple[str, Lot], second: tuple[str, Lot], names: Sequence[str] = ()
 ) -> LotComparison:
-    """Return by how much the second lot differs from the first, and what could have been seen.
+    """Return the difference of the second lot from the first, and the detectable difference.
 
     Parameters
     ----------
     first, second : (str, Lot)
-        What a lot is called, and the lot.
+        Name of a lot, and the lot.
     names : sequence of str
         Quantities; by default those that both lots have, without those that follow from others.
 
@@ -233,7 +233,7 @@ def _count_shared_records(first: Lot, second: Lot) -> int:
 
 
 def _select_common_quantities(first: Lot, second: Lot) -> tuple[str, ...]:
-    """Return the quantities that both lots have, without those that follow from others."""
+    """Return the quantities of both lots, without derived ones."""
     second_names = {quantity.name for quantity in second.quantities}
     first_names = (quantity.name for quantity in first.quantities)
     return tuple(

@@ -14,7 +14,7 @@ def open_executor(jobs: int | None, scheduler: str | None) -> AbstractContextMan
     Raises
     ------
     DataError
-        If both are asked for, or no number of processes.
+        If both are requested, or no number of processes.
     """
     if jobs is not None and jobs < 1:
         raise DataError(f"jobs = {jobs}; expected a number of processes >= 1")

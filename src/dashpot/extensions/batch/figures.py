@@ -29,7 +29,7 @@ _BARS, _MAX_BARS = 6, 24
 CHART = 210.0
 """Height of the chart and of the histogram beside it, px."""
 _GROUPS = 8
-"""Groups of lots, or names, that stand above a chart at most."""
+"""Largest number of group names above a chart."""
 _CURVE = Pen("measured", 0.8)
 _OUTLIER_PEN = Pen("care", 1.6)
 _MEAN = Pen("fit", 2.0)
@@ -48,8 +48,8 @@ def control_picture(
 ) -> Picture:
     """Return seals in their order with the control limits of each lot, and the scatter inside.
 
-    Below the seals stand the standard deviations of their repeats, or, where no seal was tested
-    twice, the moving ranges of neighbours. Limits that are `requested`, SI, are drawn across.
+    Below the seals are the standard deviations of their repeats or, if no seal was tested twice,
+    the moving ranges. Limits that are `requested`, SI, are drawn across.
     """
     positions = {(seal.lot, seal.name): i + 1.0 for i, seal in enumerate(seals)}
     scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
@@ -74,7 +74,7 @@ def control_picture(
             titles.append((float(end_positions[0]), name))
         spans.append((chart, seal_positions))
     limits = quantity.scale * np.array(requested)
-    marks += [Rule(end, _LIMIT_PEN, "limits asked", across=True) for end in limits]
+    marks += [Rule(end, _LIMIT_PEN, "limits asked", is_horizontal=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
     low, high = _make_value_axis(quantity, charts, seals, requested)
     marks += [Tag(seal_positions, high, text, "soft") for seal_positions, text in titles]
@@ -169,8 +169,8 @@ def histogram_picture(
         shape *= len(means) * (edges[1] - edges[0])
         top = max(top, float(shape.max()))
         marks.append(Line(shape, y, _SHAPE, "normal"))
-    marks += [Rule(quantity.scale * end, _LIMIT_PEN, across=True) for end in required_limits]
-    marks += [Rule(mean, _MEAN, across=True)]
+    marks += [Rule(quantity.scale * end, _LIMIT_PEN, is_horizontal=True) for end in required_limits]
+    marks += [Rule(mean, _MEAN, is_horizontal=True)]
     text = round_to_error(mean, deviation / 10 if deviation > 0 else None)
     scale = Scale("seals", (0.0, 1.1 * top), whole=True)
     vertical = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
@@ -180,11 +180,11 @@ def histogram_picture(
 
 def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) -> Picture:
     """Return the Cpk of each lot with its interval, the lowest first."""
-    ranked = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
-    ranks = np.arange(1.0, len(ranked) + 1)
-    cpk = np.array([capability.cpk or 0.0 for capability in ranked])
+    ranked_lots = sorted(capabilities, key=lambda capability: capability.cpk or 0.0)
+    ranks = np.arange(1.0, len(ranked_lots) + 1)
+    cpk = np.array([capability.cpk or 0.0 for capability in ranked_lots])
     low, high = (
-        np.array([(capability.cpk_interval or (0.0, 0.0))[i] for capability in ranked])
+        np.array([(capability.cpk_interval or (0.0, 0.0))[i] for capability in ranked_lots])
         for i in (0, 1)
     )
     # along a line each lot has its interval; so drawn, they make one area
@@ -203,7 +203,7 @@ def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) 
         marks.append(Rule(required_cpk, _LIMIT_PEN, "asked"))
         interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
-    vertical = Scale("", (0.0, len(ranked) + 1.0), unnumbered=True)
+    vertical = Scale("", (0.0, len(ranked_lots) + 1.0), unnumbered=True)
     panel = Panel(horizontal, vertical, tuple(marks), height=70, without_y_label=True)
     return Picture("cpks", "Cpk of every lot", ((panel,),))
 
@@ -217,7 +217,7 @@ def lots_picture(
 ) -> Picture:
     """Return each lot as a dot, the middle 90 % and all of its seals, and the scatter of repeats.
 
-    Control limits are those of the means of lots; what breaks a rule has a ring.
+    Control limits are those of the means of lots; points that break a rule have a ring.
     """
     entries = {
         name: quantity.scale * average_seals(seal)
@@ -234,7 +234,9 @@ def lots_picture(
     if lots is not None:
         edges = quantity.scale * lots.mean.lower, quantity.scale * lots.mean.upper
         marks.append(Area(lot_positions, *edges, "fit", "control limits of lot means"))
-        marks.append(Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", across=True))
+        marks.append(
+            Rule(quantity.scale * lots.mean.centre, _MEAN, "mean of all", is_horizontal=True)
+        )
     marks.append(_make_error_bars(lot_positions, low, high, Pen("ref", 1.0), "all of its seals"))
     marks.append(
         _make_error_bars(
@@ -242,7 +244,7 @@ def lots_picture(
         )
     )
     marks += [
-        Rule(quantity.scale * end, _LIMIT_PEN, "limits asked", across=True)
+        Rule(quantity.scale * end, _LIMIT_PEN, "limits asked", is_horizontal=True)
         for end in required_limits
     ]
     marks.append(Dots(lot_positions, means, "measured", "mean of a lot", size=5.0))
@@ -278,7 +280,7 @@ def _make_error_bars(
     return Line(x, y, pen, label)
 
 
-def _group_lots(names: Sequence[str], means: FloatArray, top: float) -> Iterator[Mark]:
+def _group_lots(names: Sequence[str], means: FloatArray, label_height: float) -> Iterator[Mark]:
     """Lots that are named alike but for a number: where each group begins, and its mean.
 
     Of lots that are one group, or of no group, some are named.
@@ -291,11 +293,11 @@ def _group_lots(names: Sequence[str], means: FloatArray, top: float) -> Iterator
             if start:
                 yield Rule(start + 0.5, Pen("edge", 1.0))
             words = f"{span}  mean {round_to_error(float(means[start:stop].mean()), digits=4)}"
-            yield Tag(start + 0.7, top, words, "soft")
+            yield Tag(start + 0.7, label_height, words, "soft")
         return
     step = -(-len(names) // _GROUPS) if len(names) > 2 * _GROUPS else 1
     for i in range(0, len(names), max(step, 1)):
-        yield Tag(i + 1.0, top, names[i], "soft")
+        yield Tag(i + 1.0, label_height, names[i], "soft")
 
 
 def _make_repeats_panel(
@@ -325,7 +327,7 @@ def _make_repeats_panel(
         return
     all_values = np.concatenate(y)
     marks: list[Mark] = [Dots(np.concatenate(x), all_values, "ref", size=2.5),
-                         Rule(float(np.mean(centres)), _LOT_PEN, across=True)]  # fmt: skip
+                         Rule(float(np.mean(centres)), _LOT_PEN, is_horizontal=True)]  # fmt: skip
     marks += tags[:_GROUPS]
     title = f"SD of repeats of each seal, {quantity.unit}".rstrip(", ")
     top = 1.2 * float(np.nanmax(all_values, initial=0.0)) or 1.0

@@ -27,33 +27,33 @@ POLL_PERIOD = 0.5
 """Seconds between two looks."""
 
 _State: TypeAlias = tuple[int, ...]
-"""Size, times of change and number of a file: what is replaced or written to has another."""
+"""Size, modification times and inode of a file, which change with its contents."""
 
 
 def watch_batch(
     job: BatchJob,
-    refreshed: Callable[[Lot], None],
+    on_refresh: Callable[[Lot], None],
     *,
     wait: Callable[[float], object] = time.sleep,
     clock: Callable[[], float] = time.monotonic,
 ) -> Lot | None:
     """Run a batch again and again on the files that are still, until it is interrupted.
 
-    The table is at any time that of a batch of what is there: a file that was replaced is fitted
+    The table is always that of a batch of the files present: a file that was replaced is fitted
     again, one that went loses its row, one that cannot be read yet gets another when it can.
 
     Parameters
     ----------
     job : BatchJob
-    refreshed : callable
+    on_refresh : callable
         Takes the lot, each time that its rows are others.
     wait, clock : callable
-        Waits for so many seconds; tells the seconds.
+        Waits for a number of seconds; returns the time, s.
 
     Returns
     -------
     Lot or None
-        As it was last; None if there never was one.
+        The last lot; None if there never was one.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def watch_batch(
     with lock_results_folder(job.output):
         try:
             while True:
-                lot = watched.look(lot, refreshed)
+                lot = watched.look(lot, on_refresh)
                 wait(POLL_PERIOD)
         except KeyboardInterrupt:
             return lot
@@ -86,11 +86,11 @@ class _Watched:
         self._reported = ""
         self._idle_state: tuple[Any, str] | None = None
 
-    def look(self, lot: Lot | None, refreshed: Callable[[Lot], None]) -> Lot | None:
-        """Make the rows of what has become still since the last look, if anything has."""
-        states, idle = self._read_folder_states(), self._idle_state
-        if idle is not None and idle[0] == states:
-            send_progress(idle[1])
+    def look(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
+        """Make the rows of files that have not changed since the last check, if any."""
+        states, idle_state = self._read_folder_states(), self._idle_state
+        if idle_state is not None and idle_state[0] == states:
+            send_progress(idle_state[1])
             return lot
         self._idle_state = None
         try:
@@ -99,18 +99,18 @@ class _Watched:
             keys = tuple(task.key for task in tasks)
             if keys and keys != self._lot_keys:
                 lot = compute_missing_rows(self._job, tasks)
-                refreshed(lot)
+                on_refresh(lot)
                 self._lot_keys = keys
                 self._drop_missing(lot)
         except (DashpotError, OSError) as error:
             self._report(f"waiting: {error}")
         else:
-            moving = len(entries) - len(tasks)
-            text = f"watching: {len(tasks)} tests, {moving} still being written"
+            changing_count = len(entries) - len(tasks)
+            text = f"watching: {len(tasks)} tests, {changing_count} still being written"
             send_progress(text)
             if (
                 states is not None
-                and not moving
+                and not changing_count
                 and keys == self._lot_keys
                 and _are_all_read(tasks)
             ):
@@ -118,9 +118,9 @@ class _Watched:
         return lot
 
     def _read_folder_states(self) -> tuple[object, ...] | None:
-        """Return the states of all that decides the rows, in one pass; None where one is unknown.
+        """Return the states of all that decides the rows, in one pass; None if one is unknown.
 
-        It is read before a look: what changes during the look differs at the next one.
+        It is read before a look: a file that changes during the check differs at the next one.
         """
         job = self._job
         if job.manifest is not None or not _is_beside(job.pair):  # it may name files anywhere
@@ -147,7 +147,7 @@ class _Watched:
         return current - unchanged_since >= UNCHANGED_SECONDS
 
     def _tasks(self, entries: list[Entry]) -> tuple[Task, ...]:
-        return make_tasks(entries, self._job.choices, hashed=self._compute_hash)
+        return make_tasks(entries, self._job.choices, compute_hash=self._compute_hash)
 
     def _compute_hash(self, file: str) -> str:
         """Return the hash of its contents, computed once while it stays as it is."""

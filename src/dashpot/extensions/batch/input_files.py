@@ -46,7 +46,7 @@ _COLUMN_SYNONYMS: Mapping[str, str] = {
     ),
     "test_date": "date", "temp": "temperature", "tester": "operator",
 }  # fmt: skip
-"""Column of a manifest by another name, in lower case with underscores."""
+"""Column of a manifest by its synonyms, in lower case with underscores."""
 _DELIMITERS = ",;\t"
 _DECIMAL_COMMA = re.compile(r"(\s*[-+]?\d+),(\d+\s*[^\d\s,].*)")
 _MAX_MANIFEST_BYTES = 1 << 26
@@ -84,9 +84,9 @@ _DOCUMENT_SUFFIXES = frozenset(
         ".yml",
     ]
 )
-"""Endings of files that hold texts and pictures."""
+"""Suffixes of files of text or pictures."""
 _TEXT_SUFFIXES = frozenset(("", ".log", ".text", ".txt"))
-"""Endings of files that hold texts, or tables."""
+"""Suffixes of files of text or tables."""
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?")
 
 
@@ -99,21 +99,21 @@ class Entry:
     file : str
         The path of its record.
     lot, seal, repeat : str
-        Which lot, which seal of it, and which test of that seal; empty where nobody said.
+        Lot, seal of the lot, and test of the seal; empty if not stated.
     temperature, mass : float or None
         Temperature of the test, K; mass of the block on the seal, kg.
     hammer : tuple of str
         The hammer's files, or an FRF, of the block on such seals.
     operator : str
-        Who, or which rig, tested; empty where nobody said.
+        Operator or rig; empty if not stated.
     hammer_temperature : float or None
-        Temperature of the seals under the hammer, K; None where it is the test's.
+        Temperature of the seals under the hammer, K; None if it is the same as the test's.
     date : str
-        Date of the test, as it was said; empty where nobody did.
+        Date of the test as stated; empty if not stated.
     machine : str
-        On which it was made, as JSON; empty where nobody said.
+        Machine of the test, as JSON; empty if not stated.
     aside : str
-        Why it is not read; empty of what is.
+        Why the file is not read; empty if it is read.
     """
 
     file: str
@@ -135,14 +135,14 @@ class Entry:
         return Entry(**{**values, "hammer": tuple(values["hammer"])})
 
     def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
-        """SHA-256 of its file and of its hammer's; none of files that are not read."""
+        """SHA-256 of its file and of its hammer's; empty for files that are not read."""
         return (
             ("",) if self.aside else tuple(map(by or compute_file_hash, (self.file, *self.hammer)))
         )
 
 
 def compute_file_hash(path: str) -> str:
-    """Return the SHA-256 of a file's contents; empty where they cannot be read."""
+    """Return the SHA-256 of a file's contents; empty if they cannot be read."""
     try:
         if not Path(path).is_file():
             return ""
@@ -168,7 +168,7 @@ def find_entries(
     paths : sequence of path
         Files; from a folder every file is taken, at any depth, but for hidden ones and for results
         that dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not
-        read: it is read where it is named itself.
+        read: it is read if named explicitly.
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over
         `label_pattern`.
@@ -181,7 +181,7 @@ def find_entries(
     output_folder : Path
         The folder of the results.
     allow_none : bool
-        More files are to come: what fits none so far is no error.
+        More files will arrive: a pattern without a file so far is no error.
 
     Raises
     ------
@@ -213,7 +213,7 @@ def find_entries(
 
 
 def _build_entries_by_path(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
-    """Return each file once, by its real path; what is not read by its own, with the reason."""
+    """Return each file once, by its real path; files that are not read with the reason."""
     entries: dict[str, Entry] = {}
     for path, reason in paths:
         path_key = path if reason else os.path.realpath(validate_path(path))
@@ -238,7 +238,7 @@ def _validate_path_encoding(path: str) -> str:
 
 
 def refuse_invalid_patterns(label_pattern: str | None, pair: str | None) -> None:
-    """Refuse an expression and a pattern that are none, before there are files to try them on.
+    """Refuse an invalid regular expression or pattern before files are searched.
 
     Raises
     ------
@@ -288,7 +288,7 @@ def _refuse_unpaired(entries: Sequence[Entry], pair: str, names: set[str]) -> No
 
 
 def _expand_braces(pair: str) -> set[str]:
-    """Return what a pattern holds in braces."""
+    """Return the alternatives in braces of a pattern."""
     try:
         names = {name for _, name, _, _ in Formatter().parse(pair) if name is not None}
     except ValueError as error:
@@ -358,8 +358,8 @@ def _get_skip_reason(path: Path, folder: Path) -> str:
 def _is_prose(path: Path) -> bool:
     """Return whether a file of a folder is a text or a picture, by its ending and its lines.
 
-    A line of three cells, or one that is numbers for the most part, may be that of a table, which
-    a reader then refuses for what it lacks. What was named itself is never a text.
+    A line of three cells, or one that is numbers for the most part, may be that of a table, which a
+    reader then refuses for what it lacks. A file named explicitly is never taken for text.
     """
     suffix = path.suffix.lower()
     if suffix in _DOCUMENT_SUFFIXES:
@@ -397,7 +397,7 @@ def _refuse_unreadable_folder(error: OSError) -> None:
 def _is_dashpot_result(path: Path) -> bool:
     """Return whether dashpot wrote it as a result, not as a simulated record.
 
-    Parts and logs of a batch bear no byline; tests may lie beside them.
+    Parts and logs of a batch have no byline; tests may lie beside them.
     """
     if _PART_NAME.fullmatch(path.name):
         return True
@@ -493,11 +493,13 @@ def _name_columns(location: str, row: Any) -> Any:
     names: dict[str, str] = {}
     for name in row:
         word = re.sub(r"[\s.-]+", "_", str(name).strip().lower()).strip("_")
-        usual = _COLUMN_SYNONYMS.get(word, word if word in _MANIFEST_COLUMNS else name)
-        if usual in names:
-            raise ReadError(f"{location}: '{names[usual]}' and '{name}' are both the {usual}")
-        names[usual] = name
-    return {usual: row[name] for usual, name in names.items()}
+        column_name = _COLUMN_SYNONYMS.get(word, word if word in _MANIFEST_COLUMNS else name)
+        if column_name in names:
+            raise ReadError(
+                f"{location}: '{names[column_name]}' and '{name}' are both the {column_name}"
+            )
+        names[column_name] = name
+    return {column_name: row[name] for column_name, name in names.items()}
 
 
 def _read_manifest(text: str | Path | None) -> dict[str, dict[str, Any]]:

@@ -22,7 +22,7 @@ class Limits(Serialisable):
     lower, upper : float or None
         SI.
     cpk : float or None
-        The least that is asked.
+        Required value.
     """
 
     _keys = ("lower", "upper", "cpk")
@@ -64,7 +64,7 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     Raises
     ------
     ReadError
-        If the file is no such TOML, or names what no column is.
+        If the file is no such TOML, or names an unknown column.
     """
     entries = require_handler("read limits", "file")(path, partial(quantity, columns=columns))
     return tuple(Limits(entry.quantity, entry.lower, entry.upper, entry.cpk) for entry in entries)

@@ -64,7 +64,7 @@ DEGREES = 3.0
 
 
 def _list_levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
-    """Return lot and seal of every test, each level only where it repeats."""
+    """Return lot and seal of every test, each level only if it repeats."""
     tests = [seal for seal in seals for _ in seal.files]
     lots = {seal.lot for seal in seals}
     levels = [("lot", [test.lot for test in tests])] if len(lots) > 1 else []
@@ -79,7 +79,7 @@ class Lot:
 
     A quantity is named as a column of the table, with its unit (``"k_end_N_per_m"``) or without
     (``"k_end"``). Statistics are of the rows in `rows_in_statistics`, and their replicates are
-    seals: the mean of its tests stands for a seal.
+    seals: a seal is represented by the mean of its tests.
 
     Attributes
     ----------
@@ -187,8 +187,8 @@ class Lot:
     @cached_property
     def rows_in_statistics(self) -> pl.DataFrame:
         """The `fitted_rows` without `dissimilar` ones and copies."""
-        left_out = [*self.dissimilar, *self.copies]
-        return self.fitted_rows.filter(~import_polars().col("file").is_in(left_out))
+        excluded_files = [*self.dissimilar, *self.copies]
+        return self.fitted_rows.filter(~import_polars().col("file").is_in(excluded_files))
 
     @cached_property
     def copies(self) -> dict[str, str]:
@@ -217,7 +217,7 @@ class Lot:
         Raises
         ------
         DataError
-            If no column of numbers is called so.
+            If no numeric column has that name.
         """
         numbers = [text for text, kind in self.table.schema.items() if kind.is_float()]
         # the stiffness of a part and the modulus of a material share a name: of which there are any
@@ -239,7 +239,7 @@ class Lot:
 
     @property
     def main(self) -> str:
-        """Default quantity of a page: k_end, or what the tests have instead."""
+        """Default quantity of a page: k_end, or the equivalent for other tests."""
         if any(
             self.table[column].count() for column in self.table.columns if column.startswith(_MAIN)
         ):
@@ -254,21 +254,21 @@ class Lot:
         rows = self.rows_in_statistics.drop_nulls(column).select("lot", "seal", "file", column)
         for lot, seal, file, value in rows.iter_rows():
             groups[lot, seal or file].append((file, value))
-        ordered = sorted(
+        ordered_seals = sorted(
             groups, key=lambda key: (make_natural_sort_key(key[0]), make_natural_sort_key(key[1]))
         )
         return tuple(
             Seal(*key, tuple(file for file, _ in groups[key]),
                  np.array([value for _, value in groups[key]]))
-            for key in ordered
+            for key in ordered_seals
         )  # fmt: skip
 
     def components(self, name: str = "k_inf") -> tuple[Component, ...]:
         """Return the variance components of a quantity: lots, seals, repeats, errors of fits.
 
-        A level that has one member, or whose labels nobody gave, is left out; without repeats the
-        scatter inside a lot is that of its seals and their tests. The errors of the fits are known
-        of ``k_inf``, unless they were left out.
+        A level with one member or without labels is omitted; without repeats the scatter inside a
+        lot is that of its seals and their tests. Only ``k_inf`` has errors of the fits, and only if
+        they were computed.
 
         Raises
         ------
@@ -282,8 +282,8 @@ class Lot:
                 "the scatter has no sources to separate: say which lot, seal and repeat each "
                 "test is, by --label-pattern or --manifest, of at least two lots or seals"
             )
-        is_end_of_hold = self.quantity(name).name == "k_inf"
-        errors = self._select_test_values("k_inf_se_N_per_m", seals) if is_end_of_hold else [None]
+        is_k_inf = self.quantity(name).name == "k_inf"
+        errors = self._select_test_values("k_inf_se_N_per_m", seals) if is_k_inf else [None]
         return components(
             np.concatenate([seal.values for seal in seals]),
             levels,
@@ -305,14 +305,14 @@ class Lot:
             If no seal was tested twice, or not every operator tested two seals twice.
         """
         seals = self.seals(name)
-        who = self._select_test_values("operator", seals)
+        operators = self._select_test_values("operator", seals)
         parts = [f"{i}" for i, seal in enumerate(seals) for _ in seal.files]
         if not seals:
             raise DataError(f"no test that is used has a value of {name}")
-        return gauge(np.concatenate([seal.values for seal in seals]), parts, who)
+        return gauge(np.concatenate([seal.values for seal in seals]), parts, operators)
 
     def charts(self, name: str = "k_end") -> dict[str, Charts]:
-        """Return the control charts of each lot that has two seals, by lot.
+        """Return the control charts of each lot with at least two seals, by lot.
 
         Repeats of a seal do not say how seals differ, so the limits of the seals are those of
         individuals and moving ranges, and the repeats have a chart of their standard deviations
@@ -322,9 +322,9 @@ class Lot:
         return {lot: make_control_charts(seals) for lot, seals in lots.items() if len(seals) > 1}
 
     def lot_chart(self, name: str = "k_end") -> LotCharts | None:
-        """Return lots, and the X-bar and s charts whose groups are the seals of each.
+        """Return the X-bar and s charts of the lots, each lot a group of its seals.
 
-        None of one lot, or where no lot has two seals.
+        None with one lot, or if no lot has two seals.
         """
         lots = split_seals_by_lot(self.seals(name))
         if len(lots) < 2 or max(map(len, lots.values())) < 2:
@@ -343,7 +343,7 @@ class Lot:
         }
 
     def compare(self, other: Lot, name: str = "k_end", *, questions: int = 1) -> Difference:
-        """Return the difference between the seals of another lot and those of this one.
+        """Return the difference of the seals of another lot from those of this one.
 
         `questions` is the number of quantities that are compared at once.
 
@@ -362,7 +362,7 @@ class Lot:
         Raises
         ------
         DataError
-            If there is none of that name.
+            If there is no lot of that name.
         """
         lots = sorted(set(self.table["lot"]), key=make_natural_sort_key)
         if name not in lots:
@@ -400,7 +400,7 @@ class Lot:
     def written_table(self) -> pl.DataFrame:
         """Return the table as files hold it: verdicts first, hashes last, no column without value.
 
-        No text is one that a spreadsheet takes for a formula.
+        Texts that a spreadsheet would take for formulas are escaped.
         """
         return _arrange_columns(self.escape_formulas())
 
@@ -435,13 +435,13 @@ class Lot:
     @property
     def checks(self) -> tuple[Check, ...]:
         """Checks: every file fitted, every fit usable, tests of a lot under the same conditions."""
-        fitted = self.outcomes.get("fitted", 0)
-        paired = self.table.filter(import_polars().col("hammer") != "").height
+        fitted_count = self.outcomes.get("fitted", 0)
+        pair_count = self.table.filter(import_polars().col("hammer") != "").height
         return (
-            files_fitted(self.record_count - fitted, self.record_count),
-            fits_usable(self.verdicts.get("do not use", 0), fitted),
-            few_fits_doubted(self.verdicts.get("use with care", 0), fitted),
-            hammers_compared(paired - sum(self.agreements.values()), paired),
+            files_fitted(self.record_count - fitted_count, self.record_count),
+            fits_usable(self.verdicts.get("do not use", 0), fitted_count),
+            few_fits_doubted(self.verdicts.get("use with care", 0), fitted_count),
+            hammers_compared(pair_count - sum(self.agreements.values()), pair_count),
             tests_alike(len(self.dissimilar), self.fitted_rows.height),
             records_distinct(len(self.copies), self.rows_in_statistics.height + len(self.copies)),
         )
@@ -455,13 +455,13 @@ class Lot:
 
 def _arrange_columns(rows: pl.DataFrame) -> pl.DataFrame:
     """Return a table with verdicts first and hashes last, and no column without a value."""
-    filled = [
+    filled_columns = [
         name
         for name in rows.columns
         if name in REQUIRED_COLUMNS
         or (rows[name].drop_nulls().cast(import_polars().String) != "").any()
     ]
-    leading = [name for name in LEADING_COLUMNS if name in filled]
-    values = [name for name in filled if name not in {*LEADING_COLUMNS, *TRAILING_COLUMNS}]
-    end = [name for name in TRAILING_COLUMNS if name in filled]
+    leading = [name for name in LEADING_COLUMNS if name in filled_columns]
+    values = [name for name in filled_columns if name not in {*LEADING_COLUMNS, *TRAILING_COLUMNS}]
+    end = [name for name in TRAILING_COLUMNS if name in filled_columns]
     return rows.select(*leading, *values, *end)

@@ -81,7 +81,7 @@ def build_job(
     options: ReadOptions,
     machine: Machine,
 ) -> BatchJob:
-    """Return the batch that is asked for."""
+    """Return the requested batch."""
     from dashpot.extensions.batch.batch_run import (
         BatchJob,  # polars and all are not needed for --help
     )

@@ -97,7 +97,7 @@ class LotOutput(Serialisable):
 
     @property
     def outliers(self) -> tuple[Outlier, ...] | None:
-        """The tests that stand out."""
+        """Outliers."""
         if self.summary is None:
             return None
         outliers = self.summary.lot.outliers(self.quantity)
@@ -114,7 +114,7 @@ class Outlier(NamedTuple):
 def make_command_result(job: BatchJob, summary: Summary) -> CommandResult:
     """Return the printed result of a batch: the summary of its lot."""
     lot, quantity = summary.lot, job.quantity or summary.lot.main
-    filled = LotOutput(str(job.output), summary, quantity)
+    lot_output = LotOutput(str(job.output), summary, quantity)
     lines = [
         *(
             f"{light.label:<12}{_VERDICT_PREFIXES[light.mark]}{ascii_only(light.message)}"
@@ -128,7 +128,7 @@ def make_command_result(job: BatchJob, summary: Summary) -> CommandResult:
     reasons = _format_unfitted_files(lot)
     text = Text([*lines, *reasons]) if none_fitted else Text(lines, reasons)
     return CommandResult(
-        filled, text, summary.checks, verdict=summary.verdict, nothing_done=none_fitted
+        lot_output, text, summary.checks, verdict=summary.verdict, nothing_done=none_fitted
     )
 
 

@@ -42,9 +42,9 @@ BY_SEALS, FEW_LOTS, MAX_FLAGS = 100, 6, 6
 """Most seals that the chart shows one by one, lots in the table of Cpk, and rows of the gravest
 flags."""
 CURVES = 200
-"""Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
+"""Largest number of drawn curves, evenly over the lot, and as many outliers."""
 CHART_WIDTH, SIDE_WIDTH = 920.0, 250.0
-"""Widths of the chart and of what stands beside it, px."""
+"""Widths of the chart and of the figure beside it, px."""
 _GRAVITY = {"fail": 0, "not proven": 1, "no result": 2, "look": 3}
 _MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
 _SOURCES = {
@@ -66,11 +66,11 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     lot : Lot
     title : str
     found : Summary, optional
-        What it says; by default of the stiffness at the end of the hold, without limits.
+        Values of the summary; by default of the stiffness at the end of the hold, without limits.
     """
     found = found or summary(lot)
-    shared = frame()
-    style = f"{shared['style']}\n{_read_page_part('lot.css')}"
+    frame_values = frame()
+    style = f"{frame_values['style']}\n{_read_page_part('lot.css')}"
     script = _read_page_part("lot.js")
     verdict, main = found.verdict, found.main
     quantities = _select_other_quantities(lot, main)
@@ -78,7 +78,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     names = [name for name in LABELS if name in lot.table.columns]
     labels = [name for name in names if (lot.table[name].fill_null("") != "").any()]
     tests, by_lots = _make_test_rows(found, labels), len(main.seals) > BY_SEALS
-    signals, weighs = (
+    signals, findings = (
         list(_make_signal_rows(main)),
         sorted(_list_findings(found), key=lambda entry: -MARK_ORDER.index(entry["mark"])),
     )
@@ -123,8 +123,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             lots=_make_lot_rows(main),
             scatter=_make_scatter_rows(main),
             gauge=_make_gauge_rows(main),
-            weighs=weighs[:MAX_FLAGS],
-            remarks=len(weighs),
+            weighs=findings[:MAX_FLAGS],
+            remarks=len(findings),
             checked=[
                 {"mark": _mark(check), "message": check.message_with_remedy}
                 for check in found.checks
@@ -171,7 +171,7 @@ def _read_page_part(name: str) -> str:
 
 
 def _render_picture(picture: Picture, width: float = CHART_WIDTH) -> RenderedFigure:
-    """Return the picture for a screen, a phone and, where it is wider than a sheet, paper."""
+    """Return the picture for a screen, a phone and, if it is wider than a sheet, paper."""
     total_height = sum(panel.height for panel in picture.panels)
     return render_figure(picture, width=width, low=total_height if width > PAPER_WIDTH else None)
 
@@ -200,7 +200,7 @@ def _make_histogram(main: QuantitySummary) -> RenderedFigure | None:
 
 
 def _format_cpks(main: QuantitySummary) -> RenderedFigure | None:
-    """Return the sentence on lots beyond those of the table."""
+    """Return the sentence on lots that the table omits."""
     if len(main.capabilities) <= FEW_LOTS:
         return None
     cpk = None if main.limits is None else main.limits.cpk
@@ -318,7 +318,7 @@ def _make_gauge_rows(main: QuantitySummary) -> dict[str, Any] | None:
 
 
 def _make_signal_rows(main: QuantitySummary) -> Iterator[tuple[str, str, str]]:
-    """Lot, seal and rule, and the lots that stand out of all."""
+    """Lot, seal and rule of outliers, and the outlying lots."""
     for name, charts in main.charts.items():
         for index, rule in charts.means.signals:
             yield name, charts.seals[index].name, rule
@@ -343,10 +343,11 @@ def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
                 format_value(float(charts.means.lower[0])),
                 format_value(float(charts.means.upper[0])),
             )
-        of_cpk = ("", "", "") if capability is None else capability.cells
+        cpk_cells = ("", "", "") if capability is None else capability.cells
         alarms = "" if charts is None else f"{len(charts.means.causes)}"
         rows.append((name or "unnamed", f"{len(values)}", format_value(float(np.mean(values))),
-                     format_value(deviation, digits=2), *limit_texts, *of_cpk, alarms))  # fmt: skip
+                     format_value(deviation, digits=2), *limit_texts, *cpk_cells,
+            alarms))  # fmt: skip
     # what is least capable leads, else what signals most
     return sorted(rows, key=lambda row: (float(row[6] or "inf"), -int(row[9] or 0)))
 
@@ -396,7 +397,7 @@ def _make_seal_rows(
 
 
 def _format_seal_cells(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
-    """Return what the tests of a seal found, if one is used."""
+    """Return the values of the tests of a seal, if one is used."""
     if seal is None:
         return {"tests": 0, "value": "", "sd": ""}
     sd = quantity.format_value(seal.repeats_sd, digits=2)
@@ -454,10 +455,10 @@ def _format_range(main: QuantitySummary, values: FloatArray) -> str:
 def _list_findings(summary: Summary) -> Iterator[dict[str, Any]]:
     """Findings by severity: the failed checks, causes of alarms, then single seals and files.
 
-    Each may name what finds its tests.
+    Each may have a search text that finds its tests.
     """
-    failed = [check for check in summary.checks if check.failed]
-    for check in sorted(failed, key=lambda check: -GRADES.index(check.grade)):
+    failed_checks = [check for check in summary.checks if check.failed]
+    for check in sorted(failed_checks, key=lambda check: -GRADES.index(check.grade)):
         yield {
             "mark": _mark(check),
             "name": "",
@@ -478,7 +479,7 @@ def _list_findings(summary: Summary) -> Iterator[dict[str, Any]]:
 def _encode_test_rows(
     tests: Sequence[Mapping[str, Any]], labels: Sequence[str], summary: Summary
 ) -> str:
-    """Return all rows for the script: no markup can end the element that holds them."""
+    """Return all rows for the script: no markup can end their element."""
     decided = {(decision.lot, decision.seal): decision.decision for decision in summary.main.judged}
     heads = ["file", *labels, "value", "verdict", "why", "mark"]
     rows = [
@@ -519,12 +520,13 @@ def _make_test_rows(summary: Summary, labels: Sequence[str]) -> list[dict[str, A
     quantity = summary.main.quantity
     gravity = {"do not use": 1, "use with care": 2}
     marks: dict[Any, str] = {**VERDICT_COLOURS, None: "", "ignored": ""}
-    flagged = {flag.file for flag in summary.flags}
+    flagged_files = {flag.file for flag in summary.flags}
     names = ("file", "outcome", "verdict", "reason", quantity.column, *labels)
     rows = sorted(
         summary.lot.table.select(*names).iter_rows(),
         key=lambda row: (
-            row[1] in {"fitted", "ignored"}, gravity.get(row[2], 3), row[0] not in flagged, row[0],
+            row[1] in {"fitted", "ignored"}, gravity.get(row[2], 3), row[0] not in flagged_files,
+            row[0],
         ),
     )  # fmt: skip
     return [

@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
 
 KEY = "key"
-"""The column that names what decided a row."""
+"""Column with the key of a row: a hash of its inputs."""
 PART_PATTERN = "part-*.parquet"
 SMALL_PART = 25
-"""Rows below which a part is small, and how many such parts become one."""
+"""Number of rows below which a part is small; as many small parts are merged."""
 _FORM = 4
-"""Version of the form of a row; it is part of the key."""
+"""Version of the row format; it is part of the key."""
 
 
 _KEY_WIDE = 64
@@ -48,11 +48,12 @@ class Task:
 
     Attributes
     ----------
-    packed : str
-        All of it: a batch holds one for each file, and as objects it takes twice as much.
+    serialised : str
+        Key and entry as text: a batch holds one task per file, and as objects they need twice the
+        memory.
     """
 
-    packed: str
+    serialised: str
 
     @staticmethod
     def from_entry(entry: Entry, hashes: Sequence[str], key: str) -> Task:
@@ -62,7 +63,7 @@ class Task:
     @property
     def key(self) -> str:
         """SHA-256 of everything that decides the row."""
-        return self.packed[:_KEY_WIDE]
+        return self.serialised[:_KEY_WIDE]
 
     @property
     def entry(self) -> Entry:
@@ -71,27 +72,27 @@ class Task:
 
     @property
     def hashes(self) -> tuple[str, ...]:
-        """Hashes of its file, and of its hammer's."""
+        """Hashes of its file, and of the hammer file."""
         return tuple(self._words[-1])
 
     @property
     def _words(self) -> list[Any]:
-        words: list[Any] = json.loads(self.packed[_KEY_WIDE:])
+        words: list[Any] = json.loads(self.serialised[_KEY_WIDE:])
         return words
 
 
 def make_tasks(
     entries: Iterable[Entry],
-    choices: BatchOptions,
+    options: BatchOptions,
     *,
-    hashed: Callable[[str], str] = compute_file_hash,
+    compute_hash: Callable[[str], str] = compute_file_hash,
 ) -> tuple[Task, ...]:
-    """Return one task for each test: its key is of configuration, version and contents."""
-    decides = [_FORM, __version__, to_plain_value(choices), choices.calibration()]
-    common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
+    """Return one task for each test, with a key from configuration, version and contents."""
+    key_parts = [_FORM, __version__, to_plain_value(options), options.calibration()]
+    common = hashlib.sha256(json.dumps(key_parts, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
-        key, hashes = common.copy(), entry.hashes(hashed)
+        key, hashes = common.copy(), entry.hashes(compute_hash)
         key.update(json.dumps([to_plain_value(entry), hashes], sort_keys=True).encode())
         return Task.from_entry(entry, hashes, key.hexdigest())
 
@@ -110,16 +111,18 @@ def import_polars() -> Any:
     return pl
 
 
-def get_schema(choices: BatchOptions) -> dict[str, Any]:
+def get_schema(options: BatchOptions) -> dict[str, Any]:
     """Return the columns of the table and their types."""
-    kind = import_polars()
-    numbers = list_number_columns(choices)
-    texts = dict.fromkeys((*TEXT_COLUMNS, KEY), kind.String)
-    return texts | dict.fromkeys(COUNT_COLUMNS, kind.Int64) | dict.fromkeys(numbers, kind.Float64)
+    polars = import_polars()
+    numbers = list_number_columns(options)
+    texts = dict.fromkeys((*TEXT_COLUMNS, KEY), polars.String)
+    return (
+        texts | dict.fromkeys(COUNT_COLUMNS, polars.Int64) | dict.fromkeys(numbers, polars.Float64)
+    )
 
 
 def write_part(folder: Path, rows: pl.DataFrame) -> Path:
-    """Write rows as one part, whole or not at all; its name is of their keys."""
+    """Write rows as one part, atomically; its name is a hash of their keys."""
     rows = rows.sort("file")
     name = hashlib.sha256("".join(sorted(rows[KEY])).encode()).hexdigest()[:16]
     path, content = folder / f"part-{name}.parquet", BytesIO()
@@ -128,9 +131,9 @@ def write_part(folder: Path, rows: pl.DataFrame) -> Path:
     return path
 
 
-def build_row_frame(rows: Sequence[Mapping[str, Any]], choices: BatchOptions) -> pl.DataFrame:
+def build_row_frame(rows: Sequence[Mapping[str, Any]], options: BatchOptions) -> pl.DataFrame:
     """Return rows as a table."""
-    return cast("pl.DataFrame", import_polars().DataFrame(rows, schema=get_schema(choices)))
+    return cast("pl.DataFrame", import_polars().DataFrame(rows, schema=get_schema(options)))
 
 
 def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
@@ -147,7 +150,7 @@ def read_parts(folder: Path) -> Iterator[tuple[Path, pl.DataFrame]]:
 def join_frames(
     frames: Iterable[pl.DataFrame], direction: Literal["vertical", "diagonal"] = "vertical"
 ) -> pl.DataFrame:
-    """Return tables as one; few parts are held at once, for one takes ten times what is in it."""
+    """Return tables as one; few are in memory at once, as each needs ten times its contents."""
     frames_joined: list[pl.DataFrame] = []
     frame_iterator = iter(frames)
     while batch_of_frames := list(islice(frame_iterator, SMALL_PART)):
@@ -159,7 +162,7 @@ def join_frames(
 
 
 def list_done_keys(folder: Path) -> set[str]:
-    """Return the keys of the rows that need not be made again."""
+    """Return the keys of the rows that need not be computed again."""
     return {
         key
         for _, frame in read_parts(folder)
@@ -171,13 +174,13 @@ def list_done_keys(folder: Path) -> set[str]:
 def collect_table(folder: Path, wanted_keys: Iterable[str]) -> pl.DataFrame:
     """Keep only the wanted parts in the folder, and return them, sorted by file.
 
-    An old row goes, one that is there twice, a half-written file. Rows that stay are written
-    before what held them goes, so that a run that is cut short here loses none.
+    Old rows, duplicates and incomplete files are deleted. Rows to keep are written before their old
+    part is deleted, so that an interrupted run loses none.
 
     Raises
     ------
     DataError
-        If a part went while it was wanted.
+        If a part was deleted meanwhile.
     """
     part_files = set(folder.glob(PART_PATTERN))
     # where the first row of a part is sorted, all are after most runs, and sorting takes two copies
@@ -223,7 +226,7 @@ def _extract_missing_rows(
 
 
 def _gather(folder: Path) -> None:
-    """Make one part of many small ones, which tests leave that come one by one."""
+    """Merge many small parts, as written for tests that arrive one by one."""
     small = {path for path, frame in read_parts(folder) if frame.height < SMALL_PART}
     if len(small) >= SMALL_PART:
         parts = (frame for path, frame in read_parts(folder) if path in small)
@@ -233,7 +236,7 @@ def _gather(folder: Path) -> None:
 
 
 def claim(folder: Path) -> None:
-    """Make the folder of the results, or refuse one that holds something else.
+    """Make the folder of the results; refuse one with other files.
 
     Raises
     ------
@@ -242,11 +245,11 @@ def claim(folder: Path) -> None:
     if validate_path(folder).exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; give a folder for the results")
     part_files = set(folder.glob(PART_PATTERN)) if folder.is_dir() else set()
-    foreign = sorted(set(folder.glob("*.parquet")) - part_files) if folder.is_dir() else []
-    if foreign:
+    other_files = sorted(set(folder.glob("*.parquet")) - part_files) if folder.is_dir() else []
+    if other_files:
         raise ExportError(
-            f"{foreign[0]} was not written by dashpot batch, and would be taken for rows of the "
-            "lot; give another folder"
+            f"{other_files[0]} was not written by dashpot batch, and would be taken for rows of "
+            "the lot; give another folder"
         )
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -22,7 +22,7 @@ Chunk: TypeAlias = tuple[Task, ...]
 Rows: TypeAlias = list[dict[str, Any]]
 
 MAX_LOST_WORKERS = 3
-"""Workers that a file may cost before it is given up."""
+"""Workers that may die on a file before it is skipped."""
 
 
 def count_processors() -> int:
@@ -37,17 +37,17 @@ class Executor(NamedTuple):
 
     Attributes
     ----------
-    side : int
-        Chunks that are made side by side.
-    at_once : int
+    parallel_chunks : int
+        Number of chunks computed in parallel.
+    processor_count : int
         How many of them have a processor of their own.
-    computed : callable
+    compute_chunks : callable
         Yields each chunk with its rows, as they are done.
     """
 
-    side: int
-    at_once: int
-    computed: Callable[[Sequence[Chunk], BatchOptions], Iterator[tuple[Chunk, Rows]]]
+    parallel_chunks: int
+    processor_count: int
+    compute_chunks: Callable[[Sequence[Chunk], BatchOptions], Iterator[tuple[Chunk, Rows]]]
 
 
 @contextmanager
@@ -64,16 +64,16 @@ def open_process_pool(jobs: int | None) -> Iterator[Executor]:
 def _compute_chunks(
     jobs: int, chunks: Sequence[Chunk], choices: BatchOptions
 ) -> Iterator[tuple[Chunk, Rows]]:
-    """Yield rows of chunks; a file whose worker processes die gets a row that says so."""
-    waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
+    """Yield rows of chunks; a file whose worker process dies gets a row with that reason."""
+    chunk_queue: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
     for chunk in chunks:
-        waiting.put(chunk)
+        chunk_queue.put(chunk)
     results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException] = queue.SimpleQueue()
     workers = [Worker(choices) for _ in range(min(jobs, len(chunks)))]
     stop_event = threading.Event()
     threads = [
         threading.Thread(
-            target=_run_worker, args=(worker, waiting, results, stop_event), daemon=True
+            target=_run_worker, args=(worker, chunk_queue, results, stop_event), daemon=True
         )
         for worker in workers
     ]
@@ -95,13 +95,13 @@ def _compute_chunks(
 
 def _run_worker(
     worker: Worker,
-    waiting: queue.SimpleQueue[Chunk],
+    chunk_queue: queue.SimpleQueue[Chunk],
     results: queue.SimpleQueue[tuple[Chunk, Rows] | BaseException],
     stop_event: threading.Event,
 ) -> None:
     try:
         while not stop_event.is_set():
-            chunk = waiting.get_nowait()
+            chunk = chunk_queue.get_nowait()
             results.put((chunk, [row for task in chunk for row in worker.rows(task, stop_event)]))
     except queue.Empty:
         worker.end()
@@ -126,14 +126,14 @@ class Worker:
                 data: Rows = json.loads(reply)
                 return [row | {KEY: task.key} for row in data]
             self.end()
-        died = make_empty_row(task.entry, task.hashes[0], self._choices) | {
+        row_of_dead_worker = make_empty_row(task.entry, task.hashes[0], self._choices) | {
             "outcome": "died",
             "reason": f"the process that read it died {MAX_LOST_WORKERS} times: it may need more "
             "memory than there is; run it again with fewer --jobs, or look at it with dashpot "
             "inspect",
             KEY: task.key,
         }
-        return [died]
+        return [row_of_dead_worker]
 
     def _answer(self, task: Task) -> bytes:
         """Return the line of an answer; cut short where the process died."""

@@ -54,10 +54,10 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     name, column : str
-        Without its unit, as people type it, and with it: ``"k_end"``, ``"k_end_N_per_m"``.
+        Name without its unit, as typed by a user, and with it: ``"k_end"``, ``"k_end_N_per_m"``.
     words : str
     unit : str
-        In which it is shown; empty for a plain number.
+        Display unit; empty for a dimensionless number.
     """
 
     name: str
@@ -91,7 +91,7 @@ class Quantity(NamedTuple):
         )
 
     def format_value(self, value: float | None, *, digits: int = 4) -> str:
-        """Return a value, SI, in that unit without its word; empty where there is none."""
+        """Return a value, SI, in that unit without its word; empty if there is none."""
         return format_cell(value, self.unit or "1", digits=digits)
 
     def read(self, value: float, *, digits: int = 4) -> str:
@@ -100,7 +100,7 @@ class Quantity(NamedTuple):
 
 
 def quantity(name: str, columns: Sequence[str]) -> Quantity:
-    """Return the quantity of a name, or of a column; of two of one name, the first column.
+    """Return the quantity by its name or column; if several have the name, the first column.
 
     Raises
     ------
@@ -136,6 +136,6 @@ def _format_quantity_words(name: str) -> str:
 
 
 def make_natural_sort_key(text: str) -> tuple[tuple[int, str], ...]:
-    """Return what sorts texts as people count: seal 2 before seal 10."""
+    """Return a key for natural sorting: seal 2 before seal 10."""
     parts = re.split(r"(\d+)", text)
     return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts)

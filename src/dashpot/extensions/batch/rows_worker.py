@@ -1,8 +1,7 @@
 """Worker process that computes rows until its parent process ends.
 
-Questions come as lines of JSON by standard input, rows leave so by standard output. A thread waits
-for the end of the input: a parent that dies, however it dies, closes it, and the worker leaves at
-once, whatever it computes.
+Requests are lines of JSON on standard input, rows lines of JSON on standard output. A thread waits
+for the end of the input: a parent that dies closes it, and the worker then exits at once.
 """
 
 from __future__ import annotations

@@ -95,8 +95,8 @@ class LotCharts(NamedTuple):
 
 def make_control_charts(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
-    points, moving = chart_individuals(average_seals(seals))
+    points, moving_range = chart_individuals(average_seals(seals))
     groups = [seal.values for seal in seals]
     has_several_repeats = sum(len(group) > 1 for group in groups) > 1
     repeats = chart_means_and_deviations(groups)[1] if has_several_repeats else None
-    return Charts(tuple(seals), points, moving, repeats)
+    return Charts(tuple(seals), points, moving_range, repeats)

@@ -42,8 +42,8 @@ def find_specimen_scatter(lot: Lot | str) -> SpecimenScatter:
     DataError
         If the seals are of several lots, or fewer than two.
     """
-    read = lot if isinstance(lot, Lot) else read_lot(lot)
-    seals = read.seals(_QUANTITY)
+    lot_table = lot if isinstance(lot, Lot) else read_lot(lot)
+    seals = lot_table.seals(_QUANTITY)
     lots = {seal.lot for seal in seals}
     if len(lots) > 1:
         raise DataError(

@@ -70,10 +70,10 @@ class Flag(NamedTuple):
     Attributes
     ----------
     lot, seal, file : str
-        Names of what it is about; which; `file` is empty where it is the seal.
+        Lot, seal and file; `file` is empty if the flag concerns the whole seal.
     message : str
     weighty : bool
-        Whether it changes the statistics, or would.
+        Whether it affects the statistics.
     """
 
     lot: str
@@ -155,7 +155,7 @@ class QuantitySummary(Serialisable):
     lots : LotCharts or None
         The X-bar and s charts of the lots.
     components : tuple of Component
-        Empty where nothing repeats.
+        Empty without repeats.
     gauge : Gauge or None
         None where no seal was tested twice.
     limits : Limits or None
@@ -191,10 +191,10 @@ class QuantitySummary(Serialisable):
     @property
     def charts_by_lot(self) -> tuple[LotControlCharts, ...]:
         """The charts of each lot."""
-        item = self.charts.items()
+        items = self.charts.items()
         return tuple(
             LotControlCharts(lot, charts.means, charts.moving, charts.repeats)
-            for lot, charts in item
+            for lot, charts in items
         )
 
     @property
@@ -296,11 +296,13 @@ class Summary(HasChecks, Serialisable):
     @property
     def _headline(self) -> str:
         """Number of fitted files, mean of the quantity, and signals of its charts."""
-        fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.record_count
-        count_text = f"{fitted} of {files} files were fitted"
-        if fitted == files:
+        fitted_count, file_count = self.lot.outcomes.get("fitted", 0), self.lot.record_count
+        count_text = f"{fitted_count} of {file_count} files were fitted"
+        if fitted_count == file_count:
             count_text = (
-                f"all {files} files were fitted" if files > 1 else "the one file was fitted"
+                f"all {file_count} files were fitted"
+                if file_count > 1
+                else "the one file was fitted"
             )
         main = self.main
         if len(main.seals) < 2:
@@ -337,15 +339,15 @@ class Summary(HasChecks, Serialisable):
     @property
     def _files(self) -> str:
         lot = self.lot
-        fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
-        text = f"{fitted} of {lot.record_count} fitted"
+        fitted_count, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
+        text = f"{fitted_count} of {lot.record_count} fitted"
         if lot.dissimilar:
             text += f", {len(lot.dissimilar)} tested differently"
         return text + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
 
     @property
     def copies(self) -> tuple[ExcludedFile, ...]:
-        """Files with the same record as another one, which are left out of the statistics."""
+        """Files with the same record as another one, which are omitted from the statistics."""
         return tuple(ExcludedFile(*names) for names in self.lot.copies.items())
 
     @property
@@ -425,11 +427,11 @@ def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterat
         robust_distance(average_seals(charts.seals)),
         find_outlier_distances(average_seals(charts.seals)),
     )
-    outside = {index for index, rule in charts.means.signals if rule == BEYOND}
+    indices_outside = {index for index, rule in charts.means.signals if rule == BEYOND}
     for i, seal in enumerate(charts.seals):
-        if is_outlier[i] or i in outside:
+        if is_outlier[i] or i in indices_outside:
             message = _format_distance(quantity, seal, float(distances[i])) + f", {BEYOND}" * (
-                i in outside
+                i in indices_outside
             )
             yield Flag(name, seal.name, _get_single_value(seal), message)
     if charts.repeats is None:
@@ -505,13 +507,13 @@ def _run_checks(
 
 
 def _check_limits(quantity_summary: QuantitySummary, limits: Limits) -> Iterator[Check]:
-    decisions = [judge.decision for judge in quantity_summary.judged]
-    yield seals_within_limits(quantity_summary.quantity.words, str(limits), decisions)
+    decision_texts = [decision.decision for decision in quantity_summary.judged]
+    yield seals_within_limits(quantity_summary.quantity.words, str(limits), decision_texts)
     if limits.cpk is not None:
-        lots = {judge.lot for judge in quantity_summary.judged} or {""}
-        unknown = len(lots) - len(quantity_summary.capabilities)
+        lot_names = {decision.lot for decision in quantity_summary.judged} or {""}
+        unknown_count = len(lot_names) - len(quantity_summary.capabilities)
         yield capability_as_asked(
-            quantity_summary.quantity.words, quantity_summary.lowest, unknown, limits.cpk
+            quantity_summary.quantity.words, quantity_summary.lowest, unknown_count, limits.cpk
         )
 
 
@@ -537,14 +539,14 @@ _NOT_JUDGED = {
     "control": "not known: too few seals",
     "limits": "no limits given",
 }
-"""Message of a light without a result."""
+"""Message of an indicator without a result."""
 
 
 def _mark(checks: Sequence[Check], *, is_certain: bool) -> str:
-    failed = [GRADES.index(check.grade) for check in checks if check.failed]
-    if not failed:
+    failed_grades = [GRADES.index(check.grade) for check in checks if check.failed]
+    if not failed_grades:
         return "good" if is_certain and any(check.passed for check in checks) else "note"
-    return ("note", "care", "bad")[max(failed)]
+    return ("note", "care", "bad")[max(failed_grades)]
 
 
 def _format_gauge(quantity: QuantitySummary) -> str:
@@ -561,10 +563,13 @@ def _format_control(quantity: QuantitySummary) -> str:
         return ""
     if not quantity.signals.points:
         return f"no alarm in {format_count(len(quantity.charts), 'lot')}"
-    group = [(quantity.signals_of("seals"), "seals"), (quantity.signals_of("lots"), "lots")]
+    signals_by_kind = [
+        (quantity.signals_of("seals"), "seals"),
+        (quantity.signals_of("lots"), "lots"),
+    ]
     points = " and ".join(
         f"{signals.points} of {signals.of} points of {kind}"
-        for signals, kind in group
+        for signals, kind in signals_by_kind
         if signals.points
     )
     return f"{format_count(quantity.signals.causes, 'cause')}: {points}"

@@ -53,13 +53,13 @@ if TYPE_CHECKING:
 
 
 def make_row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict[str, Any]:
-    """Return the row of one test; whatever is wrong with its files is said in it.
+    """Return the row of one test; faults of its files are stated in it.
 
     Parameters
     ----------
     entry : Entry
     hashes : sequence of str
-        What the contents of its file, and of its hammer's, hashed to when the batch began.
+        Hashes of its file and of its hammer's at the start of the batch.
     choices : BatchOptions
     """
     entries = make_empty_row(entry, "", choices)
@@ -78,12 +78,12 @@ def make_row(entry: Entry, hashes: Sequence[str], choices: BatchOptions) -> dict
             "outcome": "refused",
             "reason": f"internal error of dashpot: {type(error).__name__}. dashpot fit shows more",
         }
-    changed = _find_changed_file(entry, hashes, cells.get("sha256"))
-    if changed:
-        did = "changed" if Path(changed).exists() else "went"
+    changed_file = _find_changed_file(entry, hashes, cells.get("sha256"))
+    if changed_file:
+        outcome_text = "changed" if Path(changed_file).exists() else "went"
         cells = {
             "outcome": "changed",
-            "reason": f"{changed} {did} while the batch ran; run it again",
+            "reason": f"{changed_file} {outcome_text} while the batch ran; run it again",
         }
     elif hashes[0]:
         with suppress(OSError):  # gone, by now
@@ -103,8 +103,8 @@ def build_rows(
     single_row = make_row(entry, hashes, choices)
     # only the record of one specimen shows of which test strain and stress are
     told_by_record = find_handler("record rule", single_row.get("kind", "")) is not None
-    unclear = single_row["outcome"] == "refused" or told_by_record
-    specimens = _list_specimens(entry, choices) if unclear and not entry.aside else []
+    is_unclear = single_row["outcome"] == "refused" or told_by_record
+    specimens = _list_specimens(entry, choices) if is_unclear and not entry.aside else []
     if not specimens:
         return [single_row]
     built_rows: list[dict[str, Any]] = []
@@ -124,25 +124,28 @@ def build_rows(
             else table_row | {"part": option_text, "file": f"{entry.file} [{label}]"}
             for table_row in rows
         ]
-    changed = [table_row for table_row in built_rows if table_row["outcome"] == "changed"]
+    changed_rows = [table_row for table_row in built_rows if table_row["outcome"] == "changed"]
     return (
-        [single_row | {"outcome": "changed", "reason": changed[0]["reason"]}]
-        if changed
+        [single_row | {"outcome": "changed", "reason": changed_rows[0]["reason"]}]
+        if changed_rows
         else built_rows
     )
 
 
 def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, str]]:
-    """Return the name of each specimen in a file that is asked about, and what chooses it."""
+    """Return the name of each specimen in a file with several, and the option that selects it."""
     with suppress(DashpotError):
         questions = inspect_file(entry.file, options=choices.bench).questions
         return next((question.answers for question in questions if question.answers), ())
     return ()
 
 
-def _find_changed_file(entry: Entry, hashes: Sequence[str], read: str | None) -> str:
-    """Return the first file that has changed since `read`, if any."""
-    current_hashes = (read or compute_file_hash(entry.file), *map(compute_file_hash, entry.hammer))
+def _find_changed_file(entry: Entry, hashes: Sequence[str], read_hash: str | None) -> str:
+    """Return the first file that has changed since `read_hash`, if any."""
+    current_hashes = (
+        read_hash or compute_file_hash(entry.file),
+        *map(compute_file_hash, entry.hammer),
+    )
     files = zip((entry.file, *entry.hammer), current_hashes, hashes, strict=True)
     return next((file for file, name, former_hash in files if name != former_hash), "")
 
@@ -154,15 +157,15 @@ def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) 
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
         "specimen": specimen, "machine": _get_machine(entry, choices),
     }  # fmt: skip
-    recognised = recognise(entry.file, choices.bench)
-    origin = {"origin": SIMULATED if recognised.simulated else ""}
-    kind = KINDS.get(recognised.kind, KINDS["relaxation"])
+    detected_kind = recognise(entry.file, choices.bench)
+    origin = {"origin": SIMULATED if detected_kind.simulated else ""}
+    kind = KINDS.get(detected_kind.kind, KINDS["relaxation"])
     if kind.fit != FIT_FILES:
-        return _build_other_row(recognised, kind, entry, choices, entries["mass_kg"]) | origin
+        return _build_other_row(detected_kind, kind, entry, choices, entries["mass_kg"]) | origin
     try:
         fit, records = fit_files((entry.file,), options=choices.bench, **fit_keywords)
     except DashpotError as error:
-        return {"kind": recognised.kind, "outcome": "refused", "reason": str(error)} | origin
+        return {"kind": detected_kind.kind, "outcome": "refused", "reason": str(error)} | origin
     return _build_fit_row(fit, records[0], entry, choices, entries)
 
 
@@ -173,7 +176,7 @@ def _build_other_row(
     choices: BatchOptions,
     mass: float | None,
 ) -> dict[str, Any]:
-    """Return the row of a file of another kind: its own, or its kind and what it needs."""
+    """Return the row of a file of another kind: its own, or its kind and the missing input."""
     specimen = _describe_lot_specimen(entry, choices, mass)
     if kind.lot_row and (
         not kind.required_value or getattr(specimen, kind.required_value) is not None
@@ -311,11 +314,13 @@ def _build_uncertainty_columns(fit: Fit, space: int) -> dict[str, Any]:
 
 def _build_verdict_columns(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
     """Return the verdict, why, and the checks that limit the use, each once."""
-    failed = dict.fromkeys(check.name for check in checks if check.failed and check.grade != "note")
+    failed_names = dict.fromkeys(
+        check.name for check in checks if check.failed and check.grade != "note"
+    )
     return {
         "verdict": verdict.use,
         "reason": "" if verdict.use == "use" else verdict.message,
-        "failed_checks": " ".join(failed),
+        "failed_checks": " ".join(failed_names),
     }
 
 
@@ -338,7 +343,7 @@ def _get_column_name(reported_value: ReportedValue, suffix: str = "") -> str:
 def _compute_requested_columns(
     fit: Fit, choices: BatchOptions, hold: float | None
 ) -> dict[str, Any]:
-    """Stiffness and loss where they were asked for: of small vibration about a compression."""
+    """Stiffness and loss at the requested frequencies: for small vibration about a compression."""
     entries: dict[str, Any] = {}
     for (frequency, compression), columns in build_requested_columns(choices, fit.unit).items():
         solid = fit.model
@@ -355,7 +360,7 @@ def _compute_requested_columns(
 
 
 def _compute_mode_under_mass(fit: Fit, mass: float | None, seals: float) -> dict[str, Any]:
-    """Return the mode of the mass at rest on the seals, as ``dashpot predict`` has it."""
+    """Return the mode of the mass at rest on the seals, as in ``dashpot predict``."""
     if mass is None or fit.unit != "N/m":
         return {}
     tangent_stiffness = find_static_equilibrium(fit, MassOnSeals(mass, seals)).tangent

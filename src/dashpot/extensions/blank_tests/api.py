@@ -14,7 +14,7 @@ def fit_machine(
     spring_stiffness: Quantity | None = None,
     spring_error: float | str | None = None,
 ) -> MachineFit:
-    """Return what blank tests determine of a testing machine."""
+    """Return the properties of a testing machine from blank tests."""
     from dashpot.extensions.blank_tests.fit import fit_blank_tests
 
     return fit_blank_tests(records, spring_stiffness=spring_stiffness, spring_error=spring_error)

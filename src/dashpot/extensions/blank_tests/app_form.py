@@ -17,7 +17,7 @@ ASKS = (
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> MachineFit:
-    """Return what the files determine of a testing machine."""
+    """Return the fit of a testing machine from the files."""
     return fit_blank_files(
         files,
         spring_stiffness=form.number("spring_stiffness", "stiffness"),

@@ -1,4 +1,4 @@
-"""Criteria on blank tests: whether a record is what it claims to be."""
+"""Criteria on blank tests."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _DELAY_TOLERANCE = parse_quantity("0.2ms", "time")
 _CREEP_TOLERANCE = parse_quantity("1.5um", "length")
 """Difference of two records of one machine beyond their errors."""
 MAX_DELAY_ERROR = 0.1 * DEFAULT_UNCERTAINTIES["delay"].size
-"""Standard error of a delay, s, beyond which a machine file says hardly more than is usual."""
+"""Standard error of a delay, s, above which a machine file is hardly better than the default."""
 _CELL_CLASS = 1.035
-"""Gain of a cell of the lowest class, 3 % off, by a spring that is known to 0.5 %."""
+"""Largest gain of a load cell of the lowest class (3 %), measured with a spring known to 0.5 %."""
 
 
 def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, ...]:
     """Return every check of blank tests."""
     reported_values = {value.name: value for value in values}
-    stop_tests, springs, empties = blanks.stops, blanks.springs, blanks.empties
+    stop_tests, springs, empties = blanks.stop_presses, blanks.spring_presses, blanks.empty_runs
     stop, spring = next(iter(stop_tests), None), next(iter(springs), None)
     empty = next(iter(empties), None)
     return (
@@ -52,7 +52,7 @@ def run_checks(blanks: Blanks, values: Sequence[ReportedValue]) -> tuple[Check, 
         delay_determined(reported_values["delay"].error if springs else None),
         gain_plausible(reported_values["gain"].value if "gain" in reported_values else None),
         empty_run_force_free_of_motion(empty),
-        empty_run_plate_steady(None if empty is None else empty.wander),
+        empty_run_plate_steady(None if empty is None else empty.unsteady_share),
         empty_run_force_steady(empty),
     )
 
@@ -94,14 +94,14 @@ def _compare_estimates(
 
 
 @criterion("kinds of blank tests", ">=", 3.0, "by definition", grade="note")
-def blank_tests_complete(stop: bool, spring: bool, empty: bool) -> Finding:
+def blank_tests_complete(stop: bool, spring: bool, has_empty_run: bool) -> Finding:
     """There are a stop, a spring and an empty run."""
     missing = [
         text
         for text, is_recorded in (
             ("A rigid stop gives compliance and creep", stop),
             ("A spring gives gain and delay", spring),
-            ("An empty run gives noise, drift and hum", empty),
+            ("An empty run gives noise, drift and hum", has_empty_run),
         )
         if not is_recorded
     ]
@@ -279,13 +279,14 @@ def empty_run_force_free_of_motion(run: EmptyRun | None) -> Finding:
 
 
 @criterion("part of the record", "<=", 0.15, "our choice")
-def empty_run_plate_steady(wander: float | None) -> Finding:
+def empty_run_plate_steady(unsteady_share: float | None) -> Finding:
     """The plate of the empty run either rests or moves."""
-    if wander is None:
+    if unsteady_share is None:
         return Finding("No empty run was recorded, so its plate is not checked")
     return Finding(
-        f"For {_format_percent(wander)} of the empty run the plate neither rests nor travels",
-        wander,
+        f"For {_format_percent(unsteady_share)} of the empty run the plate neither rests nor "
+        "travels",
+        unsteady_share,
         "Its sensor moves by itself",
         "Repeat with the displacement sensor fastened.",
     )

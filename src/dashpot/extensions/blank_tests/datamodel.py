@@ -1,4 +1,4 @@
-"""Records of blank tests, and what they determine of a testing machine."""
+"""Records of blank tests, and the fit of a testing machine."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.machine import Machine, MachineCalibration
 
 Role: TypeAlias = Literal["", "stop", "spring", "empty"]
-"""Object that a blank test pressed; empty where the record shows it."""
+"""Object that a blank test pressed; "" to detect it from the record."""
 SPRING_ERROR = 1e-3
-"""Relative standard error of a spring's stiffness, where none is stated: a calibrated one."""
+"""Default relative standard error of a spring's stiffness, that of a calibrated spring."""
 CREEP_REPEATABILITY = 0.1
-"""Part of a creep by which that of another press may differ: it depends on load and rest."""
+"""Relative standard deviation of creep between presses; it depends on load and rest time."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,10 +39,10 @@ class BlankTest(EqualByValue, HasSummary):
     time, displacement, force : array, shape (n,)
         s, m and N, sign and zero as recorded.
     role : "stop", "spring", "empty" or ""
-        What was pressed; by default the record shows it.
+        Object that was pressed; by default it is detected from the record.
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -70,7 +70,7 @@ class BlankTest(EqualByValue, HasSummary):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The record, and what it pressed."""
+        """The record, and the object that was pressed."""
         return describe_record_source(self.source, len(self.time)), ROLE_LABELS[self.role]
 
 
@@ -91,7 +91,7 @@ class BlankCurve(EqualByValue, Serialisable):
     ----------
     role, file : str
     reason : str
-        What shows the role.
+        How the role was detected.
     time, displacement, force, fitted : array, shape (m,)
         Values of some of the samples, s, m and N; `fitted` is the force by the rig's model.
     """
@@ -125,7 +125,7 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     spring_stiffness, spring_error : float or None
         Stated of the spring, N/m, with its relative standard error.
     drift_sd : float or None
-        Standard deviation of a drift to come, N/s, by those that were seen.
+        Standard deviation of a future drift, N/s, estimated from the observed drifts.
     bend : float
         Departure of the stop's force from a straight line, over the largest.
     checks : tuple of Check

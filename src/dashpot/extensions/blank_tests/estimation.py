@@ -32,11 +32,11 @@ MIN_LOADED_SHARE = 0.05
 _CONTACT_SHARE = 0.01
 """Part of the largest force that a contact begins with."""
 _MAX_SHIFTS, _DELAY_TOLERANCE = 8, 1e-7
-"""Shifts of the motion at most, and a step of the delay that ends them, s."""
+"""Largest number of shifts of the motion, and the step of the delay that ends them, s."""
 _MIN_COUNT = 20
 """Samples of a baseline or of a press that an estimate needs."""
 _PEAK_SHARE = 0.05
-"""Part of a record's samples, the most loaded, by which its largest force is measured."""
+"""Fraction of the samples, those with the largest load, that give the peak force."""
 _REST_SPEED, _TRAVEL_SPEED = 0.05, 0.5
 """Parts of the largest speed: below the first a plate rests, above the second it travels."""
 _MIN_SPAN, _LARGEST_SPAN, _SPEED_OVER_NOISE = 0.01, 0.25, 50.0
@@ -45,17 +45,17 @@ it is to be."""
 _MIN_EIGENVALUE = 1e-13
 """Least eigenvalue of a Gram matrix of columns of size 1."""
 _MISFIT_BLOCKS = 32
-"""Means of residuals that show a misfit."""
+"""Number of block means of the residuals for the misfit."""
 _CHANCE_ERRORS = 3.5
-"""Standard errors that such a mean may have by chance."""
+"""Largest deviation of such a mean by chance, standard errors."""
 _DELAY_COLUMN, _OFFSET_COLUMN = 4, 5
 """Columns of delay and offset; before them line, stiffness, creep and drift."""
 _GAP_ERRORS = 3.0
 """Standard errors by which a contact is off the rest of the plate."""
 _MOTION_OVER_NOISE = 20.0
-"""Scatter of a displacement beyond which a plate moved."""
+"""Range of a displacement over its noise above which the plate moved."""
 _SLOW_BLOCKS = 20
-"""Parts of an empty run whose means show a slow wander."""
+"""Number of block means of an empty run for slow drift."""
 _MAINS_SEARCH = 0.5
 """Hz either way of the mains at which a weak line is looked for."""
 
@@ -120,13 +120,13 @@ class EmptyRun(NamedTuple):
     hum : RigEstimate
         Amplitude of the strongest line, N.
     hum_frequency : float
-        Hz; nan where no line stands out.
+        Hz; nan if no line is significant.
     motion_force : float
-        Largest part of the force that goes with the motion of the plate, N.
+        Largest force that is correlated with the motion of the plate, N.
     motion_error : float
         Its standard error, N.
-    wander : float
-        Part of the record in which the plate neither rests nor travels; 0 if it rests.
+    unsteady_share : float
+        Fraction of the record in which the plate neither rests nor moves steadily; 0 if it rests.
     slow_noise : float
         Standard deviation of means over a twentieth of the record, N.
     fitted : array, shape (n,)
@@ -141,7 +141,7 @@ class EmptyRun(NamedTuple):
     hum_frequency: float
     motion_force: float
     motion_error: float
-    wander: float
+    unsteady_share: float
     slow_noise: float
     fitted: FloatArray
     force: FloatArray
@@ -150,20 +150,20 @@ class EmptyRun(NamedTuple):
 class Blanks(NamedTuple):
     """Estimates of all records by their roles, and the series of each record in its order."""
 
-    stops: tuple[Press, ...]
-    springs: tuple[Press, ...]
-    empties: tuple[EmptyRun, ...]
+    stop_presses: tuple[Press, ...]
+    spring_presses: tuple[Press, ...]
+    empty_runs: tuple[EmptyRun, ...]
 
-    series: tuple[Press | EmptyRun, ...]
+    in_record_order: tuple[Press | EmptyRun, ...]
 
     @property
     def presses(self) -> tuple[Press, ...]:
         """Stops and springs."""
-        return self.stops + self.springs
+        return self.stop_presses + self.spring_presses
 
 
 class Regression(NamedTuple):
-    """Linear fit with errors that hold for correlated noise."""
+    """Linear fit with errors valid for correlated noise."""
 
     values: FloatArray
     errors: FloatArray
@@ -200,7 +200,7 @@ def solve_regression(
     values : array, shape (n,)
     weights : array, shape (n,), optional
     noisy : int, optional
-        The column that is read with noise, where it is not 0.
+        The column with noise of its own, if not 0.
     noise : float
         Standard deviation of that.
 
@@ -218,8 +218,8 @@ def solve_regression(
         columns, values = columns * weights[:, None], values * weights
     scale = np.sqrt((columns**2).sum(axis=0))
     scale[scale == 0] = 1.0
-    scaled = columns / scale
-    basis, triangle = np.linalg.qr(scaled)
+    scaled_columns = columns / scale
+    basis, triangle = np.linalg.qr(scaled_columns)
     gram = triangle.T @ triangle
     if noisy is not None:
         gram[noisy, noisy] -= weight * variance / scale[noisy] ** 2
@@ -231,15 +231,15 @@ def solve_regression(
             "distinguished. Record a rest, a ramp and a hold"
         )
     inverse = np.linalg.inv(gram)
-    scaled_values = inverse @ (scaled.T @ values)
-    residual = values - scaled @ scaled_values
+    scaled_values = inverse @ (scaled_columns.T @ values)
+    residual = values - scaled_columns @ scaled_values
     residual_noise = estimate_noise(residual, basis)
     errors = np.sqrt(residual_noise.power * np.diag(inverse))
     return Regression(scaled_values / scale, errors / scale, residual, residual_noise)
 
 
 def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
-    """Return what a press of a stop or a spring determines.
+    """Return the estimates from a press against a stop or a spring.
 
     Parameters
     ----------
@@ -269,8 +269,11 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
     response += fit.values[2] * _compute_settlement(history, ramp_time, shift)
     model = fit.values[3] * history.time + np.maximum(response, 0.0)
     model += fit.values[_OFFSET_COLUMN] if len(fit.values) > _OFFSET_COLUMN else 0.0
-    fitted, samples = np.full(n, np.nan), np.concatenate((history.before, history.pressed))
-    fitted[samples] = model[samples]
+    fitted_force, samples = (
+        np.full(n, np.nan),
+        np.concatenate((history.samples_before_contact, history.samples_under_load)),
+    )
+    fitted_force[samples] = model[samples]
     curvature = _estimate_curvature(history, columns, response, weights)
     relative_errors = fit.errors / stiffness
     return Press(
@@ -280,12 +283,12 @@ def estimate_press(record: BlankTest, *, spring: bool = False) -> Press:
         RigEstimate(float(fit.values[3]), float(fit.errors[3])),
         history.peak,
         ramp_time,
-        float(history.time[history.end - 1]) - history.stop,
+        float(history.time[history.hold_end - 1]) - history.ramp_end,
         float(np.sqrt(fit.noise.autocovariance[0])) / float(weights[-1]),
         _measure_misfit(fit.residual, fit.noise) / float(weights[-1]) / history.peak,
         RigEstimate(curvature.value / history.peak, curvature.error / history.peak),
         _measure_hysteresis(history, model),
-        fitted,
+        fitted_force,
         history.force,
     )
 
@@ -297,11 +300,11 @@ class PressHistory(NamedTuple):
     ----------
     time, displacement, speed, force : array, shape (n,)
         s from the first sample, m, m/s, and N from its rest.
-    before, pressed : array of int
+    samples_before_contact, samples_under_load : array of int
         Samples before contact, and samples under load to the end of the hold.
-    first, end : int
+    last_free_sample, hold_end : int
         Last sample before contact, and the one after the hold.
-    stop, peak : float
+    ramp_end, peak : float
         End of the ramp, s, and the largest force, N.
     noise, displacement_noise : float
         Scatter of the readings, N and m.
@@ -311,18 +314,18 @@ class PressHistory(NamedTuple):
     displacement: FloatArray
     speed: FloatArray
     force: FloatArray
-    before: IndexArray
-    pressed: IndexArray
-    first: int
-    end: int
-    stop: float
+    samples_before_contact: IndexArray
+    samples_under_load: IndexArray
+    last_free_sample: int
+    hold_end: int
+    ramp_end: float
     peak: float
     noise: float
     displacement_noise: float
 
 
 def read_press_history(record: BlankTest) -> PressHistory:
-    """Return where a record rests, touches, presses and holds.
+    """Return the samples of rest, contact, ramp and hold of a record.
 
     Raises
     ------
@@ -337,7 +340,7 @@ def read_press_history(record: BlankTest) -> PressHistory:
     peak = float(np.quantile(force[:end], 1 - _PEAK_SHARE))
     first = _find_contact(force[:end], noise, peak)
     guard = 0.02 * float(time[first])
-    before = np.flatnonzero(time < time[first] - guard)
+    samples_before_contact = np.flatnonzero(time < time[first] - guard)
     loaded_indices = np.flatnonzero(force[:end] > MIN_LOADED_SHARE * peak)
     loaded_indices = loaded_indices[loaded_indices > first]
     if len(loaded_indices) < _MIN_COUNT:
@@ -347,13 +350,13 @@ def read_press_history(record: BlankTest) -> PressHistory:
         )
     speed = compute_speed(time, x, _choose_speed_span(time, x, first, ramp))
     return PressHistory(
-        time, x, speed, force, before, loaded_indices, first, end, float(time[ramp]), peak,
-        max(noise, 1e-12), scatter(time, x),
+        time, x, speed, force, samples_before_contact, loaded_indices, first, end,
+        float(time[ramp]), peak, max(noise, 1e-12), scatter(time, x),
     )  # fmt: skip
 
 
 def name_record(record: BlankTest) -> str:
-    """Return what a record is called: its file."""
+    """Return the name of a record: its file."""
     return record.source.file if record.source is not None else "the record"
 
 
@@ -402,7 +405,7 @@ def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -
 
 
 def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
-    """Return the speed over `half_span` samples either way, m/s; 0 where it is within noise."""
+    """Return the speed over `half_span` samples either way, m/s; 0 if it is within noise."""
     padded_values = np.pad(x, half_span, mode="edge")
     clock = np.pad(time, half_span, mode="reflect", reflect_type="odd")
     span = clock[2 * half_span :] - clock[: -2 * half_span]
@@ -421,21 +424,21 @@ def _measure_from_rest(history: PressHistory) -> tuple[PressHistory, float]:
 
     The rest is the median of the n samples before contact: :math:`\sigma_x \sqrt{\pi/2n}`.
     """
-    rest = median(history.displacement[history.before])
-    error = history.displacement_noise * np.sqrt(np.pi / (2 * len(history.before)))
-    return history._replace(displacement=history.displacement - rest), float(error)
+    rest_position = median(history.displacement[history.samples_before_contact])
+    error = history.displacement_noise * np.sqrt(np.pi / (2 * len(history.samples_before_contact)))
+    return history._replace(displacement=history.displacement - rest_position), float(error)
 
 
 def _compute_noise_share(history: PressHistory, delay: float) -> float:
-    """Return the noise of a displacement interpolated at a delay over that of a reading."""
+    """Return the noise of a displacement interpolated at a delay, relative to that of a reading."""
     delay_fraction = delay / float(np.median(np.diff(history.time))) % 1.0
     return float(np.hypot(delay_fraction, 1 - delay_fraction))
 
 
 def _compute_settlement(history: PressHistory, ramp_time: float, delay: float) -> FloatArray:
     """Return how far the crosshead has settled, for 1 m in a factor e of time."""
-    elapsed = np.maximum(history.time - delay - history.stop, 0.0)
-    return np.log1p(elapsed / ramp_time)
+    time_since_stop = np.maximum(history.time - delay - history.ramp_end, 0.0)
+    return np.log1p(time_since_stop / ramp_time)
 
 
 class _PressFit(NamedTuple):
@@ -454,12 +457,18 @@ def _solve_press(history: PressHistory, *, rests_at_contact: bool = False) -> _P
     Samples under load also have the noise of the displacement times K. With `rests_at_contact`
     the contact is held at the rest of the plate, and its column is zero.
     """
-    samples, baseline_count = np.concatenate((history.before, history.pressed)), len(history.before)
+    samples, baseline_count = (
+        np.concatenate((history.samples_before_contact, history.samples_under_load)),
+        len(history.samples_before_contact),
+    )
     contact = np.ones(len(samples))
     contact[:baseline_count] = 0.0
     offset = [np.ones(len(samples))] if baseline_count >= _MIN_COUNT else []
-    shift, ramp_time = 0.0, max(history.stop - float(history.time[history.first]), 1e-6)
-    loaded_span = slice(history.first, int(history.pressed[-1]) + 1)
+    shift, ramp_time = (
+        0.0,
+        max(history.ramp_end - float(history.time[history.last_free_sample]), 1e-6),
+    )
+    loaded_span = slice(history.last_free_sample, int(history.samples_under_load[-1]) + 1)
     stiffness = history.peak / max(float(np.ptp(history.displacement[loaded_span])), 1e-12)
     for i in range(_MAX_SHIFTS):
         speed = np.interp(history.time - shift, history.time, history.speed)
@@ -491,18 +500,18 @@ def _solve_press(history: PressHistory, *, rests_at_contact: bool = False) -> _P
 
 def _measure_ramp_time(history: PressHistory, contact: float, previous: float) -> float:
     """Return the time from the contact at a displacement, m, to the end of the ramp, s."""
-    ramp = slice(0, int(np.searchsorted(history.time, history.stop)) + 1)
+    ramp = slice(0, int(np.searchsorted(history.time, history.ramp_end)) + 1)
     unloaded_indices = np.flatnonzero(history.displacement[ramp] < contact)
     if not len(unloaded_indices):
         return previous
-    return max(history.stop - float(history.time[unloaded_indices[-1]]), 1e-6)
+    return max(history.ramp_end - float(history.time[unloaded_indices[-1]]), 1e-6)
 
 
 def _estimate_curvature(
     history: PressHistory, columns: FloatArray, force: FloatArray, weights: FloatArray
 ) -> RigEstimate:
     """Return by how much the force at half the load lies off the straight line, N."""
-    samples = np.concatenate((history.before, history.pressed))
+    samples = np.concatenate((history.samples_before_contact, history.samples_under_load))
     load = np.clip(force[samples] / history.peak, 0.0, 1.5) * (columns[:, 1] != 0)
     fit = solve_regression(
         np.column_stack((columns, 4 * load * (1 - load))), history.force[samples], weights, noisy=1,
@@ -519,8 +528,8 @@ def _measure_misfit(residual: FloatArray, noise: Noise) -> float:
 
 
 def _measure_hysteresis(history: PressHistory, model: FloatArray) -> float:
-    """Return the force on the way back less that of the model at half the load, over the peak."""
-    is_return = np.arange(len(model)) >= history.end
+    """Return the unloading force less that of the model at half the load, over the peak."""
+    is_return = np.arange(len(model)) >= history.hold_end
     is_half_loaded = is_return & (model > 0.3 * history.peak) & (model < 0.7 * history.peak)
     if np.count_nonzero(is_half_loaded) < 5:
         return float("nan")
@@ -528,7 +537,7 @@ def _measure_hysteresis(history: PressHistory, model: FloatArray) -> float:
 
 
 def estimate_empty_run(record: BlankTest) -> EmptyRun:
-    """Return what a run without a specimen determines: noise, drift, hum, and force by motion."""
+    """Return noise, drift, hum and motion force from a run without a specimen."""
     time = record.time - record.time[0]
     force = remove_spikes(record.time, record.force)
     force = force - median(force)
@@ -606,6 +615,6 @@ def _compute_relative_error(noise: Noise) -> float:
 
 
 def _measure_wander(speed: FloatArray) -> float:
-    """Return the part of a record in which the plate neither rests nor travels."""
+    """Return the fraction of a record in which the plate neither rests nor moves steadily."""
     ratio = np.abs(speed) / max(float(np.abs(speed).max()), 1e-300)
     return float(np.mean((ratio > _REST_SPEED) & (ratio < _TRAVEL_SPEED)))

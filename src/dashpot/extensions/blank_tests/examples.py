@@ -48,7 +48,7 @@ def _render_record(gap: float, depth: float, seed: int, part: Part) -> str:
 
 
 def _press_seal(time: FloatArray, motion: FloatArray) -> FloatArray:
-    """Return the force of the paper's seal, less what the machine gives under it."""
+    """Return the force of the paper's seal, with the deflection of the machine."""
     force = np.zeros(len(time))
     for _ in range(4):  # the give is a hundredth of the way
         force = PAPER.force(time, motion - _COMPLIANCE * force)

@@ -6,7 +6,7 @@ than
 .. math:: s_\delta = \sigma \Big/ k\,v\,\sqrt{n}, \qquad v = x/t_r
 
 on the n samples of its ramp; after a gap it gives it to twice that. The gain is that of the spring,
-and a creep repeats to a tenth.
+and creep repeats within 10 %.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SPRING = parse_quantity("1N/mm", "stiffness")
 """Stiffness of the spring that is supposed."""
 _GAP_FACTOR = 2.0
 _WORTHWHILE_RATIO = 0.9
-"""Part of a standard deviation below which a blank test is worth a sentence."""
+"""Ratio of standard deviations below which a blank test is recommended."""
 
 
 def expect_machine(bench: Bench) -> Machine:
@@ -51,7 +51,7 @@ def advise_blank_tests(
     Parameters
     ----------
     model : GeneralizedMaxwell
-        The solid that is supposed, its unresolved arm included.
+        The assumed solid, including its unresolved arm.
     bench : Bench
         The planned test.
     frequency : float

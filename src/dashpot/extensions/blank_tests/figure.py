@@ -1,4 +1,4 @@
-"""Figure of blank tests: what was measured, and the machine's model."""
+"""Figure of blank tests: measured values, and the machine's model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
     ----------
     fit : MachineFit
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     strips = tuple((_draw_force(record), _draw_residual(record)) for record in fit.records)
     caption = "Blank tests: measured force, the model of the machine, and the residual."
@@ -28,10 +28,12 @@ def draw_machine(fit: MachineFit, *, stamp: str = "") -> Picture:
 def _draw_force(record: BlankCurve) -> Panel:
     """Return the force over time, and the model beneath or, of an empty run, upon it."""
     unit_name, scale = select_plot_unit(record.force, "N")
-    force, fitted = scale * record.force, scale * record.fitted
+    force, fitted_force = scale * record.force, scale * record.fitted
     measured = Line(record.time, force, DATA_ON_FIT, "measured")
     empty = record.role == "empty"
-    model = Line(record.time, fitted, FIT if empty else FIT_BAND, "drift" if empty else "model")
+    model = Line(
+        record.time, fitted_force, FIT if empty else FIT_BAND, "drift" if empty else "model"
+    )
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
         Scale(f"force, {unit_name}", compute_padded_limits(force)),
@@ -48,7 +50,7 @@ def _draw_residual(record: BlankCurve) -> Panel:
     return Panel(
         Scale("time, s", compute_padded_limits(record.time)),
         Scale(f"residual, {unit_name}", compute_padded_limits(scale * finite_values, np.zeros(1))),
-        (Rule(0.0, REF, across=True), Line(record.time, scale * residual, FIT)),
+        (Rule(0.0, REF, is_horizontal=True), Line(record.time, scale * residual, FIT)),
         title="measured less model",
         height=210,
     )

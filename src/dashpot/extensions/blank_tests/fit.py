@@ -43,7 +43,7 @@ def fit_blank_tests(
     spring_stiffness: Quantity | None = None,
     spring_error: float | str | None = None,
 ) -> MachineFit:
-    r"""Return what blank tests determine of a testing machine.
+    r"""Return the properties of a testing machine from blank tests.
 
     A rigid stop gives the compliance :math:`C` and the creep, a spring of stiffness k in a machine
     that reads :math:`K` the gain
@@ -64,7 +64,7 @@ def fit_blank_tests(
     Raises
     ------
     DataError
-        If the role of a record is open, or a record does not hold what its role needs.
+        If the role of a record is unknown, or a record is incomplete for its role.
     """
     stiffness = convert_to_si(spring_stiffness, "stiffness")
     relative_error = convert_to_si(spring_error, "strain")
@@ -86,15 +86,15 @@ def fit_blank_tests(
     roles = assign_roles(records, stiffness)
     blanks = estimate_blanks(records, roles)
     values = report_values(blanks, stiffness, relative_error)
-    has_spring = stiffness is not None and bool(blanks.springs)
+    has_spring = stiffness is not None and bool(blanks.spring_presses)
     sources = list_sources(records)
     return MachineFit(
         values,
-        tuple(map(_thin_record, records, roles, blanks.series)),
+        tuple(map(_thin_record, records, roles, blanks.in_record_order)),
         stiffness if has_spring else None,
         relative_error if has_spring else None,
         predict_drift(blanks),
-        max((abs(press.curvature.value) for press in blanks.stops), default=0.0),
+        max((abs(press.curvature.value) for press in blanks.stop_presses), default=0.0),
         (*checks.run_checks(blanks, values), *caution_checks(sources)),
         sources,
     )
@@ -119,7 +119,7 @@ def estimate_blanks(records: Sequence[BlankTest], roles: Sequence[AssignedRole])
     Raises
     ------
     DataError
-        If one does not hold what its role needs; the sentence names it.
+        If a record is incomplete for its role; the sentence names it.
     """
     series = tuple(map(_estimate_record, records, roles))
     pairs = list(zip(series, roles, strict=True))
@@ -146,7 +146,7 @@ def _estimate_record(record: BlankTest, role: AssignedRole) -> Press | EmptyRun:
 def combine_estimates(estimates: Sequence[RigEstimate]) -> RigEstimate | None:
     r"""Return the weighted mean of repeats; None if there are none.
 
-    Its error is wider by :math:`\sqrt{\chi^2/(n - 1)}` where they scatter by more than theirs.
+    Its error is scaled by :math:`\sqrt{\chi^2/(n - 1)}` if they scatter more than their errors.
     """
     if not estimates:
         return None
@@ -161,8 +161,8 @@ def report_values(
     blanks: Blanks, stiffness: float | None, relative_error: float
 ) -> tuple[MachineValue, ...]:
     """Return the numbers of the machine that these records give, each with its 95 % interval."""
-    stop = combine_estimates([press.stiffness for press in blanks.stops])
-    spring = combine_estimates([press.stiffness for press in blanks.springs])
+    stop = combine_estimates([press.stiffness for press in blanks.stop_presses])
+    spring = combine_estimates([press.stiffness for press in blanks.spring_presses])
     compliance = None if stop is None else RigEstimate(1 / stop.value, stop.error / stop.value**2)
     gain = None
     if compliance is not None and spring is not None and stiffness is not None:
@@ -171,10 +171,14 @@ def report_values(
             # m in a newton of force, not of its reading
             error = np.hypot(gain.value * compliance.error, compliance.value * gain.error)
             compliance = RigEstimate(compliance.value * gain.value, float(error))
-    creep = combine_estimates([press.creep for press in blanks.stops or blanks.springs])
-    delay = combine_estimates([press.delay for press in blanks.springs or blanks.stops])
-    noise = combine_estimates([run.noise for run in blanks.empties])
-    drift = combine_estimates([run.drift for run in blanks.empties])
+    creep = combine_estimates(
+        [press.creep for press in blanks.stop_presses or blanks.spring_presses]
+    )
+    delay = combine_estimates(
+        [press.delay for press in blanks.spring_presses or blanks.stop_presses]
+    )
+    noise = combine_estimates([run.noise for run in blanks.empty_runs])
+    drift = combine_estimates([run.drift for run in blanks.empty_runs])
     rows = (
         ("compliance", compliance, "m/N", "um/N"), ("creep", creep, "m", "um"),
         ("gain", gain, "", ""), ("delay", delay, "s", "ms"), ("noise", noise, "N", "mN"),
@@ -182,11 +186,11 @@ def report_values(
     )  # fmt: skip
     return (
         *(
-            MachineValue.from_error(name, *entry, unit=unit, read=read, words=name)
-            for name, entry, unit, read in rows
+            MachineValue.from_error(name, *entry, unit=unit, read=display_unit, words=name)
+            for name, entry, unit, display_unit in rows
             if entry is not None
         ),
-        *_report_hum(blanks.empties),
+        *_report_hum(blanks.empty_runs),
     )
 
 
@@ -202,15 +206,15 @@ def _compute_gain(
     return RigEstimate(gain, gain * math.hypot(error, relative_error))
 
 
-def _report_hum(empties: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
+def _report_hum(empty_runs: Sequence[EmptyRun]) -> tuple[MachineValue, ...]:
     """Return amplitude and frequency of the strongest line, or an upper limit."""
-    if not empties:
+    if not empty_runs:
         return ()
-    strongest = max(empties, key=lambda run: run.hum.value)
+    strongest = max(empty_runs, key=lambda run: run.hum.value)
     value, error = strongest.hum
     if math.isnan(strongest.hum_frequency):
-        bound = value + NORMAL * error
-        return (MachineValue("hum", value, 0.0, bound, "N", error, "mN", "hum"),)
+        upper_limit = value + NORMAL * error
+        return (MachineValue("hum", value, 0.0, upper_limit, "N", error, "mN", "hum"),)
     return (
         MachineValue.from_error("hum", value, error, unit="N", read="mN", words="hum"),
         MachineValue("hum_frequency", strongest.hum_frequency, unit="Hz", words="hum frequency"),
@@ -223,9 +227,9 @@ def predict_drift(blanks: Blanks) -> float | None:
     That of n drifts :math:`d_i` seen, of mean zero: :math:`\sqrt{\overline{d^2}}\,t_n/1.96` with
     Student's quantile at 95 %.
     """
-    if not blanks.empties:
+    if not blanks.empty_runs:
         return None
-    drifts = [run.drift for run in blanks.empties]
+    drifts = [run.drift for run in blanks.empty_runs]
     limit = max(max(abs(value), 6 * error) for value, error in drifts) / 2
     drifts += [press.drift for press in blanks.presses if press.drift.error <= limit]
     size = math.sqrt(sum(value**2 + error**2 for value, error in drifts) / len(drifts))

@@ -21,7 +21,7 @@ def fit_blank_files(
     roles: Sequence[tuple[str, Role]] = (),
     options: ReadOptions | None = None,
 ) -> MachineFit:
-    """Return what files of blank tests determine of a testing machine.
+    """Return the properties of a testing machine from files of blank tests.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def fit_blank_files(
     spring_stiffness, spring_error : float, optional
         Stiffness of the spring, N/m, and its relative standard error.
     roles : sequence of (str, str)
-        Pattern of a file's name, empty for all, and what it pressed.
+        Pattern of file names, empty for all, and the role of the files.
     options : ReadOptions, optional
 
     Raises
@@ -56,5 +56,7 @@ def fit_blank_files(
 
 def _find_role(name: str, roles: Sequence[tuple[str, Role]]) -> Role:
     """Return the last role whose pattern matches a file; "" if none does."""
-    suited: list[Role] = [role for pattern, role in roles if not pattern or fnmatch(name, pattern)]
-    return suited[-1] if suited else ""
+    matching_roles: list[Role] = [
+        role for pattern, role in roles if not pattern or fnmatch(name, pattern)
+    ]
+    return matching_roles[-1] if matching_roles else ""

@@ -14,7 +14,7 @@ def run(request: FitRequest) -> CommandResult:
     suffix = request.check_output_suffix(".toml", ".json", result_name="a machine")
     fit = fit_blank_files(
         request.files, options=request.reading,
-        **request.some("spring_stiffness", "spring_error", "roles"),
+        **request.select_options("spring_stiffness", "spring_error", "roles"),
     )  # fmt: skip
     if suffix == ".toml":
         request.draw(fit.plot)

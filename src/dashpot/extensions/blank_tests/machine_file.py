@@ -1,4 +1,4 @@
-"""Machine file: TOML of what blank tests measured, written and read."""
+"""Machine file: results of blank tests as TOML, written and read."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _FILE_UNITS = {
     "sync": "ms", "delay": "ms", "drift": "mN/s", "compliance": "um/N", "compliance_error": "um/N",
     "creep": "um", "settling": "um",
 }  # fmt: skip
-"""Units in which a file states what it holds."""
+"""Units of the values in a machine file."""
 _ORIGIN = (
     "date", "dashpot", "verdict", "files", "roles", "sha256", "spring_stiffness", "spring_error",
     "intervals",
@@ -79,14 +79,14 @@ def _render_value(name: str, value: float) -> str:
 
 
 def _render_interval(value: ReportedValue) -> str:
-    """Return a number found, with its 95 % interval, as a line of a table."""
+    """Return a fitted number with its 95 % interval as a line of TOML."""
     cells = value.cells
     text = " ".join(f"{cells.value} ({cells.interval}) {cells.unit}".split())
     return f"{value.name.replace('_', '-')} = {json.dumps(text.replace(' ()', ''))}"
 
 
 def read_machine_file(path: str | Path, **_: Any) -> Machine:
-    """Return the machine that a machine file describes.
+    """Return the machine of a machine file.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def read_machine_file(path: str | Path, **_: Any) -> Machine:
 
 
 class MachineFields(Mapping[str, Any]):
-    """Fields of a machine that ``--machine FILE`` states; they are read when one is asked for."""
+    """Fields of a machine that ``--machine FILE`` states; they are read when one is requested."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -153,7 +153,7 @@ class MachineFields(Mapping[str, Any]):
 
 
 def _open_section(file_name: str, entries: Any, names: tuple[str, ...]) -> Section:
-    """Return a table whose keys may be typed with a dash or an underline."""
+    """Return a table with underscores for the dashes in its keys."""
     if isinstance(entries, Mapping):
         for name in entries:
             if "_" in name and name.replace("_", "-") in entries:
@@ -177,9 +177,9 @@ def _refuse_gain(file_name: str, calibration: Mapping[str, float]) -> None:
 def _complete_errors(
     file_name: str, compliance: float | None, calibration: dict[str, float]
 ) -> None:
-    """Add the error of a compliance that is stated without it; refuse errors that have no value.
+    """Add the default error of a compliance without one; refuse an error without its value.
 
-    What is corrected without an error would count as exact.
+    A correction without an error would count as exact.
     """
     if calibration.get("gain", 1.0) != 1 and "gain_error" not in calibration:
         raise ReadError(
@@ -202,7 +202,7 @@ def _describe_origin(file_name: str, origin: Section) -> str:
     Raises
     ------
     ReadError
-        If its date is none or lies ahead, or the verdict is none, or that of tests not to be used.
+        If its date is invalid or in the future, or its verdict is unknown or "do not use".
     """
     text = f"machine file {file_name}"
     date_text = origin.entries.get("date")

@@ -22,14 +22,14 @@ def read_blank_test(
     path : path
         Time, displacement and force, as of a relaxation test.
     options : ReadOptions, optional
-        Answers to what the file leaves open.
+        Reading options of the file.
     role : "stop", "spring", "empty" or ""
-        What was pressed; by default the record shows it.
+        Pressed object; by default the record shows it.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)

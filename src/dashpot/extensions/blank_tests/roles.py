@@ -18,7 +18,7 @@ from dashpot.signals.noise import scatter
 STOP_RATIO = 4.0
 """Times a spring's stiffness from which a part is a rigid stop."""
 SPRING_RATIOS = (0.6, 1.5)
-"""Stiffness of a spring in its machine, over what is stated of it."""
+"""Stiffness of a spring in its machine, over its stated one."""
 _EMPTY_SHARE, _LOADED_SHARE = 0.02, 0.1
 """Parts of the largest force of all records: below the first a run is empty, above the second
 something was pressed."""
@@ -28,7 +28,7 @@ _BLOCKS = 400
 
 
 class AssignedRole(NamedTuple):
-    """Role of a record, and what shows it."""
+    """Role of a record, and the reason for it."""
 
     role: str
     reason: str
@@ -43,7 +43,7 @@ class Load(NamedTuple):
 
 
 def measure_load(record: BlankTest) -> Load:
-    """Return the largest force of a record, its scatter, and the stiffness of what it pressed."""
+    """Return the largest force of a record, its scatter, and the stiffness under the plate."""
     x, force = orient_channels(record)
     count = max(len(force) // _BLOCKS, 1)
     means, motion = block_means(force, count), block_means(x, count)
@@ -66,7 +66,7 @@ def assign_roles(
     Raises
     ------
     DataError
-        If a record leaves that open: the sentence says what to state.
+        If a record does not show it: the sentence says what to state.
     """
     loads = [measure_load(record) for record in records]
     largest = max(load.force for load in loads)

@@ -27,19 +27,19 @@ MAX_INCONSISTENT = 0.05
 MAX_MISFIT = 0.05
 # largest residual of a joint model, over that of the fits alone
 MORE_TOGETHER = 1.3
-# scatter so many times as large is another solid
+# ratio of scatters above which the tests are of different solids
 CONTRADICTION_RATIO = 3.0
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
 MIN_PLATEAU_RATIO = 0.8
-# a curve that ended before it relaxed falls at its end by as much as it ever did
+# largest decline at the end of a curve, relative to its total decline
 OF_ALL = 0.2
-# what frame and load cell of an instrument give if nobody says, m/N
+# default compliance of an instrument with its load cell, m/N
 USUAL_COMPLIANCE = 3e-7
-# so much of the storage, and twice as much of the loss, may go unsaid
+# relative error of the storage that is not reported; twice as much for the loss
 UNSTATED_ERROR = 0.01
 # standard deviations by which a value scatters at most
 MAX_SCATTER_SD = 3.0
-# of creep every record may hide a slow flow, which takes so much
+# plateau ratio required of creep, which may hide a slow flow
 LEVEL_OF_CREEP = 0.65
 
 
@@ -261,7 +261,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
 def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     """At the end of the curve, no model that fits the data still falls much.
 
-    `decrease` is what the data show: from the first value to the last, over the last.
+    `decrease` is the decrease from the first to the last value, over the last.
     """
     relative_slope = end.slope_limit / max(end.k_end[1], 1e-300)
     return Finding(
@@ -306,20 +306,20 @@ def few_arms_sufficient(
     relative_misfit: float,
     arms: int,
     max_arms: int,
-    dense: tuple[int, float],
+    dense_spectrum: tuple[int, float],
     limit: float | None = None,
 ) -> Finding:
     """A model with few arms fits the curves.
 
-    `dense` holds arms and rms of the dense spectrum; `limit` is of one that several temperatures
-    share.
+    `dense_spectrum` holds arms and rms of the dense spectrum; `limit` is of one that several
+    temperatures share.
     """
     return Finding(
         f"Arms that follow the curves: {arms}",
         relative_misfit,
         failure=f"No number of arms up to {max_arms} follows the curves: best {arms}, "
-        f"{100 * relative_misfit:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
-        f"{100 * dense[1]:.2g} %",
+        f"{100 * relative_misfit:.2g} % rms. This is the dense spectrum of "
+        f"{dense_spectrum[0]} arms, at {100 * dense_spectrum[1]:.2g} %",
         remedy="Use it as a table for a solver; its single arms mean nothing.",
         limit=limit or MAX_MISFIT,
         grade="note" if limit else None,
@@ -362,12 +362,12 @@ def data_agree(
 
 
 @criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
-def bands_overlap(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
+def bands_overlap(sweep_band: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
     """The bands of the two tests leave no gap of more than a decade."""
     return Finding(
-        f"The sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz, and the valid band of the "
-        f"relaxation test is {relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
-        float(max(dynamic[0] / relaxation[1], relaxation[0] / dynamic[1])),
+        f"The sweep covers {sweep_band[0]:.3g} to {sweep_band[1]:.3g} Hz, and the valid band of "
+        f"the relaxation test is {relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
+        float(max(sweep_band[0] / relaxation[1], relaxation[0] / sweep_band[1])),
         "More than a decade between them was not measured, so arms there are not known",
         "Start the sweep lower, or ramp faster.",
     )

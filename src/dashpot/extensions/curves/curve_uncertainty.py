@@ -77,25 +77,27 @@ class CurveData:
         Shortest and longest relaxation time of the spectra, s.
     dof : float
         Degrees of freedom of the noise.
-    common : array, shape (n, d)
+    common_errors : array, shape (n, d)
         Common errors of the rows, in units of the noise.
     terms : NuisanceTerms
-        What is known of the other fixed columns, and unseen in those of the solid.
+        Priors of the other fixed columns, and unmeasured effects in those of the solid.
     """
 
     block: DataBlock
     window: tuple[float, float]
     dof: float
-    common: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    common_errors: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     terms: NuisanceTerms = field(default_factory=lambda: NuisanceTerms({}))
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+    def rows(self, log_tau: FloatArray, *, with_slopes: bool = True) -> RelaxationRows:
         """Return the rows that depend on the solid, whitened by the priors and common errors."""
-        evaluation = self.block.evaluate(log_tau, slopes)
+        evaluation = self.block.evaluate(log_tau, with_slopes)
         names = self.block.fixed_names
         prior_columns, mean = self.terms.build_prior_columns(evaluation.fixed, names)
         error_columns = (
-            np.hstack((prior_columns, self.common)) if self.common.size else prior_columns
+            np.hstack((prior_columns, self.common_errors))
+            if self.common_errors.size
+            else prior_columns
         )
         white = marginalise(np.zeros((len(mean), 0)), error_columns)
 
@@ -117,7 +119,7 @@ def weight_curve(
     abscissa: FloatArray,
     *,
     window: tuple[float, float],
-    common: float = COMMON_ERROR,
+    common_error: float = COMMON_ERROR,
 ) -> CurveData:
     """Weight a curve by its residual about the nearest non-negative spectrum.
 
@@ -129,7 +131,7 @@ def weight_curve(
         Times or frequencies, > 0, of each of its parts: one, or storage and loss.
     window : (float, float)
         Shortest and longest relaxation time of the spectra, s.
-    common : float
+    common_error : float
         Common error of neighbouring values, relative, one standard deviation.
     """
     n, low, high = len(abscissa), *np.log(window)
@@ -147,11 +149,11 @@ def weight_curve(
         rounding_limit = DIGITS_ERROR * float(np.sqrt(np.mean(size**2)))
         series = ResidualSeries(rows.target[part] - fitted_curve[part])
         noise = estimate_noise(
-            series, JacobianColumns(active[part], shared=True), rounding=rounding_limit
+            series, JacobianColumns(active[part], is_shared=True), rounding=rounding_limit
         )
         weight[part] = 1 / np.sqrt(max(noise.power, rounding_limit**2))
         effective += noise.effective
-    common_errors = common * np.kron(
+    common_errors = common_error * np.kron(
         np.eye(len(fitted_curve) // n), _make_hat_functions(np.log10(abscissa))
     )
     return CurveData(
@@ -230,41 +232,43 @@ class BeforeCurve:
     Attributes
     ----------
     data : CurveData
-    first : float
+    first_time : float
         The first time after the step, s.
     solid : GeneralizedMaxwell
         The fit.
     """
 
     data: CurveData
-    first: float
+    first_time: float
     solid: GeneralizedMaxwell
 
     @property
     def window(self) -> tuple[float, float]:
         """Shortest and longest relaxation time of the spectra, s."""
-        return FASTEST_ARM * self.first, self.data.window[1]
+        return FASTEST_ARM * self.first_time, self.data.window[1]
 
     @property
     def dof(self) -> float:
         """Degrees of freedom of the noise."""
         return self.data.dof
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
+    def rows(self, log_tau: FloatArray, *, with_slopes: bool = True) -> RelaxationRows:
         """Return those of the curve, and one of what may relax before it."""
-        rows = self.data.rows(log_tau, slopes=slopes)
-        start, relaxed_later = (float(self.solid.relaxation(n * self.first)) for n in (1.0, 10.0))
+        rows = self.data.rows(log_tau, with_slopes=with_slopes)
+        start, relaxed_later = (
+            float(self.solid.relaxation(n * self.first_time)) for n in (1.0, 10.0)
+        )
         weight = 1 / max(start - relaxed_later, MIN_EARLY_RELAXATION * start)
         # how much of an arm is gone at the first time
-        relaxed_before = -np.expm1(-self.first / np.exp(log_tau)) * weight
+        relaxed_before = -np.expm1(-self.first_time / np.exp(log_tau)) * weight
         total_change = float(self.solid.relaxation(0.0)) - start
         return rows._replace(
             target=np.append(rows.target, total_change * weight),
             spring=np.append(rows.spring, 0.0),
             # a dashpot is no arm that a curve can show
-            dashpot=np.append(rows.dashpot, DASHPOT_WEIGHT * weight / self.first),
+            dashpot=np.append(rows.dashpot, DASHPOT_WEIGHT * weight / self.first_time),
             arms=np.vstack((rows.arms, relaxed_before)),
-            slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if slopes else rows.slopes,
+            slopes=np.vstack((rows.slopes, np.zeros(len(log_tau)))) if with_slopes else rows.slopes,
         )
 
 
@@ -281,7 +285,7 @@ class BeforeCurve:
 # lowest line, and less of it below; of creep the compliance.
 
 
-# times T at which the resting stiffness of a compliance is evaluated, as flow has no end
+# multiple of T at which the equilibrium stiffness is evaluated, as flow is unlimited
 AT_REST = 100.0
 
 
@@ -304,7 +308,7 @@ def limit_end_of_curve(
     level: float = 0.95,
     spectra: AdmissibleSpectra | None = None,
 ) -> EndOfHold:
-    """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
+    """Return the limits of a curve at its end, at 3 and 10 times that time, and of its plateau.
 
     The limits contain the fit.
 
@@ -312,7 +316,7 @@ def limit_end_of_curve(
     ----------
     data : CurveData
     curve_kind : str
-        What it is of: a modulus over time, storage and loss, or a compliance.
+        Kind of curve: a modulus over time, storage and loss, or a compliance.
     time : float
         T, s; of a sweep 1/omega of its lowest line.
     model : GeneralizedMaxwell
@@ -391,13 +395,13 @@ class SingleTestFit(NamedTuple):
     scatter : tuple of float
         Spread of one independent residual (rms times root kappa) of each record, for the freedom
         that the fit took; never below the rounding of the data.
-    freedom : tuple of float
-        Degrees of freedom that the fit left of each record.
+    record_dof : tuple of float
+        Degrees of freedom of each record after the fit.
     """
 
     model: GeneralizedMaxwell
     scatter: tuple[float, ...]
-    freedom: tuple[float, ...]
+    record_dof: tuple[float, ...]
 
 
 def fit_single_test(

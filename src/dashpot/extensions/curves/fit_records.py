@@ -53,8 +53,8 @@ def fit_curves(
     if creep_tests:
         _refuse_beside_creep(options, other_count=len(tests) - len(creep_tests))
         return _fit_creep(creep_tests, options, name)
-    prepared = prepare_ramps(relaxation_tests, options, among_others=True)
-    return _fit_sweeps(_select_kind(tests, "dma"), prepared, options)
+    ramp_holds = prepare_ramps(relaxation_tests, options, among_others=True)
+    return _fit_sweeps(_select_kind(tests, "dma"), ramp_holds, options)
 
 
 def _fit_stress_relaxation(
@@ -69,13 +69,15 @@ def _fit_stress_relaxation(
             "fit the other tests one by one"
         )
     options.time_limits.refuse_several(len(tests))
-    cuts = asdict(options.time_limits) | {
+    preparation_options = asdict(options.time_limits) | {
         "filter": options.filter, "machine": options.machine, "cycle": options.cycle,
         "with_checks": options.intervals,
     }  # fmt: skip
     test: Any = tests[0]
     with _name_file(name):
-        return fit_stress_relaxation(test, cuts, **options.ramp_options.choices), (test,)
+        return fit_stress_relaxation(test, preparation_options, **options.ramp_options.choices), (
+            test,
+        )
 
 
 def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
@@ -84,12 +86,12 @@ def _select_kind(tests: Sequence[Bench], name: str) -> list[Any]:
 
 
 def _name_file(name: str) -> AbstractContextManager[None]:
-    """Return what puts the name of a file before an error."""
+    """Return a context manager that puts the name of a file before an error."""
     return add_name_to_errors(name) if name else nullcontext()
 
 
 def _refuse_beside_modulus(options: BenchFitOptions, *, other_count: int) -> None:
-    """Refuse what belongs to a ramp, and tests that are no moduli."""
+    """Refuse options of a ramp, and tests other than moduli."""
     require_test_for_machine(options.machine, tests=0, add="a ramp and hold")
     options.time_limits.refuse_several(0)
     if other_count:

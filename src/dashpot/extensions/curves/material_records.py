@@ -40,7 +40,7 @@ _HELD_REASON = "its strain is held while its stress goes on"
 
 
 def is_stress_record(file: OpenedFile) -> bool:
-    """Return whether strain and stress are found, or are a question of which."""
+    """Return whether the columns of strain and stress are found, or ambiguous."""
     assignments = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
     return all(
         isinstance(assignment, RoleAssignment) or assignment.choices for assignment in assignments
@@ -52,8 +52,8 @@ def recognise_material_record(
 ) -> tuple[str, str] | None:
     """Return the kind of test that strain and stress show, and why; None of an elastic curve.
 
-    Harmonic cycles are loops. A stress that is held while the strain goes on is creep. A strain
-    that is held, once or in several steps, for half of the record is a relaxation.
+    Harmonic cycles are loops. A constant stress with a changing strain is creep. A strain that is
+    held, once or in several steps, for half of the record is a relaxation.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, An
 def refuse_creep_sizes(
     file: OpenedFile, channels_chosen: Sequence[Channel], strain: FloatArray, stress: FloatArray
 ) -> None:
-    """Ask as :func:`refuse_material_sizes` does, of a strain that may count from any zero."""
+    """As :func:`refuse_material_sizes`, for a strain with an arbitrary zero."""
     refuse_material_sizes(file, channels_chosen, strain, stress, zero_known=False)
 
 
@@ -137,7 +137,7 @@ def refuse_material_sizes(
     *,
     zero_known: bool = True,
 ) -> None:
-    """Ask for the units again that make a strain, a stress or a modulus no test of rubber has.
+    """Ask again for units that give an implausible strain, stress or modulus of rubber.
 
     Parameters
     ----------
@@ -155,11 +155,11 @@ def refuse_material_sizes(
     """
     strain_channel, stress_channel = channels_chosen[-2:]
     max_strain, max_stress = (float(np.abs(signal).max(initial=0.0)) for signal in (strain, stress))
-    word = strain_channel.unit.word
-    of_strain: list[Check] = [strain_not_large(max_strain, word)]
+    strain_unit = strain_channel.unit.word
+    strain_checks: list[Check] = [strain_not_large(max_strain, strain_unit)]
     if zero_known:
-        of_strain.append(strain_not_small(max_strain, word))
-    of_stress: list[Check] = [stress_of_a_rubber(max_stress, stress_channel.unit.word)]
+        strain_checks.append(strain_not_small(max_strain, strain_unit))
+    stress_checks: list[Check] = [stress_of_a_rubber(max_stress, stress_channel.unit.word)]
     if max_strain > 0:
-        of_stress.append(modulus_of_a_rubber(max_stress / max_strain, stress_channel.unit.word))
-    channels.refuse_sizes(file, [(strain_channel, of_strain), (stress_channel, of_stress)])
+        stress_checks.append(modulus_of_a_rubber(max_stress / max_strain, stress_channel.unit.word))
+    channels.refuse_sizes(file, [(strain_channel, strain_checks), (stress_channel, stress_checks)])

@@ -47,7 +47,7 @@ class Misfit:
     rms, largest : float
         Root mean square and largest |model/data - 1|.
     at : float
-        Where the largest stands: s for a modulus over time, else Hz.
+        Position of the largest: s for a modulus over time, else Hz.
     """
 
     curve: str
@@ -187,7 +187,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
 
 
 def get_error_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
-    """Return what errors of storage and loss are relative to, each its own size, (n,) and (n,)."""
+    """Return the error scales of storage and loss, each its own magnitude, (n,) and (n,)."""
     return (
         np.abs(data.storage),
         np.maximum(np.abs(data.loss), _SMALL_LOSS * np.abs(data.value)),
@@ -195,7 +195,7 @@ def get_error_scale(data: DynamicTest) -> tuple[FloatArray, FloatArray]:
 
 
 def compute_passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
-    """Return what the nearest passive solid misses of storage and loss, relative, by frequency.
+    """Return the relative residuals of storage and loss of the nearest passive solid, by frequency.
 
     None if a storage is not above 0, so that errors cannot be relative.
     """
@@ -275,7 +275,7 @@ def dense_spectrum_if_needed(
     *,
     find_band: FindBand | None = None,
 ) -> Fit:
-    """Return the fit, or the dense spectrum where no small number of arms follows the curves.
+    """Return the fit, or the dense spectrum if no small number of arms fits the curves.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ def dense_spectrum_if_needed(
     spectrum : callable
         Fits the dense spectrum of one temperature.
     of_data : sequence of Check
-        Those of the fit's checks that do not speak of its arms.
+        Checks of the fit that do not concern its arms.
     find_band : callable, optional
         Finds the valid band of a model, Hz, and its errors there.
     """

@@ -53,9 +53,9 @@ class LawScore:
     bic : float
         Differences count.
     missed : float
-        Decades by which it misses a shift at most.
+        Largest deviation from a shift, decades.
     at : float
-        There, K.
+        Temperature of that shift, K.
     """
 
     kind: str
@@ -67,7 +67,7 @@ class LawScore:
 
     @property
     def fails(self) -> bool:
-        """Whether it misses a shift by more than matters, and by more than chance."""
+        """Whether it deviates from a shift significantly and by more than the tolerance."""
         beyond_chance = self.dof > 0 and is_significant_fall(self.deviance, self.dof)
         return beyond_chance and self.missed > MAX_MISSED
 
@@ -81,7 +81,7 @@ class ShiftOutlier:
     temperature : float
         K.
     missed : float
-        Decades between its shift and that law.
+        Deviation of its shift from that law, decades.
     """
 
     temperature: float
@@ -165,12 +165,12 @@ def fit_shift_law(
         T_r, K.
     law : str
         ``"auto"`` takes WLF or Arrhenius by BIC, the simpler within 2; the shifts themselves at
-        fewer than three temperatures or where neither law follows them. Else the law to be taken.
+        fewer than three temperatures or where neither law follows them. Else the law to use.
 
     Raises
     ------
     FitError
-        If the law asked for cannot follow the shifts.
+        If the law requested cannot follow the shifts.
     """
     require_choice("law", law, ShiftLaw, FitError)
     t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)

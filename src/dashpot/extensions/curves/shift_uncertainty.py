@@ -64,7 +64,7 @@ class MasterCurveErrors:
     def _find_shift_errors(self, frequency: float) -> tuple[float, float]:
         """Return the errors of log10 a_T and ln b_T of the samples that decide at a frequency.
 
-        Where tests overlap, those of the test that is known best.
+        Where tests overlap, those of the test with the smallest error.
         """
         log_frequency, shift_sd, vertical_sd = self._sample_errors
         distance = np.abs(log_frequency - np.log10(frequency))

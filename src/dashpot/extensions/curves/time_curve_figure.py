@@ -43,7 +43,7 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
     data : RelaxationModulus
         What it was fitted to.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """
     panels = response_panels(
         data.time, data.modulus, compute_response=fit.solid.relaxation, unit=data.unit,
@@ -77,7 +77,7 @@ def response_panels(
     )  # fmt: skip
     lower = Panel(
         horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), Dots(t, residual, "fit")),
+        (Rule(0.0, REF, is_horizontal=True), Dots(t, residual, "fit")),
         height=90, note=f"rms {round_to_error(float(np.sqrt(np.mean(residual**2))))} %",
     )  # fmt: skip
     return upper, lower
@@ -92,7 +92,7 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     data : StressRelaxationTest
         What it was fitted to.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """
     unit, scale = read_as("Pa")
     sign = float(np.sign(np.median(data.strain) - data.strain[0])) or 1.0
@@ -115,7 +115,7 @@ def draw_stress_relaxation(fit: Fit, data: StressRelaxationTest, *, stamp: str =
     x, y = downsample_to_extremes(time, residual, bins=350)
     lower = Panel(
         horizontal, Scale(f"residual, {unit}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), Line(x, y, FIT)), height=90,
+        (Rule(0.0, REF, is_horizontal=True), Line(x, y, FIT)), height=90,
     )  # fmt: skip
     caption = "Relaxation in stress: measured, the fit to it, and what that leaves."
     return Picture(

@@ -4,11 +4,11 @@ If only the elastic force depends on depth, the seal is quasi-linear (Fung):
 
 .. math:: F(t) = \int_0^t G(t-u)\, \frac{d F_e(x(u))}{du}\, du, \qquad G(\infty) = 1
 
-and every linear method applies with :math:`F_e(x)` in place of x. All tests share one
-:math:`F_e`, which follows from their ramps and their depths
-(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). To test whether one relaxation function
-holds at every depth, each test gets its own stiffnesses, and the shapes k_j/k_inf are
-compared. Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
+and every linear method applies with :math:`F_e(x)` in place of x. All tests share one :math:`F_e`,
+which follows from their ramps and their depths
+(:mod:`~dashpot.fitting.nonlinear_ramp.elastic_law`). To test whether one relaxation function is
+valid at every depth, each test gets its own stiffnesses, and the ratios k_j/k_inf are compared.
+Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def fit_depths(
     tests : sequence of RampHold or RelaxationTest
         At different depths.
     arms : int or "auto"
-        ``"auto"`` takes as many as the holds support by BIC, up to `max_arms`.
+        ``"auto"`` selects the number by BIC of the holds, up to `max_arms`.
 
     Raises
     ------
@@ -96,8 +96,8 @@ def fit_depths(
             f"found {len(records)} test of one depth; a depth law needs at least two depths, in "
             "separate files, or in one record that returns and rests between them"
         )
-    ordered = sorted(records, key=lambda test: test.depth)
-    depths = [test.depth for test in ordered]
+    ordered_tests = sorted(records, key=lambda test: test.depth)
+    depths = [test.depth for test in ordered_tests]
     if len(set(depths)) < len(depths):
         raise FitError(
             f"depths {', '.join(format_quantity(value, 'mm') for value in depths)}; expected "
@@ -105,12 +105,12 @@ def fit_depths(
         )
     checked_temperatures(records, shared=False)
     arm_limit = validate_arm_count(arms, max_arms)
-    requested = None if arms == "auto" else arm_limit
-    law = select_elastic_law(ordered, arms=requested, max_arms=arm_limit)
-    stiffnesses, ramp_data = _fit_each_test(law), build_ramp_data(ordered, law)
+    requested_arms = None if arms == "auto" else arm_limit
+    law = select_elastic_law(ordered_tests, arms=requested_arms, max_arms=arm_limit)
+    stiffnesses, ramp_data = _fit_each_test(law), build_ramp_data(ordered_tests, law)
     by_depth = tuple(
         stiffnesses.secant_stiffness(i, test.depth, rig)
-        for i, (test, rig) in enumerate(_add_rig_errors(ordered, ramp_data, law))
+        for i, (test, rig) in enumerate(_add_rig_errors(ordered_tests, ramp_data, law))
     )
     for at in by_depth:
         if at.k_inf <= 0:
@@ -121,11 +121,12 @@ def fit_depths(
     check = _check_separability(stiffnesses)
     arm_checks = (
         ()
-        if requested is None
-        else (arms_enough(supported_by_holds(ordered, law.hold), law.model.arms, unit="N"),)
+        if requested_arms is None
+        else (arms_enough(supported_by_holds(ordered_tests, law.hold), law.model.arms, unit="N"),)
     )
     joint_fit = build_ramp_fit(
-        ordered, law, requested_arms=requested, by_depth=by_depth, checks=(check, *arm_checks),
+        ordered_tests, law, requested_arms=requested_arms, by_depth=by_depth,
+        checks=(check, *arm_checks),
         unmeasured=compute_rig_sensitivity(ramp_data, law.model),
     )  # fmt: skip
     return DepthLaw(law.law, by_depth, check, joint_fit)

@@ -21,7 +21,7 @@ _SINGLE_READINGS = (
 
 
 def parse_frequencies(text: str) -> tuple[float, ...]:
-    """Return the frequencies of a list, Hz; the last states the unit of those without one.
+    """Return the frequencies of a list, Hz; the unit of the last applies to those without one.
 
     >>> parse_frequencies("1,5,10,44Hz"), parse_frequencies("12.71Hz")
     ((1.0, 5.0, 10.0, 44.0), (12.71,))
@@ -55,7 +55,7 @@ class FrequencyList(click.ParamType[Any]):
     name = "frequency"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the frequencies of what was typed."""
+        """Return the typed frequencies."""
         if not isinstance(value, str):
             return value
         try:
@@ -65,7 +65,7 @@ class FrequencyList(click.ParamType[Any]):
 
 
 def join_lists(_: object, __: object, lists: tuple[tuple[float, ...], ...]) -> tuple[float, ...]:
-    """Return the frequencies of an option that was given several times."""
+    """Return the frequencies of a repeated option."""
     return tuple(chain.from_iterable(lists))
 
 

@@ -1,4 +1,4 @@
-"""Figure of stiffness and loss factor over frequency, with the frequencies that were asked."""
+"""Figure of stiffness and loss factor over frequency, with the requested frequencies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dashpot.plot.picture import REF, Panel, Picture, Rule
 
 
 def draw_stiffness_prediction(prediction: StiffnessPrediction, *, stamp: str = "") -> Picture:
-    """Return stiffness and loss factor of the fit over frequency, and where they were asked.
+    """Return stiffness and loss factor over frequency, with the requested frequencies.
 
     Parameters
     ----------

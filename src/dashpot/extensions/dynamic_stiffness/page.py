@@ -16,7 +16,7 @@ from dashpot.report.result_page import (
 
 
 def lay_out_stiffness(prediction: StiffnessPrediction) -> KindPage:
-    """Return the page of stiffness and loss factor at the frequencies asked."""
+    """Return the page of stiffness and loss factor at the requested frequencies."""
     fit = prediction.fit
     values = tuple(
         row(value, value.symbol.replace("''", "\N{DOUBLE PRIME}").replace("'", "\N{PRIME}"))

@@ -35,7 +35,7 @@ class StiffnessPrediction(HasVerdict, Serialisable):
     Attributes
     ----------
     fit : Fit
-        At the temperature asked, and of all seals.
+        At the requested temperature, for all seals.
     frequencies : tuple of float
         Hz.
     values : tuple of ReportedValue
@@ -104,9 +104,9 @@ def predict_stiffness(
 
     .. math:: K^*(\omega) = K' + iK'', \quad \eta = K''/K'
 
-    In the valid band the limits are those of the fit's standard errors, and no narrower than what
-    every spectrum that its test does not reject allows. Beyond it nothing bounds them, unless the
-    records are at hand.
+    In the valid band the limits are those of the fit's standard errors, and at least as wide as
+    those of all spectra that its test does not reject. Beyond it there are no limits, unless the
+    records are given.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ def predict_stiffness(
     frequency : float or str, or sequence of them
         Hz, or ``"12.71Hz"``.
     seals : float
-        Number of seals side by side.
+        Number of seals in parallel.
     temperature : float or str, optional
         K, or ``"23degC"``; by default that of the fit.
     records : sequence of path
-        The relaxation tests behind the fit, which bound what is faster than they show.
+        The relaxation tests of the fit; they bound the stiffness above the valid band.
     machine : Machine, optional
         On which they were made.
     options : ReadOptions, optional
@@ -127,10 +127,12 @@ def predict_stiffness(
     Raises
     ------
     DataError
-        If a number is not > 0, or a record is not what was fitted.
+        If a number is not > 0, or a record is not one of the fitted ones.
     """
-    requested = [frequency] if isinstance(frequency, str | float | int) else list(frequency)
-    hertz = tuple(convert_to_si(item, "frequency") for item in requested)
+    requested_frequencies = (
+        [frequency] if isinstance(frequency, str | float | int) else list(frequency)
+    )
+    hertz = tuple(convert_to_si(item, "frequency") for item in requested_frequencies)
     for value in hertz:
         require_positive(frequency=value, unit=" Hz")
     require_positive(seals=seals)
@@ -141,7 +143,7 @@ def predict_stiffness(
         )
     limits = None
     if records:
-        from dashpot.workflow.bench_tests import prepared_files  # it brings every fit
+        from dashpot.workflow.bench_tests import prepared_files  # imports every kind of fit
 
         tests = prepared_files(records, machine=machine, options=options)
         unique = np.unique(hertz)
@@ -162,8 +164,8 @@ def predict_stiffness(
     )
     errors = [_compute_relative_error(value) for value in values[2::3]]
     largest = max((error for error in errors if error is not None), default=None)
-    with_hammer = fit.method in ("joint", "frf")
-    own_checks = [checks.loss_factor_determined_at(largest, with_hammer=with_hammer)]
+    has_hammer = fit.method in ("joint", "frf")
+    own_checks = [checks.loss_factor_determined_at(largest, with_hammer=has_hammer)]
     if not records:
         own_checks.insert(0, checks.frequencies_in_valid_band(hertz, fit_here.band))
     return StiffnessPrediction(fit_here, hertz, values, (*own_checks, *fit.checks))
@@ -194,7 +196,8 @@ def _compute_limits_in_band(
 ) -> list[FloatArray]:
     """Return the limits of storage, loss and loss factor; nan outside the valid band.
 
-    They hold those of the covariance, and the band errors of size and loss factor as factors.
+    They contain the limits by the covariance and, as factors, by the band errors of size and loss
+    factor.
     """
     low, high = fit.band
     error = fit.evidence.band_error

@@ -44,7 +44,7 @@ _STARTS = {
 }  # fmt: skip
 """Attributes that say when a signal begins, without signs."""
 _OTHER_RATE = 0.01
-"""Part by which a rate that is given may differ from the one that is stated."""
+"""Largest relative difference between the given and the stated rate."""
 _MAX_CALIBRATION_NUMBERS = 64
 """Numbers of a calibration, at most: more are a signal."""
 _WINDOWS = ("window", "fenster", "exp_decay", "expdecay")
@@ -57,9 +57,9 @@ class NamedArray:
     name: str
     values: FloatArray | ComplexArray
     unit: str | None = None
-    factor: str = ""
-    """Factor stated beside the numbers and not applied, such as "gain = 10"."""
-    start: str = ""
+    stated_factor: str = ""
+    """Stated factor that is not applied, such as "gain = 10"."""
+    stated_start: str = ""
     """Stated start, such as "t0 = 0.1"."""
 
 
@@ -73,7 +73,7 @@ def gather(
 ) -> FileTable:
     """Return the arrays of the commonest length as one table; single numbers become hints.
 
-    What the file states of its sampling otherwise than a `rate` that is given becomes a caution.
+    A sampling rate in the file that differs from the given `rate` becomes a caution.
 
     A complex array becomes two columns, named after it: its real and its imaginary part.
 
@@ -88,10 +88,10 @@ def gather(
     counts = Counter(array.values.size for array in vectors)
     length = max(counts, key=lambda size: (counts[size] > 1, counts[size] * size))
     named_arrays = [array for array in vectors if array.values.size == length]
-    remaining = [array.name for array in vectors if array.values.size != length]
-    passed = (
-        f"{len(remaining)} arrays of another length than {length} were passed over: "
-        + ", ".join(remaining[:5])
+    other_names = [array.name for array in vectors if array.values.size != length]
+    skipped_note = (
+        f"{len(other_names)} arrays of another length than {length} were passed over: "
+        + ", ".join(other_names[:5])
     )
     _require_common_clock(arrays, named_arrays)
     factors, cautions = _stated_factors(arrays, named_arrays)
@@ -101,7 +101,7 @@ def gather(
         load=make_loader(np.column_stack([array.values for array in named_arrays])),
         notes=(
             *notes,
-            *([passed] if remaining else []),
+            *([skipped_note] if other_names else []),
             *cautions,
             *contradict_rate(arrays, rate),
         ),
@@ -143,7 +143,7 @@ def _stated_factors(
     or inside whose struct or dataset it stands (``force.gain``).
     """
     factors = [
-        [text] if (text := column.factor or _full_scale_of(column, arrays, columns)) else []
+        [text] if (text := column.stated_factor or _full_scale_of(column, arrays, columns)) else []
         for column in columns
     ]
     cautions = []
@@ -191,7 +191,7 @@ def _full_scale_of(
 
 
 def _find_scaled_columns(stem: str, last: str, columns: Sequence[NamedArray]) -> list[int]:
-    """Return the columns that a factor is stated of, by its name and where it stands."""
+    """Return the columns to which a stated factor belongs, by its name and position."""
     words = select_channel_words(last)
     if words:
         return [
@@ -211,10 +211,10 @@ def _require_common_clock(arrays: Sequence[NamedArray], columns: Sequence[NamedA
     signals = [
         column for column in columns if vocabulary.matches(column.name).get("time", 0.0) < 1.5
     ]
-    starts = {signal.start.rpartition(" = ")[2] or "0" for signal in signals}
+    starts = {signal.stated_start.rpartition(" = ")[2] or "0" for signal in signals}
     if len(starts) > 1:
         channels_text = ", ".join(
-            f"'{signal.name}' {signal.start or 'says nothing'}" for signal in signals[:6]
+            f"'{signal.name}' {signal.stated_start or 'says nothing'}" for signal in signals[:6]
         )
         raise ReadError(
             f"the channels are said to start at different times ({channels_text}): export them on "
@@ -298,7 +298,7 @@ def rate_hints(arrays: Sequence[NamedArray]) -> tuple[str, ...]:
 
 
 def _read_rate(array: NamedArray) -> float:
-    """The sampling rate, Hz, that a single number of this name states, 0 if it states none."""
+    """The sampling rate, Hz, stated by a single number of this name, 0 if none."""
     if np.size(array.values) != 1 or np.iscomplexobj(array.values):
         return 0.0
     return stated_rate(array.name.rpartition(".")[2], float(np.squeeze(array.values)), array.unit)
@@ -306,9 +306,9 @@ def _read_rate(array: NamedArray) -> float:
 
 @lru_cache(maxsize=4096)
 def stated_rate(name: str, value: float, unit: str | None = None) -> float:
-    """Return the sampling rate, Hz, that a number of this name states, 0 if it states none.
+    """Return the sampling rate, Hz, stated by a number of this name, 0 if none.
 
-    Its unit stands behind the name, as in ``dt_ms``, or beside it; by default it is SI.
+    Its unit is a suffix of the name, as in ``dt_ms``, or separate; by default it is SI.
 
     >>> stated_rate("sample_rate_kHz", 2.0), stated_rate("dt", 0.01), stated_rate("mass", 1.0)
     (2000.0, 100.0, 0.0)

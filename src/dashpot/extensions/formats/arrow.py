@@ -41,8 +41,8 @@ _TEXT = {"String", "Categorical", "Enum"}
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
     """Return the columns of numbers, instants and durations of a file.
 
-    What its metadata state of a factor, a fill value, a full scale or a clock is asked about,
-    applied or noted as in other formats; no rule of Parquet or Arrow applies a factor.
+    A factor, fill value, full scale or clock in its metadata is applied, noted or questioned as in
+    other formats; no rule of Parquet or Arrow applies a factor.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         arrays += [] if array is None else [array, *_list_rates(f"{column.name}.", entries)]
     labels = _number_labels(frame, arrays)
     array_names = [array.name for array in arrays]
-    passed = {name: "no numbers" for name in frame.columns if name not in array_names}
+    skipped_columns = {name: "no numbers" for name in frame.columns if name not in array_names}
     arrays += _list_rates("", metadata.table)
     arrays += [
         NamedArray(key, np.array(values))
@@ -89,8 +89,8 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         if concerns_numbers(key.rpartition(".")[2]) and (values := stated_numbers(value))
     ]
     return gather(
-        arrays, format_=form, notes=[*notes, *note_passed(passed, array_names)], rate=options.rate,
-        header=[
+        arrays, format_=form, notes=[*notes, *note_passed(skipped_columns, array_names)],
+        rate=options.rate, header=[
             *labels,
             *(line for key, value in metadata.table.items() if (line := window_line(key, value))),
         ],
@@ -98,7 +98,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _number_labels(frame: Any, arrays: list[NamedArray]) -> list[str]:
-    """Add the labels of specimens as numbers to the arrays; return what each number is."""
+    """Add the labels of specimens as numbers to the arrays; return the label of each number."""
     lines = []
     for column in frame.iter_columns():
         if str(column.dtype).partition("(")[0] in _TEXT and names_specimen(column.name):
@@ -114,7 +114,7 @@ def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> 
     start = ", ".join(f"{key} = {value}" for key, value in metadata.items() if names_start(key))
     if kind.is_temporal():
         word = str(kind).partition("(")[0]
-        if word not in {"Datetime", "Duration"}:  # a day, or a time of an unknown day
+        if word not in {"Datetime", "Duration"}:  # a date, or a time without a date
             return None
         if word == "Datetime":
             column -= column.min()
@@ -124,11 +124,13 @@ def _read_column(column: Any, metadata: Mapping[str, Any], notes: list[str]) -> 
         return None
     values = column.cast(float).to_numpy(allow_copy=True)
     values, factor = apply_attributes(name, values, metadata, notes)
-    return NamedArray(name, values, find_stated_unit(metadata), factor=factor, start=start)
+    return NamedArray(
+        name, values, find_stated_unit(metadata), stated_factor=factor, stated_start=start
+    )
 
 
 def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
-    """Return what metadata state of the rate or the step of a clock, as single numbers."""
+    """Return the rate or the time step in metadata, as single numbers."""
     return [
         NamedArray(f"{owner}{key}", np.array(values[0]), stated_unit(value))
         for key, value in metadata.items()
@@ -137,5 +139,5 @@ def _list_rates(owner: str, metadata: Mapping[str, Any]) -> list[NamedArray]:
 
 
 def _get_polars_source(raw: RawFile) -> Path | BytesIO:
-    """Return what polars reads: the path of a large file, which is not held in memory."""
+    """Return the source for polars: the path of a large file, which is not loaded into memory."""
     return raw.path if raw.path is not None and not raw.content else BytesIO(raw.content)

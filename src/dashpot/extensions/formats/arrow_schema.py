@@ -35,12 +35,12 @@ def read_schema_metadata(message: bytes) -> tuple[dict[str, str], dict[str, dict
 
 
 def decode_parquet_schema(text: str) -> bytes:
-    """Return the message that a Parquet file keeps as base64 under ARROW:schema."""
+    """Return the message stored as base64 under ARROW:schema in a Parquet file."""
     return base64.b64decode(text)
 
 
 def _find_member(data: bytes, table: int, member_index: int) -> int:
-    """Return the position of a member of a table, 0 if it is left out."""
+    """Return the position of a member of a table, 0 if it is omitted."""
     members = table - struct.unpack_from("<i", data, table)[0]
     size = struct.unpack_from("<H", data, members)[0]
     entry = 4 + 2 * member_index
@@ -53,7 +53,7 @@ def _follow_offset(data: bytes, offset: int) -> int:
 
 
 def _list_vector_offsets(data: bytes, offset: int) -> list[int]:
-    """Return where the tables of a vector stand."""
+    """Return the positions of the tables of a vector."""
     if not offset:
         return []
     start = _follow_offset(data, offset)

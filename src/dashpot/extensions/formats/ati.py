@@ -23,7 +23,7 @@ _LOW_RANGE_SHARE = 0.05
 _MAX_SIZE = 1 << 20
 _GAUGE = re.compile(r"(?:\b|_)(?:sg|g|gauge|gage|ch|ai|v|volt|voltage)[\s_]{0,9}(\d)\b", re.I)
 _UNLOADED_SHARE = 0.02
-"""Share of the record, from its start, whose median is taken as the unloaded voltages."""
+"""Fraction of the record, from its start, whose median is the unloaded voltages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class Calibration(EqualByValue):
     serial, part, date : str
     matrix : array, shape (6, 6)
         C, N/V for the forces and N m/V for the torques.
-    limit : array, shape (6,)
+    axis_range : array, shape (6,)
         Range of each axis, N and N m.
     """
 
@@ -43,30 +43,30 @@ class Calibration(EqualByValue):
     part: str
     date: str
     matrix: FloatArray
-    limit: FloatArray
+    axis_range: FloatArray
 
-    def load(self, volts: FloatArray, bias: FloatArray | None = None) -> FloatArray:
+    def compute_load(self, volts: FloatArray, bias: FloatArray | None = None) -> FloatArray:
         """Return force and torque, shape (6, n), of gauge voltages, shape (6, n).
 
         The bias, six voltages of the unloaded transducer, is subtracted in volts.
         """
-        unloaded = np.zeros(6) if bias is None else np.asarray(bias, dtype=float)
-        return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - unloaded[:, None]))
+        bias_voltages = np.zeros(6) if bias is None else np.asarray(bias, dtype=float)
+        return np.asarray(self.matrix @ (np.asarray(volts, dtype=float) - bias_voltages[:, None]))
 
-    def overload(self, load: FloatArray) -> list[str]:
+    def note_overloads(self, load: FloatArray) -> list[str]:
         """Return a note on axes that pass 90 % of their range."""
-        ratio = np.abs(load).max(axis=1) / self.limit
+        ratio = np.abs(load).max(axis=1) / self.axis_range
         return [
             f"{axis} reaches {100 * part:.0f} % of its range {limit:g} "
             f"{'N' if axis[0] == 'F' else 'N m'}: a transducer may saturate before its limit"
-            for axis, part, limit in zip(AXES, ratio, self.limit, strict=True)
+            for axis, part, limit in zip(AXES, ratio, self.axis_range, strict=True)
             if part > _NEAR_RANGE_SHARE
         ]
 
-    def small(self, load: FloatArray, axis: str) -> list[str]:
+    def note_small_loads(self, load: FloatArray, axis: str) -> list[str]:
         """Return a note on axes that use little of their range."""
         axis_index = AXES.index(axis)
-        limit, max_load = float(self.limit[axis_index]), float(np.abs(load[axis_index]).max())
+        limit, max_load = float(self.axis_range[axis_index]), float(np.abs(load[axis_index]).max())
         if not 0 < max_load < _LOW_RANGE_SHARE * limit:
             return []
         unit = "N" if axis[0] == "F" else "N m"
@@ -101,7 +101,7 @@ def read_calibration(path: str | Path) -> Calibration:
             part=sensor.get("PartNumber", ""),
             date=sensor.get("CalDate", ""),
             matrix=frozen(_transform_to_tool_face(sensor, matrix) if scaled else matrix),
-            limit=frozen(limits * si),
+            axis_range=frozen(limits * si),
         )
 
 
@@ -211,7 +211,7 @@ def _compute_loads(
 ) -> tuple[FloatArray, list[str]]:
     """Force and torque of gauge voltages, the first of which are of the unloaded transducer."""
     unloaded_samples = max(1, int(_UNLOADED_SHARE * volts.shape[1]))
-    loads = calibration.load(volts, np.nanmedian(volts[:, :unloaded_samples], axis=1))
+    loads = calibration.compute_load(volts, np.nanmedian(volts[:, :unloaded_samples], axis=1))
     values = np.isfinite(loads).all(axis=0)
     message = (
         f"{axis} from six gauge voltages by the calibration of {calibration.serial} "
@@ -223,8 +223,8 @@ def _compute_loads(
     loads_selected = loads[:, values]
     return loads, [
         message,
-        *calibration.overload(loads_selected),
-        *calibration.small(loads_selected, axis),
+        *calibration.note_overloads(loads_selected),
+        *calibration.note_small_loads(loads_selected, axis),
     ]
 
 

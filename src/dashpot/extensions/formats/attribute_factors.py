@@ -25,7 +25,7 @@ _SIGNS = {"polarity", "invert", "inverted", "sign", "vorzeichen", "polarität"}
 _SHIFTS = {"offset", "intercept", "bias", "zero", "tare", "nullpunkt"}
 """Words of a summand: 0 changes nothing."""
 _MAX_FULL_SCALE_RATIO = 1.5
-"""Times its full scale that a channel reaches at most."""
+"""Largest value of a channel over its full scale."""
 _UNIT_WORDS = {"n", "v", "mv", "mm", "count", "counts", "volt", "volts", "newton", "unit", "units"}
 _LINKS = {
     "of",
@@ -40,7 +40,7 @@ _LINKS = {
     "y",
     "add",
 }
-"""Words beside a factor that say of no channel."""
+"""Words beside a factor that name no channel."""
 _OF_THE_CLOCK = {"start", "begin", "time", "trigger", "wf", "x"}
 """Words beside which an offset is when a signal begins."""
 _ACCOMPANYING_WORDS = {
@@ -65,7 +65,7 @@ _FILLS = {
     "fillvalue", "fill", "missingvalue", "missing", "nodata", "nodatavalue", "nullvalue", "navalue",
     "nanvalue", "invalidvalue", "errorvalue", "fehlwert", "missingdatavalue",
 }  # fmt: skip
-"""Names of what stands where there is no number, without signs."""
+"""Names of fill values, without signs."""
 _NUMBERS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 _VALID = {
     "validrange": (0, 1), "validlimits": (0, 1), "actualvalidrange": (0, 1),
@@ -78,7 +78,7 @@ _FULL_SCALE = re.compile(
     r"([\s_.-].*)?\Z",
     re.IGNORECASE,
 )
-"""Names of what the largest number means, and of what channel."""
+"""Names of a full scale, with the channel."""
 _EXPRESSION = re.compile(
     r"=\s*[-+]?\.?\d|\d\s*[*·×]\s*[a-z(]|[a-z)]\s*[*·×]\s*[-+]?\.?\d", re.IGNORECASE
 )
@@ -101,7 +101,7 @@ def words_of_name(name: str) -> list[str]:
 
 @lru_cache(maxsize=4096)
 def names_factor(name: str) -> bool:
-    """Return whether a name is that of a factor or a summand of numbers.
+    """Return whether a name denotes a factor or an offset of numbers.
 
     >>> names_factor("gain"), names_factor("full_scale"), names_factor("serial")
     (True, False, False)
@@ -157,7 +157,7 @@ def changes_numbers(name: str, value: object) -> bool:
 
 
 def stated_numbers(value: object) -> tuple[float, ...]:
-    """Return the numbers that an attribute holds, be it as text with a unit; none of other text."""
+    """Return the numbers of an attribute, also of a text with a unit; none of other text."""
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
     if isinstance(value, str):
@@ -214,7 +214,7 @@ def find_fill_values(attributes: Mapping[str, object]) -> tuple[float, ...]:
 def remove_fill_values(
     name: str, values: FloatArray, attributes: Mapping[str, object]
 ) -> tuple[FloatArray, list[str]]:
-    """Return the numbers without those that are stated to be none, and notes of them.
+    """Return the numbers without the stated fill values, and notes on these.
 
     None is a fill value, and what lies outside the range that is stated to be valid.
     """
@@ -234,7 +234,7 @@ def remove_fill_values(
 
 
 def _find_valid_range(attributes: Mapping[str, object]) -> tuple[float, float]:
-    """Return the ends of the range that is stated to be valid, infinite where none is."""
+    """Return the stated valid range, infinite without one."""
     low, high = -np.inf, np.inf
     for name, value in attributes.items():
         bound_positions = _VALID.get(_remove_signs(name.rpartition(".")[2]), (None, None))
@@ -262,7 +262,7 @@ def split_full_scale(name: str) -> str | None:
 
 @lru_cache(maxsize=4096)
 def concerns_numbers(name: str) -> bool:
-    """Return whether a name is that of a factor, a summand, a full scale or a fill value."""
+    """Return whether a name denotes a factor, an offset, a full scale or a fill value."""
     bare_name = _remove_signs(name)
     is_numeric = bare_name in _FILLS or bare_name in _VALID
     return is_numeric or names_factor(name) or split_full_scale(name) is not None
@@ -292,12 +292,12 @@ def describe_full_scale(values: FloatArray, name: str, value: object) -> str:
 def apply_attributes(
     name: str, values: FloatArray, attributes: Mapping[str, object], notes: list[str]
 ) -> tuple[FloatArray, str]:
-    """Return the numbers of a channel without fill values, and what is stated that changes them.
+    """Return the numbers of a channel without fill values, and the stated factors.
 
-    Every format asks this: of factors, of the full scale of parts and counts, of fill values.
+    Every format uses this for factors, full scales and fill values.
     """
-    values, removed = remove_fill_values(name, values, attributes)
-    notes += removed
+    values, fill_notes = remove_fill_values(name, values, attributes)
+    notes += fill_notes
     scales = (
         describe_full_scale(values, key, value)
         for key, value in attributes.items()

@@ -14,7 +14,7 @@ from dashpot.reading.columns import vocabulary
 
 _TEST_ROLES = {"force", "displacement", "acceleration", "velocity", "stress", "strain"}
 _TIME_TOLERANCE = 1e-6
-"""Part of a step by which instants that are meant to be the same may differ."""
+"""Difference below which instants count as equal, in steps."""
 
 
 class SampledChannel(NamedTuple):

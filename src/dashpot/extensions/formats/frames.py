@@ -35,7 +35,7 @@ _UNITS_OPTION = re.compile(r'--units "?([^"\s();]+=[^"\s();]+)')
 _COLUMN_OPTION = re.compile(r'--column ([\w-]+)="([^"]+)"')
 _FILE_PART_OPTION = re.compile(r'--file-part (\w+)="?([^"\s;,()]+)')
 _RATE_OPTION = re.compile(r"--rate (\d\w+)")
-"""Options of the command line as messages show them, with what they say."""
+"""Options of the command line as shown in messages, with their values."""
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
 _PART_ROLES, _MATERIAL_ROLES = ("time", "displacement", "force"), ("time", "strain", "stress")
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
@@ -45,7 +45,7 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
     """Return the record in a table in memory, read as a text file of its columns would be.
 
     Units stand in names (``"force [N]"``), in ``attrs`` of variables of xarray, or in
-    ``frame.attrs["units"]`` of pandas; two that contradict are asked about. Instants become seconds
+    ``frame.attrs["units"]`` of pandas; contradictory ones raise a question. Instants become seconds
     since the first.
 
     Raises
@@ -60,7 +60,7 @@ def read_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> Any:
 
 
 def inspect_frame(frame: Any, *, kind: str | None = None, **keywords: Any) -> InspectedFile:
-    """Return how a table in memory would be read, as :func:`dashpot.inspect` says of a file.
+    """Return how a table in memory would be read, as :func:`dashpot.inspect` does for a file.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def refuse_array(array: Any, **_: Any) -> None:
 
 
 def refuse_value(value: object, **_: Any) -> None:
-    """Refuse a value that is neither the name of a file nor a table.
+    """Refuse a value that is neither a file name nor a table.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def _format_python_line(text: str) -> str:
 
 
 def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
-    """Return the records that tables or arrays in memory are; options that say how are taken out.
+    """Return the records of tables or arrays in memory; reading options are removed.
 
     Three arrays, or lists of numbers, are time, displacement and force, or by their units time,
     strain and stress, of the test that they show.
@@ -208,16 +208,16 @@ def _convert_list(value: Any) -> Any:
 
 
 def _make_record(arrays: list[Any], units: Any) -> Any:
-    """Return the test that three arrays are, by the units of them and by what moves in them."""
+    """Return the test of three arrays, detected by their units and their motion."""
     words = _list_stated_units(units)
-    of_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
-    if not of_material:
+    is_material = len(words) == len(arrays) and find_unit(words[1], "strain") is not None
+    if not is_material:
         time, displacement, force = arrays
         test = RelaxationTest(time, displacement, force, units=", ".join(words))
         load_history = classify_load_history(test.time, test.displacement, test.force)
         if load_history in {"relaxation", "still", "other"}:
             return test
-    roles = _MATERIAL_ROLES if of_material else _PART_ROLES
+    roles = _MATERIAL_ROLES if is_material else _PART_ROLES
     return read_frame(
         dict(zip(roles, arrays, strict=True)), units=dict(zip(roles, words, strict=True))
     )
@@ -253,15 +253,15 @@ def _iterate_columns(frame: Any) -> Iterator[tuple[str, FloatArray, dict[str, An
 
 
 def _convert_objects(values: np.ndarray) -> np.ndarray:
-    """Return objects that are all numbers, or all instants with their zone, as such."""
+    """Convert objects that are all numbers, or all instants with a time zone."""
     if values.dtype.kind != "O":
         return values
-    present = [value for value in values.ravel() if not _is_missing(value)]
-    if present and all(isinstance(value, Real | Decimal) for value in present):
+    present_values = [value for value in values.ravel() if not _is_missing(value)]
+    if present_values and all(isinstance(value, Real | Decimal) for value in present_values):
         return values.astype(float)
-    if present and all(isinstance(value, datetime) for value in present):
+    if present_values and all(isinstance(value, datetime) for value in present_values):
         seconds = [
-            np.nan if _is_missing(value) else (value - present[0]).total_seconds()
+            np.nan if _is_missing(value) else (value - present_values[0]).total_seconds()
             for value in values.ravel()
         ]
         return np.round(1e9 * np.asarray(seconds)).astype("timedelta64[ns]")
@@ -274,7 +274,7 @@ def _is_missing(value: Any) -> bool:
 
 
 def _clean_name(name: Any) -> str:
-    """Return a name, of several levels too, as one line without tabs."""
+    """Return a name (of one or several levels) as one line without tabs."""
     return " ".join(" ".join(map(str, name if isinstance(name, tuple) else (name,))).split())
 
 

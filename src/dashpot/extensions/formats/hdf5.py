@@ -59,11 +59,11 @@ class _FileFindings:
     """Findings of a walk, and the objects visited: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
-    stated: list[NamedArray] = field(default_factory=list)
+    single_values: list[NamedArray] = field(default_factory=list)
     """Attributes of the clock and of factors, as single numbers."""
     notes: list[str] = field(default_factory=list)
     visited: set[tuple[int, int]] = field(default_factory=set)
-    numbers: int = 0
+    number_count: int = 0
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -91,13 +91,15 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
                 )
             group = inner
         _visit_node(group, "", visitor)
-        limits.check_value_count(visitor.numbers, "the datasets hold")
+        limits.check_value_count(visitor.number_count, "the datasets hold")
         arrays = [
             array for node, name in visitor.datasets for array in _read_dataset(node, name, visitor)
         ]
     matlab = raw.head(10) == b"MATLAB 7.3"
     form = "MAT 7.3" if matlab else "HDF5"
-    return gather([*arrays, *visitor.stated], format_=form, notes=visitor.notes, rate=options.rate)
+    return gather(
+        [*arrays, *visitor.single_values], format_=form, notes=visitor.notes, rate=options.rate
+    )
 
 
 def _get_group_member(group: Any, key: str) -> Any:
@@ -119,7 +121,7 @@ def _visit_node(node: Any, name: str, visitor: _FileFindings) -> None:
     if isinstance(node, Dataset):
         _take_dataset(node, name, visitor)
     elif isinstance(node, Group):
-        visitor.stated += _list_stated_numbers(node, name, also_factors=True)
+        visitor.single_values += _list_stated_numbers(node, name, also_factors=True)
         for key in node:
             if not key.startswith("#") and key not in _UNIT:
                 inner = _get_group_member(node, key)
@@ -139,7 +141,7 @@ def _take_dataset(node: Any, name: str, visitor: _FileFindings) -> None:
     elif not node.id.get_storage_size():
         visitor.notes.append(f"'{name}' was never written and was passed over")
     else:
-        visitor.numbers += value_count
+        visitor.number_count += value_count
         visitor.datasets.append((node, name))
 
 
@@ -149,7 +151,7 @@ def _read_dataset(node: Any, name: str, visitor: _FileFindings) -> list[NamedArr
         return _convert_instants(node, name, visitor)
     all_values = _read_columns(node, name, visitor)
     for array in all_values:
-        visitor.stated += _list_stated_numbers(node, array.name, also_factors=False)
+        visitor.single_values += _list_stated_numbers(node, array.name, also_factors=False)
     attributes, start = _list_attributes_by_column(node, len(all_values)), _get_start_time(node)
     arrays = []
     for array, entries in zip(all_values, attributes, strict=True):
@@ -158,7 +160,7 @@ def _read_dataset(node: Any, name: str, visitor: _FileFindings) -> list[NamedArr
         else:
             numbers: FloatArray = array.values.real
             values, factor = apply_attributes(array.name, numbers, entries, visitor.notes)
-        arrays.append(replace(array, values=values, factor=factor, start=start))
+        arrays.append(replace(array, values=values, stated_factor=factor, stated_start=start))
     return arrays
 
 
@@ -222,7 +224,9 @@ def _decode_cf_values(
             f"'{name}' has a scale_factor or add_offset of several numbers, and the CF conventions "
             "know one of each; write the numbers as they were measured"
         )
-    unpacked = np.where(missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0])
+    decoded_values = np.where(
+        missing, np.nan, values * (scale or (1.0,))[0] + (offset or (0.0,))[0]
+    )
     applied_texts = [
         f"{key} = {pair[0]:g}"
         for key, pair in cf_attributes.items()
@@ -235,16 +239,16 @@ def _decode_cf_values(
             f"{np.count_nonzero(missing)} numbers of '{name}' are fill values, or outside the "
             "valid range that the file states: they are no numbers"
         )
-    return unpacked
+    return decoded_values
 
 
 def _parse_cf_attribute(name: str, key: str, value: Any) -> tuple[float, ...]:
-    """The numbers of an attribute of the CF conventions, also where they are written as text.
+    """Return the numbers of an attribute of the CF conventions, also of a text.
 
     Raises
     ------
     ReadError
-        If it holds no number: what it does to the data is then not known.
+        If it holds no number: its effect on the data is then not known.
     """
     numbers = _list_numbers(value)
     if numbers:

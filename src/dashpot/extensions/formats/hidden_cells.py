@@ -43,7 +43,7 @@ def list_hidden_cells(stream: BinaryIO) -> dict[str, str]:
 
 
 def list_sheet_parts(archive: zipfile.ZipFile) -> dict[str, str]:
-    """Return the part of each sheet of an xlsx file by its name; none of another file."""
+    """Return the archive member of each sheet of an xlsx file; empty for other files."""
     names = set(archive.namelist())
     if "xl/workbook.xml" not in names:
         return {}
@@ -83,9 +83,9 @@ def _iterate_tags(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, di
     with archive.open(part) as stream:
         while block := stream.read(_CHUNK):
             text = rest + block
-            cut = text.rfind(b"<")  # a tag may go on in the next block
-            rest = text[cut:][:_TAG] if cut >= 0 else b""
-            for match in _TAGS.finditer(text[:cut] if cut >= 0 else text):
+            tag_start = text.rfind(b"<")  # a tag may go on in the next block
+            rest = text[tag_start:][:_TAG] if tag_start >= 0 else b""
+            for match in _TAGS.finditer(text[:tag_start] if tag_start >= 0 else text):
                 yield match[1].decode(), _parse_attributes(match[2])
         for match in _TAGS.finditer(rest):
             yield match[1].decode(), _parse_attributes(match[2])
@@ -97,11 +97,11 @@ def _scan_xlsx_sheet(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[i
     columns: list[int] = []
     row = 0
     for tag, words in tags:
-        unmeasured = words.get("hidden", "").encode() in _HIDING_ATTRIBUTES
+        is_hidden = words.get("hidden", "").encode() in _HIDING_ATTRIBUTES
         if tag == "row":
             row = _parse_whole_number(words.get("r", "")) or row + 1
-            rows += [row] if unmeasured else []
-        elif tag == "col" and unmeasured:
+            rows += [row] if is_hidden else []
+        elif tag == "col" and is_hidden:
             first = _parse_whole_number(words.get("min", "")) or 1
             last = min(_parse_whole_number(words.get("max", "")) or first, first + _MAX_LISTED)
             columns += range(first, last + 1)
@@ -117,12 +117,12 @@ def _scan_ods_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, st
             name, positions = unescape(words.get("name", "")), dict.fromkeys(positions, 0)
             entries[name] = [], []
         elif tag in positions and name in entries:
-            unmeasured = words.get("visibility", "").encode() in _HIDING_ATTRIBUTES
+            is_hidden = words.get("visibility", "").encode() in _HIDING_ATTRIBUTES
             count = max(
                 _parse_whole_number(words.get("number-rows-repeated", "")),
                 _parse_whole_number(words.get("number-columns-repeated", "")), 1,
             )  # fmt: skip
-            if unmeasured:
+            if is_hidden:
                 first = positions[tag] + 1
                 entries[name][tag == "table-column"].extend(
                     range(first, first + min(count, _MAX_LISTED))

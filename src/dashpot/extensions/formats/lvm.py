@@ -24,7 +24,7 @@ from dashpot.reading.text.rows import load_rows
 
 _HEAD = 1 << 20
 _RATE_TOLERANCE = 1e-4
-"""Relative uncertainty of a rate that is not worth a word."""
+"""Relative uncertainty of a rate that needs no note."""
 _END = "***End_of_Header***"
 _KEYS = re.compile(
     r"^(Separator|Decimal_Separator|X_Columns|Channels|Samples|Y_Unit_Label|X0|Delta_X|Notes|X_Value)"
@@ -52,7 +52,7 @@ class _LvmRows:
 
     dialect: Dialect
     clocks: tuple[int, ...]
-    counted: bool
+    time_is_counted: bool
     segments: tuple[_LvmHead, ...]
 
     def __post_init__(self) -> None:
@@ -65,7 +65,7 @@ class _LvmRows:
     def load(
         self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], time_budget: TimeBudget
     ) -> LoadedColumns:
-        column_indices = [i for i in indexes if not (self.counted and i == 0)]
+        column_indices = [i for i in indexes if not (self.time_is_counted and i == 0)]
         read_indices = column_indices or self.signals()[:1]
         loaded_columns = load_rows(blocks, self.dialect, read_indices, time_budget=time_budget)
         loaded_columns = _split_stacked_records(loaded_columns, self.segments)
@@ -88,14 +88,14 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         If the header is not that of an LVM file, or its segments differ in their channels.
     """
     encoding = options.encoding or find_encoding(raw.head(_HEAD))
-    detected = options.encoding is None
-    first = next(decode_blocks([raw.head(_HEAD)], encoding, detected=detected), "")
+    is_encoding_detected = options.encoding is None
+    first = next(decode_blocks([raw.head(_HEAD)], encoding, detected=is_encoding_detected), "")
     lines = first.split("\n")
     top = _find_first_row(lines)
     sign = "," if re.search(r"^Separator[\t,]Comma", first, re.MULTILINE) else "\t"
     decimal_mark = _mark(first, lines[top : top + 50], sign, options)
     segments = _read_segments(
-        decode_blocks(raw.blocks(), encoding, detected=detected), sign, decimal_mark
+        decode_blocks(raw.blocks(), encoding, detected=is_encoding_detected), sign, decimal_mark
     )
     names, clocks = _read_column_names(lines[top - 1], sign)
     counted = not any(_has_clock_value(line, clocks, sign) for line in lines[top : top + 20])
@@ -109,7 +109,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     columns = _make_columns(names, clocks, segments[0], dialect.contents)
 
     def blocks() -> Iterator[str]:
-        return decode_blocks(raw.blocks(), encoding, detected=detected)
+        return decode_blocks(raw.blocks(), encoding, detected=is_encoding_detected)
 
     if _has_different_steps(segments[0], len(columns)):
         header = tuple(filter(str.strip, lines[: top - 2]))
@@ -264,9 +264,11 @@ def _get_half_digit(text: str) -> float:
 
 
 def _has_different_steps(segment: _LvmHead, columns: int) -> bool:
-    """Return whether the channels that hold samples differ in their step."""
-    filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
-    return len(set(segment.step[:columns])) > 1 and len(filled) > 1
+    """Return whether the channels with samples differ in their time step."""
+    steps_with_samples = {
+        step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0
+    }
+    return len(set(segment.step[:columns])) > 1 and len(steps_with_samples) > 1
 
 
 def _has_clock_value(line: str, clocks: Sequence[int], sign: str) -> bool:
@@ -278,10 +280,12 @@ def _classify_columns(
     names: Sequence[str], clocks: Sequence[int], rows: Sequence[str], sign: str, decimal_mark: Mark
 ) -> tuple[Content, ...]:
     """Return the content of each column; "blank" if all rows are."""
-    cut = [cell.split(row, sign) for row in rows if row.strip()]
+    cell_rows = [cell.split(row, sign) for row in rows if row.strip()]
     contents: list[Content] = []
     for i in range(len(names)):
-        numbers = any(i < len(row) and cell.number(row[i], decimal_mark) is not None for row in cut)
+        numbers = any(
+            i < len(row) and cell.number(row[i], decimal_mark) is not None for row in cell_rows
+        )
         contents.append(
             "number" if numbers and i not in clocks[1:] else "blank" if not numbers else "text"
         )
@@ -291,7 +295,7 @@ def _classify_columns(
 def _make_columns(
     names: Sequence[str], clocks: Sequence[int], segment: _LvmHead, contents: Sequence[Content]
 ) -> list[Column]:
-    """Names, and the unit labels, which stand over the channels."""
+    """Names, and the unit labels above the channels."""
     columns = []
     for i, name in enumerate(names):
         if i in clocks:
@@ -323,7 +327,7 @@ def _note_rounded_step(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Questi
 
 
 def _round_sampling_rate(rate: float) -> int:
-    """Return the power of two nearby, which samplers love, else the whole number."""
+    """Return the nearby power of two, common as a sampling rate, else the integer."""
     power = 2 ** round(np.log2(rate)) if rate > 1 else 1
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 
@@ -331,7 +335,7 @@ def _round_sampling_rate(rate: float) -> int:
 def _list_parts(
     loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
 ) -> Iterator[tuple[int, int, _LvmHead]]:
-    """First row, end and header of each part; what has no header of its own has the last."""
+    """First row, end and header of each part; a segment without a header has the last one."""
     segment_ends = (*loaded_columns.starts[1:], len(loaded_columns.values))
     for k, (start, stop) in enumerate(zip(loaded_columns.starts, segment_ends, strict=True)):
         yield start, stop, segments[min(k, len(segments) - 1)]
@@ -340,7 +344,7 @@ def _list_parts(
 def _split_stacked_records(
     loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]
 ) -> LoadedColumns:
-    """Part each segment where it holds several records of ``Samples`` rows."""
+    """Split each segment that holds several records of ``Samples`` rows."""
     starts: list[int] = []
     notes = list(loaded_columns.notes)
     for start, stop, segment in _list_parts(loaded_columns, segments):
@@ -356,7 +360,7 @@ def _split_stacked_records(
 
 
 def _compute_row_times(loaded_columns: LoadedColumns, segments: Sequence[_LvmHead]) -> FloatArray:
-    """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
+    """Time of every row, from X0 and Delta_X of its segment; NaN without, requested before use."""
     time = np.full(len(loaded_columns.values), np.nan)
     for start, stop, segment in _list_parts(loaded_columns, segments):
         if segment.step:

@@ -117,7 +117,7 @@ def _flatten(
 
 
 def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -> NamedArray | None:
-    """Return the array of a struct that holds numbers and their unit."""
+    """Return the array of a struct of numbers and their unit."""
     by_lower_case = {str(key).casefold(): value for key, value in fields.items()}
     data = next((by_lower_case[key] for key in _DATA if key in by_lower_case), None)
     unit = next((by_lower_case[key] for key in _UNITS if key in by_lower_case), None)
@@ -135,7 +135,7 @@ def _extract_struct_array(name: str, fields: dict[str, Any], notes: list[str]) -
 def check_elements(stream: BinaryIO) -> None:
     """Raise a ReadError if a tag is none that a MAT file can hold, or all arrays hold too much.
 
-    Files of another version than 5 to 7 are passed over; the stream is left at its start.
+    Files of another version than 5 to 7 are passed over; the stream is returned to its start.
     """
     header = stream.read(_HEADER)
     order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
@@ -162,12 +162,12 @@ class _Damaged(Exception):  # noqa: N818
 class _MatFile:
     """The order of the bytes of a file, and the numbers that have been met in it."""
 
-    order: str
-    numbers: int = 0
+    byte_order: str
+    number_count: int = 0
 
     def count(self, numbers: int) -> None:
-        self.numbers += numbers
-        limits.check_value_count(self.numbers, "the variables hold")
+        self.number_count += numbers
+        limits.check_value_count(self.number_count, "the variables hold")
 
 
 def _read_element(
@@ -190,16 +190,16 @@ def _read_element(
 def _read_tag(
     take: Take, file: _MatFile, space: int, kinds: frozenset[int]
 ) -> tuple[int, int, bytes | None]:
-    """Kind and size of the next element, and its data if they stand in the tag."""
+    """Type and size of the next element, and its data if they are in the tag."""
     if space < _TAG:
         raise _Damaged(f"an element where {max(space, 0)} bytes are left")
-    word: int = struct.unpack(file.order + "I", _read_exactly(take, 4))[0]
+    word: int = struct.unpack(file.byte_order + "I", _read_exactly(take, 4))[0]
     kind, size = word & 0xFFFF, word >> 16
     if size:
         if kind not in kinds - _VARIABLES or size > 4:
             raise _Damaged(f"an element of type {kind} with {size} bytes in its tag")
         return kind, size, _read_exactly(take, 4)[:size]
-    size = int(struct.unpack(file.order + "I", _read_exactly(take, 4))[0])
+    size = int(struct.unpack(file.byte_order + "I", _read_exactly(take, 4))[0])
     if kind not in kinds or size > space - 8:
         raise _Damaged(f"an element of type {kind} and {size} bytes, {space - 8} are left")
     return kind, size, None
@@ -217,18 +217,20 @@ def _read_content(
 
 
 def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
-    """The elements of an array: class, dimensions, name, then as many as its class holds."""
+    """The elements of an array: class, dimensions, name, then the elements of its class."""
     if not size:
         return
     if depth > _MAX_DEPTH:
         raise _Damaged("arrays nested too deep")
-    kind, length, flags, _ = struct.unpack(file.order + "4I", _read_exactly(take, min(16, size)))
+    kind, length, flags, _ = struct.unpack(
+        file.byte_order + "4I", _read_exactly(take, min(16, size))
+    )
     class_, parts = flags & 0xFF, 1 + bool(flags & _COMPLEX)
     if (kind, length) != (_UINT32, 8):
         raise _Damaged("an array without a class")
     remaining = size - 16
-    read, dimensions = _read_content(take, file, remaining, _INT32)
-    remaining -= read
+    bytes_read, dimensions = _read_content(take, file, remaining, _INT32)
+    remaining -= bytes_read
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
     shape = _read_integers(dimensions, file)
@@ -237,10 +239,10 @@ def _read_array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
     file.count(cells)
     remaining -= _read_content(take, file, remaining, _NAME)[0]
-    read, kinds, parts = _read_element_layout(
+    bytes_read, kinds, parts = _read_element_layout(
         take, file, remaining, class_=class_, cells=cells, parts=parts
     )
-    remaining -= read
+    remaining -= bytes_read
     if class_ == _SPARSE:
         remaining, parts = remaining - _read_indices(take, file, remaining, shape), parts - 2
     for _part in range(parts):
@@ -273,13 +275,13 @@ def _read_element_layout(
         bytes_left = space - (
             _read_content(take, file, space, _NAME)[0] if class_ == _OBJECT else 0
         )
-        read, longest = _read_content(take, file, bytes_left, _INT32)
-        bytes_left -= read
-        read, names = _read_content(take, file, bytes_left, _NAME)
+        bytes_read, longest = _read_content(take, file, bytes_left, _INT32)
+        bytes_left -= bytes_read
+        bytes_read, names = _read_content(take, file, bytes_left, _NAME)
         width = sum(_read_integers(longest, file))
         if width < 1:
             raise _Damaged(f"a struct with names of {width} letters")
-        return space - bytes_left + read, _ARRAYS, cells * (len(names) // width)
+        return space - bytes_left + bytes_read, _ARRAYS, cells * (len(names) // width)
     if class_ == _CELL:
         return 0, _ARRAYS, cells
     if class_ == _CHAR:
@@ -290,26 +292,26 @@ def _read_element_layout(
 
 
 def _read_integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
-    return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
+    return struct.unpack(f"{file.byte_order}{len(data) // 4}i", data[: len(data) // 4 * 4])
 
 
 def _scan_compressed_element(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """A compressed element: the one inside, inflated a stretch at a time."""
     inflate = zlib.decompressobj()
-    waiting, bytes_left = b"", size
+    buffered_bytes, bytes_left = b"", size
 
     def more(count: int) -> bytes:
-        nonlocal waiting, bytes_left
-        while len(waiting) < count and (bytes_left or inflate.unconsumed_tail):
+        nonlocal buffered_bytes, bytes_left
+        while len(buffered_bytes) < count and (bytes_left or inflate.unconsumed_tail):
             source = inflate.unconsumed_tail
             if not source:
                 source = _read_exactly(take, min(bytes_left, _BATCH_SIZE))
                 bytes_left -= len(source)
-            fresh = inflate.decompress(source, _BATCH_SIZE)
-            if not fresh and inflate.eof:
+            new_bytes = inflate.decompress(source, _BATCH_SIZE)
+            if not new_bytes and inflate.eof:
                 break
-            waiting += fresh
-        content, waiting = waiting[:count], waiting[count:]
+            buffered_bytes += new_bytes
+        content, buffered_bytes = buffered_bytes[:count], buffered_bytes[count:]
         return content
 
     _read_element(more, file, 1 << 62, _ARRAYS, depth=depth + 1)

@@ -14,7 +14,7 @@ from dashpot.reading.sandbox import parent_process
 from dashpot.reading.table import FileTable, LoadedColumns
 
 _CACHED_COLUMNS = 8
-"""Columns of a large file that are kept for who asks for them again."""
+"""Cached columns of a large file."""
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
@@ -22,7 +22,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
     Groups with the same channels are segments. Of others, the one with most channels of a test
     gives the clock, and those of the rest are interpolated to it. Columns of a large file are read
-    when they are asked for.
+    when they are requested.
 
     Raises
     ------

@@ -47,7 +47,7 @@ class _Mdf3Blocks:
         self._count = 0
 
     def read_block(self, address: int, kind: bytes, min_size: int) -> bytes:
-        """Return the bytes of the block of a kind at an address, of so many bytes at least."""
+        """Return the bytes of the block of a kind at an address, with a minimum size."""
         self._count += 1
         if self._count > _MAX_BLOCKS:
             raise ReadError(f"more than {_MAX_BLOCKS} blocks: its links go round, or it is no test")
@@ -73,7 +73,7 @@ class _Mdf3Blocks:
         return _decode_text(self.read_block(address, b"TX", 4)[4:]) if address else ""
 
     def chain(self, address: int, kind: bytes, min_size: int) -> Iterator[bytes]:
-        """Yield a block and those that follow it."""
+        """Yield a block and its successors."""
         while address:
             block = self.read_block(address, kind, min_size)
             yield block

@@ -24,7 +24,7 @@ _MAX_BLOCKS = 1 << 18
 """Groups, channels and lists of data of a file, at most."""
 _LARGEST_TEXT = 1 << 20
 _LAST_BYTE = 1 << 62
-"""Byte beyond which no file can be asked for one."""
+"""Largest valid offset in a file."""
 _LARGEST_BLOCK = 1 << 26
 """Bytes to which one packed block may unpack."""
 _TEXT = re.compile(r"<TX\b[^>]*>(.*?)</TX>", re.S)
@@ -49,7 +49,7 @@ _MAKERS: dict[int, Callable[[Sequence[float]], Conversion]] = {
     5: conversions.nearest_table,
 }
 _REMOTE = 8
-"""Flag of a group whose time stands in another."""
+"""Flag of a group whose time channel is in another group."""
 _VLSD = 1
 
 
@@ -61,10 +61,10 @@ class Content:
     ----------
     groups : list of MdfGroup
     passed : dict of str to str
-        Channels that are passed over, each with what it holds.
+        Skipped channels, each with the kind of its contents.
     header : list of str
     hints : dict of str to str
-        What is said of the rate of channels without a clock, by that rate.
+        Note on channels without a clock, by their sampling rate.
     """
 
     groups: list[MdfGroup] = field(default_factory=list)
@@ -137,7 +137,7 @@ class _Mdf4Blocks:
         return words.strip()
 
     def chain(self, address: int, kind: bytes) -> Iterator[_Mdf4Block]:
-        """Yield a block and those that follow it by its first link."""
+        """Yield a block and its successors by the first link."""
         while address:
             block = self.read_block(address, kind)
             yield block
@@ -215,10 +215,10 @@ def _iterate_channels(
     blocks: _Mdf4Blocks,
     address: int,
     sizes: tuple[int, int],
-    passed: dict[str, str],
+    skipped_channels: dict[str, str],
     depth: int = 0,
 ) -> Iterator[MdfChannel]:
-    """Yield the channels of a group that hold numbers; name the others in `passed`."""
+    """Yield the numeric channels of a group; name the others in `skipped_channels`."""
     for block in blocks.chain(address, b"##CN"):
         name = blocks.text(block.link(2))
         inner = block.link(1)
@@ -227,14 +227,14 @@ def _iterate_channels(
                 inner, b"##CN", b"##CA", b"##CL", b"##CV", b"##CU", b"##DS"
             ).kind
             if kind == b"##CN" and depth < 8:
-                yield from _iterate_channels(blocks, inner, sizes, passed, depth + 1)
+                yield from _iterate_channels(blocks, inner, sizes, skipped_channels, depth + 1)
             else:
-                passed[name] = "arrays" if kind == b"##CA" else "structures"
+                skipped_channels[name] = "arrays" if kind == b"##CA" else "structures"
             continue
         try:
             yield _read_channel(blocks, block, name, sizes)
         except NoNumbersError as error:
-            passed[name or "a channel without a name"] = str(error)
+            skipped_channels[name or "a channel without a name"] = str(error)
 
 
 def _read_channel(
@@ -340,7 +340,7 @@ def _convert_state(
 
 
 def _iterate_bytes(address: int) -> Callable[[BinaryIO], Iterator[bytes]]:
-    """Return what yields the bytes of the data at an address."""
+    """Return a function that iterates over the bytes of the data at an address."""
 
     def pieces(stream: BinaryIO) -> Iterator[bytes]:
         if address:
@@ -373,7 +373,7 @@ def _iterate_data(
 
 
 def _walk_lists(blocks: _Mdf4Blocks, block: _Mdf4Block) -> Iterator[int]:
-    """Yield where the data of a list, and of those that follow it, stand."""
+    """Yield the positions of the data of a list, and of the following lists."""
     while True:
         yield from filter(None, block.links[1:])
         if not block.link(0):
@@ -419,8 +419,8 @@ def _unpack(stream: BinaryIO, block: _Mdf4Block) -> bytes:
         raise ReadError(f"damaged: a packed block says {size} bytes and unpacks to others")
     if kind == 1 and columns > 1:
         lines = size // columns
-        transposed = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
-        data = transposed.T.tobytes() + data[lines * columns :]
+        byte_matrix = np.frombuffer(data, np.uint8, lines * columns).reshape(columns, lines)
+        data = byte_matrix.T.tobytes() + data[lines * columns :]
     return data
 
 

@@ -14,7 +14,7 @@ Conversion: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
 class NoNumbersError(Exception):
-    """Reason why a channel is passed over: it holds no numbers, or none that are understood."""
+    """Reason why a channel is passed over: it holds no numbers, or only unknown ones."""
 
 
 def keep_raw(raw: FloatArray) -> FloatArray:
@@ -76,7 +76,7 @@ def nearest_table(pairs: Sequence[float]) -> Conversion:
 def exact_table(pairs: Sequence[float]) -> Conversion:
     """Return the table of which only the keys are defined.
 
-    What MDF 3 takes between two keys its readers answer in two ways: nearest, or next above.
+    Readers of MDF 3 differ in the value between two keys: nearest, or next above.
     """
     keys, values = _sort_table(pairs)
 
@@ -118,7 +118,7 @@ def some_text(
     *,
     is_integer: bool,
 ) -> Conversion:
-    """Return what converts numbers outside states that have a name: a named state is no number."""
+    """Return the conversion of numbers other than named states: a named state is no number."""
     if default is None and not any(state_conversions):
         raise NoNumbersError("names of states")
 

@@ -37,7 +37,7 @@ class MdfChannel:
         Whether the first byte is the most significant.
     convert : callable
     invalid : int or None
-        Bit of the record, counted from its start, that is set where there is no number.
+        Bit of the record, counted from its start, that is set for an invalid number.
     clock : bool
         Whether it is the time of its group.
     """
@@ -69,10 +69,10 @@ class MdfGroup:
     pieces : callable
         From the file to its bytes, a piece at a time.
     number : int
-        That of its records among those of other groups.
+        Record number that distinguishes its records from those of other groups.
     sizes : mapping
-        Bytes of every kind of record in the same data, None of one that says its own length; empty
-        where all records are of this group.
+        Length of each kind of record in the same data, bytes; None if a record states its own
+        length; empty if all records belong to this group.
     total : int
         Records of all groups in the same data.
     id_size, id_after : int
@@ -107,7 +107,7 @@ def read_channels(
     Raises
     ------
     ReadError
-        If the file holds fewer records than it says, or a record is broken.
+        If the file holds fewer records than it states, or a record is damaged.
     """
     check_value_count(
         group.rows * len(channel_indices), f"the channels of group '{group.name}' hold"
@@ -143,30 +143,30 @@ def read_channels(
 
 
 def _iterate_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
-    """Yield the records of a group as rows of bytes, as many as a piece of the file holds."""
+    """Yield the records of a group as rows of bytes, one chunk of the file at a time."""
     if group.sizes:
         yield from _iterate_group_records(stream, group)
         return
-    leftover = b""
+    partial_record = b""
     step = group.id_size + group.size + group.id_after
     if step == 0:
         yield np.empty((group.rows, 0), np.uint8)
         return
     for piece in group.pieces(stream):
-        data = leftover + piece if leftover else piece
+        data = partial_record + piece if partial_record else piece
         count = len(data) // step
-        leftover = data[count * step :]
+        partial_record = data[count * step :]
         rows = np.frombuffer(data, np.uint8, count * step).reshape(count, step)
         yield rows[:, group.id_size : group.id_size + group.size]
 
 
 def _iterate_group_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]:
     """Yield those records among others that carry the number of the group."""
-    leftover, size, number = b"", group.id_size, group.number
+    partial_record, size, number = b"", group.id_size, group.number
     order: Literal["big", "little"] = "big" if group.big else "little"
     byte_offsets, record_count = np.arange(group.size), 0
     for piece in group.pieces(stream):
-        data, position, record_starts = leftover + piece, 0, []
+        data, position, record_starts = partial_record + piece, 0, []
         end = len(data)
         while position + size <= end:
             kind = (
@@ -197,7 +197,7 @@ def _iterate_group_records(stream: BinaryIO, group: MdfGroup) -> Iterator[Bytes]
             if kind == number:
                 record_starts.append(start)
             position = next_position
-        leftover = data[position:]
+        partial_record = data[position:]
         if record_starts:
             bytes_read = np.frombuffer(data, np.uint8)
             yield bytes_read[np.add.outer(np.array(record_starts), byte_offsets)]
@@ -211,8 +211,8 @@ def _convert_raw_numbers(records: Bytes, channel: MdfChannel, first: int) -> Flo
     if parts.shape[1] < size or not 0 < size <= _MAX_INTEGER_BYTES:
         raise ReadError(f"'{channel.name}' stands outside its record: the file is damaged")
     order = ">" if channel.big else "<"
-    aligned = channel.bit == 0 and channel.bits == 8 * size and size in {1, 2, 4, 8}
-    if aligned:
+    is_aligned = channel.bit == 0 and channel.bits == 8 * size and size in {1, 2, 4, 8}
+    if is_aligned:
         kind = f"{order}{channel.kind}{size}"
         return np.ascontiguousarray(parts).view(kind)[:, 0].astype(float)
     unsigned = np.zeros(len(parts), np.uint64)

@@ -123,10 +123,10 @@ class MdfTable:
                 continue
             segments = self._segments if i == base else (i,)
             clock = group.clock
-            ordered = sorted(
+            ordered_indices = sorted(
                 range(len(group.channels)), key=lambda column_place: column_place != clock
             )
-            for column_place in ordered:
+            for column_place in ordered_indices:
                 channel = group.channels[column_place]
                 if channel.clock and (i != base or column_place != clock):
                     continue
@@ -201,7 +201,7 @@ class MdfTable:
         return True
 
     def _note_dropped(self, group: MdfGroup, note: str) -> None:
-        """Note a group that is passed over: a caution where it may be a part of the test."""
+        """Note a group that is passed over: a caution if it may be a part of the test."""
         lost_names, kept_names = (
             [c.name for c in channel_group.channels if not c.clock]
             for channel_group in (group, self._base)
@@ -211,9 +211,9 @@ class MdfTable:
     def _find_base(self) -> int:
         """Return which group gives the clock.
 
-        One with load and motion, and most roles of a test. If they stand in several groups, the
-        slowest of those: between its samples nothing is known, and straight lines there would be
-        taken for what was measured.
+        One with load and motion, and most roles of a test. If they are in several groups, the
+        slowest of those: between its samples nothing is known, and interpolated values would look
+        measured.
         """
         role_scores = [_list_roles(group, _LIKELY_SCORE) for group in self._groups]
         if not any(roles & _LOADS and roles & _MOTIONS for roles in role_scores):
@@ -242,7 +242,7 @@ class MdfTable:
             return ticks * (unit.factor if unit else 1.0)
 
     def load(self, indexes: Sequence[int]) -> LoadedColumns:
-        """Return the numbers of some columns, NaN where the file says that they are invalid."""
+        """Return the numbers of some columns, NaN where they are marked as invalid."""
         check_value_count(self.rows * len(indexes), "the channels hold")
         values = np.empty((self.rows, len(indexes)))
         notes: list[str] = []
@@ -358,7 +358,7 @@ def _list_roles(group: MdfGroup, score: float = _SURE_SCORE) -> set[str]:
 
 
 def _name_groups_apart(groups: Sequence[MdfGroup]) -> list[MdfGroup]:
-    """Return the groups, each with a name of its own."""
+    """Return the groups, each with a unique name."""
     counts = Counter(group.name for group in groups)
     return [
         replace(group, name=f"{group.name} {i + 1}") if counts[group.name] > 1 else group

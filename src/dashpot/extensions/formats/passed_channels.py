@@ -14,15 +14,15 @@ _ROLES: tuple[Role, ...] = ("force", "displacement", "acceleration", "stress", "
 _MAX_LISTED = 8
 
 
-def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
-    """Note the channels that are left out, by their content.
+def note_passed(skipped_channels: Mapping[str, str], kept_names: Iterable[str]) -> list[str]:
+    """Note the channels that are omitted, by their content.
 
     A caution where one is named for a role of a test as well as any channel that is kept: another
     may then have taken its place.
     """
     kept_names = list(kept_names)
     reasons: dict[tuple[str, bool], list[str]] = {}
-    for name, reason in passed.items():
+    for name, reason in skipped_channels.items():
         has_role = names_role_as_well([name], kept_names)
         reasons.setdefault((reason, has_role), []).append(f"'{name}'")
     notes: list[str] = []
@@ -34,13 +34,13 @@ def note_passed(passed: Mapping[str, str], kept_names: Iterable[str]) -> list[st
     return notes
 
 
-def names_role_as_well(passed: Iterable[str], names: Iterable[str]) -> bool:
-    """Return whether a channel is named for a role of a test as well as any of those kept.
+def names_role_as_well(skipped_names: Iterable[str], names: Iterable[str]) -> bool:
+    """Return whether a channel's name fits a role of a test as well as that of a kept one.
 
     >>> names_role_as_well(["Force"], ["t", "Ch 3"]), names_role_as_well(["Temp"], ["t", "Force"])
     (True, False)
     """
-    scores, best = _score_roles(passed), _score_roles(names)
+    scores, best = _score_roles(skipped_names), _score_roles(names)
     return any(
         max(scores[role], default=0.0) >= max(vocabulary.MIN_SCORE, *best[role], 0.0)
         for role in _ROLES
@@ -48,6 +48,6 @@ def names_role_as_well(passed: Iterable[str], names: Iterable[str]) -> bool:
 
 
 def _score_roles(names: Iterable[str]) -> dict[Role, Sequence[float]]:
-    """Return how well each name says each role."""
+    """Return the score of each name for each role."""
     matched = [vocabulary.matches(split_unit(name)[0]) for name in names]
     return {role: [scores.get(role, 0.0) for scores in matched] for role in _ROLES}

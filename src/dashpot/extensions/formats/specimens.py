@@ -1,4 +1,4 @@
-"""Specimens that share one file: in blocks, under a column of labels, or in columns side by side.
+"""Specimens that share one file: in blocks, under a column of labels, or in parallel columns.
 
 Each is a segment, which ``--file-part segment=N`` chooses. Which one is meant is a question.
 """
@@ -40,11 +40,11 @@ _NAME = compile_on_use(
     rf"(?:{_WORDS})[ _.\-]*(?:id|no\.?|nr\.?|n°|#|number|nummer|name|label|code|bezeichnung)?",
     re.IGNORECASE,
 )
-"""The name of a column that says of which specimen a row is."""
+"""The name of a column with the specimen of each row."""
 _LETTER = compile_on_use(r"(?:([A-W])[ _\-](\w.*)|(.*\w)[ _\-]([A-W]))")
 """A signal whose specimen is a letter before or behind it; X, Y and Z are axes."""
 _LINE = compile_on_use(rf"\W*(?:{_WORDS})\b.{{0,80}}", re.IGNORECASE)
-"""A line over a block that says of which specimen it is."""
+"""A line above a block that names its specimen."""
 _MAX_SPECIMENS = 256
 """Specimens of one file, at most; a column of more labels counts rows."""
 _MIN_ROWS = 8
@@ -148,7 +148,7 @@ class _SpecimenLoader:
     Attributes
     ----------
     order : array or None
-        Which row stands where, by specimen; None leaves the rows as they are.
+        Row indices by specimen; None does not change the rows.
     """
 
     table: FileTable
@@ -159,7 +159,7 @@ class _SpecimenLoader:
     cache: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     def __call__(self, indexes: Sequence[int]) -> LoadedColumns:
-        """Return the columns; a doubt says that the rows are of several specimens."""
+        """Return the columns, with a question if the rows belong to several specimens."""
         if self.order is not None:
             loaded_columns = self.table.load(indexes)
             lines = tuple(
@@ -211,7 +211,7 @@ class _SpecimenLoader:
         return self.cache["roles"]
 
     def _find_other_forces(self, roles: Sequence[int]) -> list[int]:
-        """Return the columns that are as much a force, or a stress, as that of the test."""
+        """Return the columns that may be the force or stress of the test as well."""
         columns, force_column = self.table.columns, roles[-1]
         role = next(pair[1] for pair in _PAIRS if self._has_pair(pair, roles))
         return [
@@ -236,7 +236,7 @@ class _SpecimenLoader:
     ) -> LoadedColumns:
         """Return the columns with a note where two channels hold the same numbers in a part of all.
 
-        Numbers that stand still are none: two channels may both rest at zero.
+        Constant numbers are not labels: two channels may both rest at zero.
         """
         if not other_indices:
             return loaded_columns
@@ -349,19 +349,24 @@ def _list_runs(order: IndexArray, lines: Sequence[tuple[int, int]]) -> list[tupl
 
 
 def _begins_anew(time: FloatArray, signals: FloatArray, starts: IndexArray) -> bool:
-    """Return whether clock and signals fall back to where they began, as where records follow.
+    """Return whether clock and signals return to their start, as in a series of records.
 
-    Where one test goes on, as under a counter that overflows, its signals do not.
+    If one test continues, as after a counter overflow, its signals do not return to their start.
     """
     firsts, last_times = time[starts], time[starts - 1]
     if np.any(np.abs(firsts - time[0]) > _RESTART_SHARE * (last_times[0] - time[0])):
         return False
-    from_start, from_last = (np.abs(signals[starts] - signals[other]) for other in (0, starts - 1))
+    distance_from_start, distance_from_last = (
+        np.abs(signals[starts] - signals[other]) for other in (0, starts - 1)
+    )
     change = np.nanmax(signals, axis=0) - np.nanmin(signals, axis=0)
-    returns = (from_last > _RESTART_SHARE * change) & (from_start < from_last)
+    returns = (distance_from_last > _RESTART_SHARE * change) & (
+        distance_from_start < distance_from_last
+    )
     # the column of the clock is one of them
     return bool(
-        np.all(returns | (from_last <= _RESTART_SHARE * change)) and np.all(returns.sum(axis=1) > 1)
+        np.all(returns | (distance_from_last <= _RESTART_SHARE * change))
+        and np.all(returns.sum(axis=1) > 1)
     )
 
 
@@ -397,12 +402,12 @@ def _are_specimens(labels: Sequence[str]) -> bool:
 
 def _fill_down(labels: Sequence[str]) -> list[str]:
     """Return labels, each holding for the blank cells below it."""
-    filled, last = [], ""
+    filled_cells, last_cell = [], ""
     for label in labels:
-        last = label or last
-        filled.append(last)
-    first = next((label for label in filled if label), "")
-    return [label or first for label in filled]
+        last_cell = label or last_cell
+        filled_cells.append(last_cell)
+    first = next((label for label in filled_cells if label), "")
+    return [label or first for label in filled_cells]
 
 
 def _read_stated_words(header: Sequence[str], name: str) -> dict[str, str]:
@@ -456,7 +461,7 @@ def _part_by_labels(
 
 
 def _split_set(name: str) -> list[tuple[str, str]]:
-    """Return the ways in which a name may be that of a set and of a signal in it.
+    """Return the possible splits of a name into specimen and signal.
 
     >>> _split_set("seal_1.force"), _split_set("Force 2"), _split_set("B Force")
     ([('seal_1', 'force'), ('1', 'seal_.force')], [('2', 'Force ')], [('B', 'Force')])
@@ -557,7 +562,7 @@ def _part_by_columns(
 
 
 def _leave_set(table: FileTable, sets: dict[str, list[int]], name: str) -> FileTable:
-    """Return the table with the columns of one specimen, and those of none."""
+    """Return the table with the columns of one specimen and the common columns."""
     others = {i for indexes in sets.values() for i in indexes} - set(sets[name])
     return replace(
         table,

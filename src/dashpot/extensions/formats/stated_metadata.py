@@ -115,7 +115,7 @@ def _flatten_entries(entries: Mapping[str, str]) -> Iterator[tuple[Path, Any]]:
 
 
 def _decode(text: str) -> Any:
-    """Return the value of JSON, the text itself where it is none."""
+    """Return the value of JSON; of another text the text itself."""
     if text[:1] not in {"{", "["} or len(text) > _MAX_LENGTH:
         return text
     try:

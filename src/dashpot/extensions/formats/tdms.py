@@ -39,7 +39,7 @@ from dashpot.reading.table import Column, FileTable, make_loader
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
-"""Start of the properties that say that a channel, its group or its file is scaled."""
+"""Prefixes of the properties that state a scaling of a channel, group or file."""
 _SCALE_TYPE = re.compile(r"NI_Scale\[\d+\]_Scale_Type")
 _KNOWN_SCALES = {
     "Polynomial", "Linear", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add",
@@ -47,15 +47,14 @@ _KNOWN_SCALES = {
 }  # fmt: skip
 """The scales that npTDMS applies."""
 _UNSET = -2 * 10**18
-"""Nanoseconds since 1970: LabVIEW counts from 1904, and a start that was never set is its zero."""
+"""Start, ns since 1970, up to which it counts as unset: LabVIEW's zero is in 1904."""
 _NUMBERS = "iuf"
-"""The kinds of arrays that hold numbers."""
+"""The kinds of numeric arrays."""
 _PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
-"""Path of a channel: the names of its group and its own."""
-"""Roles of the channels of a test."""
+"""Path of a channel: the names of its group and of the channel."""
 _NONE = np.empty(0)
 _SHIFT_TOLERANCE = 0.01
-"""Share of a sample by which channels may be apart before one is shifted."""
+"""Offset between channels, in samples, up to which none is shifted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,10 +95,10 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
             sum(item.num_values for item in objects.values()), "the channels hold"
         )
         _refuse_unknown_scales(objects)
-        reported = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
+        is_converted = _is_scaled(objects) or any(map(_is_stamped, objects.values()))
         groups = _choose_groups(
             _read_scaled_channels(stream, objects, notes)
-            if reported
+            if is_converted
             else _read_stored_channels(file, notes),
             options.sheet,
         )
@@ -114,9 +113,9 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     factors = _note_stated_factors(objects, first, notes)
     columns = [Column(c.name, c.unit, factor=c.factor or factors.get(c.name, "")) for c in first]
     rates = _list_stated_rates(objects)
-    foreign = [rate for rate in rates if ".wf_" not in rate.name]
-    refuse_different_rates([rate for rate in foreign if _PATH.match(rate.name)])
-    notes += contradict_rate(foreign, options.rate)
+    stated_rates = [rate for rate in rates if ".wf_" not in rate.name]
+    refuse_different_rates([rate for rate in stated_rates if _PATH.match(rate.name)])
+    notes += contradict_rate(stated_rates, options.rate)
     if blocks[0].shape[1] > len(first):
         columns.insert(0, Column("time", "s"))
     starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
@@ -131,7 +130,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _choose_groups(new_channels: _Groups, sheet: str | None) -> _Groups:
-    """Return the groups that hold numbers, or the one named; all with the same channels."""
+    """Return the groups with numbers, or the one named; all with the same channels."""
     groups = {name: channels for name, channels in new_channels.items() if channels}
     if sheet is not None:
         if sheet not in groups:
@@ -210,7 +209,7 @@ def _list_stated_rates(objects: Mapping[str, Any]) -> list[NamedArray]:
 
 
 def _list_factors(properties: Mapping[str, Any]) -> str:
-    """Return what properties state of a factor, without those that the format itself defines."""
+    """Return the factors stated in properties, without those that the format itself defines."""
     return factors_among(_list_foreign_properties(properties))
 
 
@@ -222,8 +221,7 @@ def _list_foreign_properties(properties: Mapping[str, Any]) -> dict[str, Any]:
 def _read_stored_channels(file: Any, notes: list[str]) -> _Groups:
     """Return the channels of a file as they are stored.
 
-    npTDMS's own objects cost twice as much as what they hold: of tens of thousands of channels they
-    are not made.
+    The channel objects of npTDMS need twice the memory of their data, so they are not created here.
     """
     objects: Mapping[str, Any] = file.object_metadata
     parts: dict[str, list[FloatArray]] = {}
@@ -246,7 +244,7 @@ def _read_stored_channels(file: Any, notes: list[str]) -> _Groups:
 
 
 def _split_path(path: str) -> list[str]:
-    """Return the names of a channel's group and its own."""
+    """Return the names of a channel's group and of the channel."""
     match = _PATH.fullmatch(path)
     if match is None:
         raise ReadError(f"this TDMS file keeps numbers under '{path}', which names no channel")
@@ -272,9 +270,9 @@ def _read_scaled_channels(stream: Any, objects: Mapping[str, Any], notes: list[s
             values = np.asarray(values)
             if values.size and values.dtype.kind in _NUMBERS:
                 channels.append(_make_channel(channel.name, properties, values, notes))
-        nonempty = [(channel_index, item) for channel_index, item in instants if len(item)]
-        first = min((item[0] for _, item in nonempty), default=None)
-        for channel_index, value in nonempty:
+        nonempty_instants = [(channel_index, item) for channel_index, item in instants if len(item)]
+        first = min((item[0] for _, item in nonempty_instants), default=None)
+        for channel_index, value in nonempty_instants:
             seconds = (value - first) / np.timedelta64(1, "s")
             channels[channel_index] = replace(channels[channel_index], values=seconds)
     return groups
@@ -318,7 +316,7 @@ def _start(start: Any) -> int | None:
 def _apply_start_times(channels: list[_TdmsChannel]) -> list[_TdmsChannel]:
     """Return the channels, each later by as much as its stated start is after the first one's.
 
-    One that states none began with the first.
+    A channel without a start time began with the first.
     """
     if len({channel.stated_start for channel in channels}) > 1:
         starts_text = ", ".join(
@@ -391,7 +389,7 @@ def _find_common_times(channels: list[_TdmsChannel], step: float) -> FloatArray:
 def _align_channel(
     channel: _TdmsChannel, time: FloatArray, step: float, notes: list[str]
 ) -> FloatArray:
-    """Return a channel's samples at the common times; its own where they fall together."""
+    """Return a channel's samples at the common times, interpolated unless they coincide."""
     shift = (time[0] - channel.offset) / step
     whole_samples = round(shift)
     if abs(shift - whole_samples) <= _SHIFT_TOLERANCE:

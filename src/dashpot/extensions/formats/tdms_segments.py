@@ -50,7 +50,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
                 )
 
     def _compare(self, owner: str, properties: list[tuple[str, Any]]) -> None:
-        """Remember what a property that matters says otherwise than before samples were written."""
+        """Record a property that changed after samples were written."""
         if self._number == 1:
             return
         channel = "'/'" in owner  # of its group and its own name; there may be tens of thousands
@@ -70,7 +70,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
             self._changed[owner] = (key, "nothing" if old is None else old, new)
 
     def _goes_on(self, value: Any, key: str, old: Any, new: Any, previous_count: int) -> bool:
-        """Return whether a segment says that it starts where the one before it ended."""
+        """Return whether the stated start of a segment is the end of the one before it."""
         step = float(value.get("wf_increment") or 0.0)
         if old is None or not step:
             return False

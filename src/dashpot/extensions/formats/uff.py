@@ -36,7 +36,7 @@ _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 _REAL = (2, 4)
 """Ordinate data types without an imaginary part."""
 _EXPONENTIAL = (4, 6)
-"""Window types of dataset 1858: exponential alone, and beside the impact window."""
+"""Window types of dataset 1858: exponential only, and with the impact window."""
 _WINDOW_REMAINDERS = (3e-4, 0.2)
 """Remainder of exponential windows of analysers at the end of a record."""
 _DOUBLE_EXPONENT = re.compile(rb"(?<=\d)[dD](?=[+-]\d\d)")
@@ -123,8 +123,8 @@ def _window_lines(
     r"""Header lines and questions for the exponential window that dataset 1858 states.
 
     Its damping factor has no stated unit: it may be the rate a in :math:`e^{-at}`, 1/s, the time
-    constant 1/a, s, or what the window leaves at the end of the `record`, s. One reading is taken
-    if it alone leaves what analysers leave, else the user is asked.
+    constant 1/a, s, or what the window leaves at the end of the `record`, s. An interpretation is
+    used if it is the only one with a remainder usual for analysers; otherwise the user must choose.
     """
     qualifiers = entry.get("qualifiers") or {}
     if int(qualifiers.get("window_type") or 0) not in _EXPONENTIAL:
@@ -251,7 +251,7 @@ def _turned_notes(records: Sequence[_Set]) -> list[str]:
 
 
 def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
-    """Ask which one of several."""
+    """Ask for one of several."""
     if len(frfs) == 1:
         return ()
     curves_text = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
@@ -264,9 +264,11 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
 
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
     """Return the coherence of the same two points on the same lines; or the only one there is."""
-    on_same_grid = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
-    items = [e for e in on_same_grid if _ends(e) == _ends(frf)]
-    return items[0] if len(items) == 1 else on_same_grid[0] if len(on_same_grid) == 1 else None
+    entries_on_grid = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
+    items = [e for e in entries_on_grid if _ends(e) == _ends(frf)]
+    return (
+        items[0] if len(items) == 1 else entries_on_grid[0] if len(entries_on_grid) == 1 else None
+    )
 
 
 def _ends(entry: _Set) -> tuple[str, str]:
@@ -312,10 +314,11 @@ def _repeated_records(time_records: Sequence[_Set]) -> list[list[_Set]]:
     if width > 1 and keys == keys[:width] * (len(keys) // width):
         records = [list(time_records[i : i + width]) for i in range(0, len(keys), width)]
     elif len(set(keys)) > 1 and all(keys.count(key) == count for key in keys):
-        ordered = sorted(range(len(keys)), key=lambda i: (keys[:i].count(keys[i]), i))
+        ordered_indices = sorted(range(len(keys)), key=lambda i: (keys[:i].count(keys[i]), i))
         width = len(set(keys))
         records = [
-            [time_records[j] for j in ordered[i : i + width]] for i in range(0, len(keys), width)
+            [time_records[j] for j in ordered_indices[i : i + width]]
+            for i in range(0, len(keys), width)
         ]
     else:
         return [list(time_records)]

@@ -1,4 +1,4 @@
-"""Formats that are known by their first bytes and not read, with the export that keeps units."""
+"""Formats recognised by their first bytes but not read, with an export that keeps units."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def refuse_archive(names: Sequence[str]) -> None:
-    """Refuse a ZIP archive that is no workbook, by the names of what it holds.
+    """Refuse a ZIP archive that is no workbook, and name the kind of its contents.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def refuse_archive(names: Sequence[str]) -> None:
 
 
 def _unpack_head(head: bytes) -> bytes:
-    """Return the first bytes of what a packed file holds."""
+    """Return the first bytes of the contents of a compressed file."""
     try:
         return zlib.decompressobj(31).decompress(head, 16)
     except zlib.error:

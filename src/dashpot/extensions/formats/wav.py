@@ -38,13 +38,18 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     if len(form) < 16:
         raise ReadError("a WAV file without a chunk 'fmt ': it is damaged")
     kind, channels, rate, _, block, bits = struct.unpack_from(f"{order}HHIIHH", form)
-    valid = bits
+    valid_bits = bits
     if kind == _EXTENSIBLE and len(form) >= 26:
-        valid = struct.unpack_from(f"{order}H", form, 18)[0] or bits
+        valid_bits = struct.unpack_from(f"{order}H", form, 18)[0] or bits
         kind = struct.unpack_from(f"{order}H", form, 24)[0]
     size = block // channels if channels else 0
     sample_type = (_WHOLE if kind == _PCM else _FLOATS if kind == _FLOAT else {}).get(size)
-    if sample_type is None or block != size * channels or not rate or not 0 < valid <= 8 * size:
+    if (
+        sample_type is None
+        or block != size * channels
+        or not rate
+        or not 0 < valid_bits <= 8 * size
+    ):
         raise ReadError(
             f"a WAV file of {bits} bits in the coding {kind}, which is not read; save it as PCM "
             "(16, 24 or 32 bits) or as floats"
@@ -54,24 +59,24 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     if len(data) % block:
         raise ReadError("a WAV file that ends within a sample: it was cut")
     values = _scale_samples(data, order, sample_type, size)
-    if kind == _PCM and valid < 8 * size and (values * 2.0 ** (valid - 1) % 1).any():
+    if kind == _PCM and valid_bits < 8 * size and (values * 2.0 ** (valid_bits - 1) % 1).any():
         raise ReadError(
-            f"a WAV file of {valid} bits in {8 * size} whose samples do not stand in the upper "
-            "bits, as the format has it, so that its full scale is not known; save it as PCM of "
-            f"{valid} bits"
+            f"a WAV file of {valid_bits} bits in {8 * size} whose samples do not stand in the "
+            "upper bits, as the format has it, so that its full scale is not known; save it as "
+            f"PCM of {valid_bits} bits"
         )
     time = np.arange(rows) / rate
     names = [f"channel {i + 1}" for i in range(channels)]
-    scaled = "whole numbers, 1 is their largest" if kind == _PCM else "floats, as stored"
+    scaling_note = "whole numbers, 1 is their largest" if kind == _PCM else "floats, as stored"
     return FileTable(
         format="WAV",
         columns=(Column("time", "s"), *(Column(name, factor=FULL_SCALE) for name in names)),
         load=make_loader(np.column_stack([time, values.reshape(rows, channels)])),
         notes=(
             (
-                f"the numbers are parts of full scale ({scaled}), which a WAV file does not state: "
-                "say which column is what, and what 1 means, such as --column force=2 --units "
-                "force=50N"
+                f"the numbers are parts of full scale ({scaling_note}), which a WAV file does not "
+                "state: say which column is what, and what 1 means, such as --column force=2 "
+                "--units force=50N"
             ),
         ),
     )

@@ -25,7 +25,7 @@ _NO_TEST = {"unclear", "not-a-test"}
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table of the sheet that holds a test, or of the sheet named.
+    """Return the table of the sheet with a test, or of the named sheet.
 
     Which of several could be meant is a question.
 
@@ -69,7 +69,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 
 def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table of a sheet, with a note of what is hidden in it: it was read, too."""
+    """Return the table of a sheet, with a note on hidden cells, which are read as well."""
     content = entries.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
@@ -85,10 +85,10 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
         table_options = replace(table_options, decimal=None)
     cells = RawFile(raw.name, None, content)
     table = separate_specimens(text.read(cells, table_options), cells, table_options)
-    unmeasured = entries.get(HIDDEN + name, b"").decode()
-    message = f"hidden in sheet '{name}' and read: {unmeasured}"
-    note = Caution(message) if unmeasured.startswith("row") else message
-    notes = [note] if unmeasured else []
+    hidden_text = entries.get(HIDDEN + name, b"").decode()
+    message = f"hidden in sheet '{name}' and read: {hidden_text}"
+    note = Caution(message) if hidden_text.startswith("row") else message
+    notes = [note] if hidden_text else []
     notes += [Caution(f"sheet '{name}': {sentence}") for sentence in formulas]
     if commas:
         notes.append(f"{commas} cells hold numbers as text with a decimal comma, and are read so")
@@ -101,9 +101,9 @@ def _sheet(name: str, entries: dict[str, bytes], raw: RawFile, options: ReadOpti
 def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
     """Return the cells of a sheet, text with decimal commas as numbers with points, and how many.
 
-    A cell that is a number has a point here, so that what has a comma is text. ``1,234`` is taken
-    for one and a bit beside others in its column that cannot be thousands, or where the user says
-    so; else it is left, and asked for.
+    Numeric cells have a decimal point here, so a cell with a comma is text. ``1,234`` has a decimal
+    comma if others in its column cannot be thousands, or if the user states it; else it is left,
+    and requested.
     """
     rows = [line.split("\t") for line in content.split("\n")]
     columns: dict[int, list[list[str]]] = {}
@@ -112,11 +112,13 @@ def _with_points(content: str, decimal: str | None) -> tuple[str, int]:
             if "," in cell and _COMMA.match(cell):
                 columns.setdefault(j, []).append(row)
     count = 0
-    for j, those in columns.items():
-        is_decimal_comma = decimal == "," or not all(EITHER_WAY.match(row[j]) for row in those)
+    for j, column_cells in columns.items():
+        is_decimal_comma = decimal == "," or not all(
+            EITHER_WAY.match(row[j]) for row in column_cells
+        )
         if decimal == "." or not is_decimal_comma:
             continue
-        count += len(those)
-        for row in those:
+        count += len(column_cells)
+        for row in column_cells:
             row[j] = repr(float(row[j].replace(".", "").replace(",", ".")))
     return "\n".join("\t".join(row) for row in rows), count

@@ -1,6 +1,6 @@
-"""Formulas and errors in the cells of a workbook, whose last results alone are read.
+"""Formulas and errors in the cells of a workbook; only their last results are read.
 
-Seen in xlsx files, whose cells keep a formula beside its result.
+Found in xlsx files, which store both a formula and its result.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ class _SheetFormulas:
                 self._stale_cells.append(f"{column.decode()}{number}")
 
     def _read_formula(self, match: re.Match[bytes], column: bytes, number: int) -> bytes:
-        """Return the formula of a cell; a shared one is that of the first cell, moved down."""
+        """Return the formula of a cell; a shared one is that of the first cell, shifted."""
         text, shared = match[3] or b"", _SHARED.search(match[2])
         if shared is None:
             return text

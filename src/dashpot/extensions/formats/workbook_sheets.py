@@ -20,11 +20,11 @@ from dashpot.reading.sandbox import limits
 
 HIDDEN = "hidden/"
 FORMULAS = "formulas/"
-"""Start of a path that no name of a sheet has."""
+"""Prefix of a path that no sheet name has."""
 _MAX_SIZE = 1 << 31
 """Bytes of an unpacked workbook."""
 _MIN_CELL_BYTES = 4
-"""Bytes of a workbook that no filled cell is without."""
+"""Smallest size of a filled cell in a workbook, bytes."""
 _FIRST_YEARS = {1899, 1900, 1904}
 """The years in which the calendars of spreadsheets begin: who counts time by them means no date."""
 _ZERO = dt.datetime(1899, 12, 31)
@@ -42,7 +42,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     """Return the sheet named, or every sheet, as lines of cells between tabs.
 
     Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is; under
-    :data:`FORMULAS` what its formulas and errors leave open.
+    :data:`FORMULAS` the doubts from its formulas and errors.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
         size = _get_unpacked_size(stream)
-        unmeasured = list_hidden_cells(stream)
+        hidden_cells = list_hidden_cells(stream)
         formulas = scan_formulas(stream)
         stream.seek(0)
         workbook = calamine.CalamineWorkbook.from_filelike(stream)
@@ -61,7 +61,7 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
         raise ReadError(
             f"--file-part sheet={options.sheet}: the sheets are {format_sheet_names(names)}"
         )
-    entries = {HIDDEN + name: text.encode() for name, text in unmeasured.items()}
+    entries = {HIDDEN + name: text.encode() for name, text in hidden_cells.items()}
     entries |= {FORMULAS + name: "\n".join(notes).encode() for name, notes in formulas.items()}
     cells = 0
     for name in names if options.sheet is None else [options.sheet]:
@@ -113,13 +113,13 @@ def _lines(rows: list[list[Any]]) -> Iterator[str]:
 
 
 def _columns_of_days(rows: list[list[Any]]) -> set[int]:
-    """Return the columns that count days, some of whose cells calamine takes for dates."""
+    """Return the columns of day counts, in which calamine takes some cells for dates."""
     kinds: dict[int, set[str]] = {}
     for row in rows:
         for j, value in enumerate(row):
             if isinstance(value, dt.time | dt.date):
-                early = isinstance(value, dt.time) or value.year in _FIRST_YEARS
-                name = "time" if isinstance(value, dt.time) else "day" if early else "date"
+                is_day_count = isinstance(value, dt.time) or value.year in _FIRST_YEARS
+                name = "time" if isinstance(value, dt.time) else "day" if is_day_count else "date"
                 kinds.setdefault(j, set()).add(name)
     return {j for j, kind in kinds.items() if kind == {"time", "day"}}
 

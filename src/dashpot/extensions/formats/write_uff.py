@@ -25,9 +25,9 @@ _ID = 80
 def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
     """Return an FRF as UFF: 151 (header), 164 (SI units), 58 (function type 4).
 
-    A dynamic stiffness is written as its inverse, the receptance; the coherence follows as a
-    second dataset 58 (function type 6). The window's shift, the record and the number of averages
-    stand in the identification lines.
+    A dynamic stiffness is written as its inverse, the receptance; the coherence follows as a second
+    dataset 58 (function type 6). The window's shift, the record and the number of averages are in
+    the identification lines.
     """
     if frf.quantity.over_base:
         raise DataError(

@@ -31,13 +31,13 @@ def list_options() -> list[CommandOption]:
 
 
 def list_calibration_files(output: str, choices: Mapping[str, Any]) -> list[str]:
-    """Return where the calibration of the gauges is written: nowhere if none were asked for.
+    """Return the path of the gauge calibration; empty without gauges.
 
     Raises
     ------
     DataError
-        If the record has no file beside which it could lie, or is not in gauge voltages and yet
-        something is said of them.
+        If the record is not written to a file, or gauge options are given for a record without
+        gauges.
     """
     if choices["gauges"] and output == "-":
         raise DataError("the calibration of the gauges lies beside the file; give one with -o")
@@ -50,7 +50,7 @@ def list_calibration_files(output: str, choices: Mapping[str, Any]) -> list[str]
 def serialise_record(
     record: Any, choices: Mapping[str, Any]
 ) -> tuple[str, str, str, tuple[str, ...]]:
-    """Return record and truth as text, then the calibration, and what limits the record's use.
+    """Return record and truth as text, then the calibration, and limits of the record's use.
 
     Parameters
     ----------

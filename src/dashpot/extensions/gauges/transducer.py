@@ -57,11 +57,11 @@ class Daq:
             "daq ", **select_fields(self, "bits", "span", "rate", "channels", "fastest")
         )
         require_nonnegative("daq ", filter=self.filter, expected="a corner in Hz, or 0")
-        requested = self.channels * self.rate
-        if requested > self.fastest:
+        total_rate = self.channels * self.rate
+        if total_rate > self.fastest:
             raise DataError(
                 f"{self.channels} channels at {format_quantity(self.rate, 'kHz', 'g')} are "
-                f"{convert_to_unit(requested, 'kHz'):g} kS/s; the card converts "
+                f"{convert_to_unit(total_rate, 'kHz'):g} kS/s; the card converts "
                 f"{convert_to_unit(self.fastest, 'kHz'):g} kS/s in all: take "
                 f"{format_quantity(self.fastest / self.channels, 'kHz')} at most, or fewer channels"
             )
@@ -82,16 +82,16 @@ class Daq:
         return abs(frequency - self.rate * round(frequency / self.rate))
 
     def filter_gain(self, frequency: float) -> float:
-        """Return what part of a line at `frequency`, Hz, the filter lets through."""
+        """Return the fraction of a line at `frequency`, Hz, that the filter passes."""
         return 1 / sqrt(1 + (frequency / self.filter) ** 4) if self.filter else 1.0
 
     def quantise(self, volts: FloatArray) -> FloatArray:
-        """Return voltages in whole counts; what lies beyond the span reads as its end."""
+        """Return voltages in whole counts; values beyond the span are clipped."""
         top = 2 ** (self.bits - 1)
         return np.asarray(np.clip(np.round(volts / self.lsb), -top, top - 1) * self.lsb)
 
     def read(self, clock: FloatArray, volts: FloatArray, at: FloatArray) -> FloatArray:
-        """Return what the card writes, shape (channels, m), V, before it is counted.
+        """Return the voltages at the converter, shape (channels, m), V, before quantisation.
 
         Parameters
         ----------
@@ -173,8 +173,8 @@ class Transducer:
 
     def volts(self, load: FloatArray) -> FloatArray:
         """Return the gauge voltages under force and torque, both of shape (6, n)."""
-        hung = np.array([0.0, 0.0, -self.tool, 0.0, 0.0, 0.0])
-        solution = np.linalg.solve(np.array(self.matrix), load + hung[:, None])
+        tool_load = np.array([0.0, 0.0, -self.tool, 0.0, 0.0, 0.0])
+        solution = np.linalg.solve(np.array(self.matrix), load + tool_load[:, None])
         return np.asarray(solution + np.array(self.bias)[:, None])
 
     def find_saturated(self, load: FloatArray) -> BoolArray:
@@ -252,7 +252,7 @@ class Instrument:
         time : array, shape (n,)
             Samples of the card, s.
         force : array, shape (n,)
-            What the seal pushes with, along the plate's normal, N.
+            Force of the seal along the plate's normal, N.
         rig : Rig
             Whose offset, drifts, hum and noise are in F_z.
         seed : int

@@ -1,4 +1,4 @@
-"""What to give for an argument of a Python function whose type is wrong.
+"""Advice for an argument of a Python function with the wrong type.
 
 Types are read from the annotations of the function, as text: nothing is imported for a check.
 """
@@ -24,8 +24,7 @@ def refuse_wrong_types(
 ) -> None:
     """Refuse the first argument that is not of the type of its annotation.
 
-    An argument of several values (:data:`dashpot.api.OPTION_CLASSES`) refuses by itself what it is
-    not.
+    A class of options (:data:`dashpot.api.OPTION_CLASSES`) checks its own values.
 
     Raises
     ------
@@ -36,8 +35,8 @@ def refuse_wrong_types(
         parameter = signature.parameters[name]
         if name in OPTION_CLASSES or not isinstance(parameter.annotation, str):
             continue
-        several = parameter.kind is Parameter.VAR_POSITIONAL
-        for item in value if several else (value,):
+        is_variadic = parameter.kind is Parameter.VAR_POSITIONAL
+        for item in value if is_variadic else (value,):
             example = _EXAMPLES.get(name) or _format_default(parameter.default)
             problem = describe_wrong_argument(name, item, parameter.annotation, example)
             if not (problem or parameter.default == ()) and _is_empty_sequence(item, parameter):
@@ -48,7 +47,7 @@ def refuse_wrong_types(
 
 
 def describe_wrong_argument(name: str, value: Any, annotation: str, example: str = "") -> str:
-    """Return what is said of an argument that is not of the type; empty if it is.
+    """Return the message on an argument of a wrong type; empty if the type is right.
 
     Parameters
     ----------
@@ -105,14 +104,14 @@ _LARGEST = 10**15
 
 
 class _Type(NamedTuple):
-    """Type of arguments: whether a value is of it, and what a sentence calls it."""
+    """Type of arguments: a test of values, and its name in a message."""
 
-    holds: Callable[[Any], bool]
+    is_instance: Callable[[Any], bool]
     text: str
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is one finite real number; of NumPy, too."""
+    """Whether a value is one finite real number; also those of NumPy."""
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()
     if isinstance(value, bool) or not isinstance(value, Real):
@@ -194,7 +193,7 @@ _ALIASES: Mapping[str, str] = MappingProxyType(
         "Geometry": "Disc | Block | Bush | Bulb",
     }
 )
-"""Annotations that stand for several types, as `dashpot.api` defines them."""
+"""Annotations of several types, as defined by `dashpot.api`."""
 _CLASS_NAMES: Mapping[str, str] = MappingProxyType(
     {"Solid": "a solid", "HasVerdict": "another result"}
 )
@@ -219,7 +218,7 @@ _EXAMPLES: Mapping[str, str] = MappingProxyType({
 def _is_of_type(value: Any, word: str) -> bool:
     """Return whether a value is of the type that one word of an annotation names."""
     if word in _TYPES:
-        return _TYPES[word].holds(value)
+        return _TYPES[word].is_instance(value)
     if word.startswith("Literal["):
         return _is_text(value) or ("True" in word and value is True)
     name, bracket, items = word.partition("[")
@@ -251,7 +250,7 @@ def _is_class(word: str) -> bool:
 
 
 def _suggest_value(value: Any, alternatives: tuple[str, ...]) -> str:
-    """Return what was meant by a number with its unit beside it, or in quotes; else nothing."""
+    """Return the value meant by a number with a separate unit, or in quotes; else None."""
     quantities = any("Quantity" in word or "Range" in word for word in alternatives)
     if isinstance(value, tuple | list) and len(value) == 2 and quantities:
         number, unit = value
@@ -264,7 +263,7 @@ def _suggest_value(value: Any, alternatives: tuple[str, ...]) -> str:
 
 @cache
 def _split(annotation: str) -> tuple[str, ...]:
-    """Return the types of a union, with what stands for several."""
+    """Return the types of a union, with aliases expanded."""
     return tuple(_iterate_words(annotation))
 
 

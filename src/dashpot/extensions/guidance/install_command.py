@@ -14,10 +14,10 @@ _EXTRA = re.compile(r"extra\s*==\s*[\"']([^\"']+)[\"']")
 
 
 def format_install_command(extras: str) -> str:
-    """Return the command that brings what some extras need, as it works in this installation.
+    """Return the command that installs the packages of some extras in this environment.
 
-    pipx and uv hold a tool in an environment of its own, to which they add packages; an
-    environment that uv made has no pip.
+    pipx and uv install a tool in a separate environment, to which they add packages; an environment
+    of uv has no pip.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def format_install_command(extras: str) -> str:
 
 
 def _list_requirements(extras: str) -> list[str]:
-    """Return what the extras of the installed dashpot require, the extras themselves if unknown."""
+    """Return the requirements of the extras of the installed dashpot, or the extras if unknown."""
     try:
         requirements = requires("dashpot") or []
     except PackageNotFoundError:

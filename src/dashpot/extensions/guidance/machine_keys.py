@@ -1,4 +1,4 @@
-"""What to give for a key that ``--machine`` does not have."""
+"""Suggestions for unknown keys of ``--machine``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MACHINE_SYNONYMS: Mapping[str, str] = MappingProxyType(
         "temperature": "oven", "cable-stiffness": "cable",
     }
 )  # fmt: skip
-"""Key of ``--machine`` by another name of what it states."""
+"""Key of ``--machine`` by synonyms."""
 _MIN_SIMILARITY = 0.85
 """Least ratio of `difflib` of a misspelt name and one of these, of 1."""
 

@@ -1,4 +1,4 @@
-"""Registry rows of what to type instead."""
+"""Registry rows of suggestions."""
 
 from dashpot.registry.row import Extension
 

@@ -62,16 +62,18 @@ class FilesOfMode(NamedTuple):
 
     message: str
     mode: Mode
-    pressed: bool = False
+    is_compressed: bool = False
 
 
 MODES = MappingProxyType({
     "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
-    "compression": FilesOfMode("Uniaxial, pressed: whatever the signs.", "uniaxial", pressed=True),
+    "compression": FilesOfMode(
+        "Uniaxial, pressed: whatever the signs.", "uniaxial", is_compressed=True
+    ),
     "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
     "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
     "volumetric": FilesOfMode(
-        "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
+        "Pressure over volume ratio or volumetric strain.", "volumetric", is_compressed=True
     ),
 })  # fmt: skip
 """Modes by the option that names them."""
@@ -108,6 +110,6 @@ def require_quantity(form: FormData, name: str, dimension: Dimension) -> float:
     """
     value = form.number(name, dimension)
     if value is None:
-        label = next(form_field.label for form_field in form.asks if form_field.name == name)
+        label = next(form_field.label for form_field in form.fields if form_field.name == name)
         raise DataError(f"{label.lower()} is not given: type it beside the files")
     return value

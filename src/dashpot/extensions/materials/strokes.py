@@ -38,7 +38,7 @@ class Stroke(NamedTuple):
 def get_inward_signs(displacement: FloatArray, force: FloatArray) -> tuple[int, int]:
     """Return the signs that make compression and its force positive.
 
-    The force grows away from where it stood first, and with it the compression.
+    Force and compression grow from their first values.
 
     Raises
     ------
@@ -48,8 +48,8 @@ def get_inward_signs(displacement: FloatArray, force: FloatArray) -> tuple[int, 
     if not (np.ptp(displacement) > 0 and np.ptp(force) > 0):
         constant_signal = "displacement" if np.ptp(displacement) == 0 else "force"
         raise DataError(f"the {constant_signal} never changes: no seal was pressed")
-    from_start = force - np.median(force[: max(5, len(force) // 50)])
-    push = 1 if float(from_start.max()) >= -float(from_start.min()) else -1
+    force_change = force - np.median(force[: max(5, len(force) // 50)])
+    push = 1 if float(force_change.max()) >= -float(force_change.min()) else -1
     covariance = float(np.cov(displacement, push * force)[0, 1])
     return (1 if covariance >= 0 else -1), push
 
@@ -64,15 +64,19 @@ def find_strokes(x: FloatArray, *, resolution: float) -> tuple[Stroke, ...]:
     turns = _find_turning_points(x, min_stroke)
     strokes = []
     for first, last in zip(turns[:-1].tolist(), turns[1:].tolist(), strict=True):
-        rises = bool(x[last] > x[first])
+        is_rising = bool(x[last] > x[first])
         part = x[first : last + 1]
         low, high = sorted((float(x[first]), float(x[last])))
         margin = max(resolution, 2e-3 * (high - low))
-        begins, end_level = (low, high) if rises else (high, low)
+        begins, end_level = (low, high) if is_rising else (high, low)
         indices = np.flatnonzero(np.abs(part - begins) <= margin)
-        leaves = int(indices[-1]) if indices.size else 0
-        end_indices = np.flatnonzero(np.abs(part[leaves:] - end_level) <= margin)
-        strokes.append(Stroke(first + leaves, first + leaves + int(end_indices[0]), rises))
+        last_rest_index = int(indices[-1]) if indices.size else 0
+        end_indices = np.flatnonzero(np.abs(part[last_rest_index:] - end_level) <= margin)
+        strokes.append(
+            Stroke(
+                first + last_rest_index, first + last_rest_index + int(end_indices[0]), is_rising
+            )
+        )
     return tuple(strokes)
 
 
@@ -95,17 +99,21 @@ def _find_turning_points(x: FloatArray, min_stroke: float) -> IndexArray:
             turns.append(low)
             direction, high = 1, i
     turns.append(high if direction > 0 else low)
-    rough = change_samples[distinct(np.array(turns))]
-    return _refine_turning_points(x, rough)
+    coarse_indices = change_samples[distinct(np.array(turns))]
+    return _refine_turning_points(x, coarse_indices)
 
 
-def _refine_turning_points(x: FloatArray, rough: IndexArray) -> IndexArray:
+def _refine_turning_points(x: FloatArray, coarse_indices: IndexArray) -> IndexArray:
     """Return each turning point at the extreme sample between its neighbours."""
     indices = []
-    for i, rough_index in enumerate(rough):
-        first = int(rough[i - 1]) if i else 0
-        last = int(rough[i + 1]) if i + 1 < len(rough) else len(x) - 1
-        parallel = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[rough_index]
+    for i, rough_index in enumerate(coarse_indices):
+        first = int(coarse_indices[i - 1]) if i else 0
+        last = int(coarse_indices[i + 1]) if i + 1 < len(coarse_indices) else len(x) - 1
+        parallel = (
+            x[coarse_indices[i - 1] if i else coarse_indices[i + 1]]
+            if len(coarse_indices) > 1
+            else x[rough_index]
+        )
         part = x[first : last + 1]
         indices.append(
             first + int(np.argmax(part) if x[rough_index] >= parallel else np.argmin(part))

@@ -19,18 +19,18 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import add_frf_checks, as_measured, refuse_choices_of_hits
 
 USUAL_SEGMENTS = 8
-"""Lengths of a segment in a record, if none is said."""
+"""Default number of segment lengths in a record."""
 MIN_SEGMENTS = 3
 OVERLAP_WEIGHT = 1 / (1 + 2 / 36)
 """Weight of a segment that shares half of its samples with either neighbour (Hann)."""
 HIGHEST_OF_RATE = 0.4
-"""Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
+"""Part of the sampling rate up to which lines are kept: above are filters and aliases."""
 BASE_MOVES = 1e-3
 """Part of the base's strongest line below which it is not moved."""
 COHERENT_BY_CHANCE = 1e-3
 """Probability that the coherence of mere noise exceeds the limit."""
 _KEPT_COHERENCE = 0.5
-"""A coherence that is kept however few segments there are."""
+"""Coherence above which lines are kept for any number of segments."""
 _MEDIAN_LINES = 5
 """Neighbouring lines whose median coherence decides."""
 
@@ -52,8 +52,8 @@ def estimate_transmissibility(
     estimator : {"H1", "H2", "Hv"}
         Noise on the mass, on the base, or on both.
     segment : float, optional
-        Length of a segment, s; by default an eighth of the longest record. A resonance is read
-        lower where it is hardly wider than the lines are apart.
+        Length of a segment, s; by default an eighth of the longest record. A resonance hardly wider
+        than the line spacing appears lower than it is.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def _transform_segments(test: ShakenTest, signal: FloatArray, length: int) -> Co
 
 
 _UNIT = 1.0
-"""kg; the mass that a transmissibility leaves open."""
+"""Mass, kg, which a transmissibility does not determine."""
 
 
 def estimate_base_transmissibility(
@@ -163,6 +163,10 @@ def estimate_base_transmissibility(
         reason = str(error)
     main = next(iter(modes), None)
     checks = [] if main is not None else [resonance(frf, None)]
-    resolved = segments_resolve(frf, main)
+    resolution_check = segments_resolve(frf, main)
     frf = add_frf_checks(frf, band, mass=mass)
-    return replace(frf, checks=(*frf.checks, clipping_check, *checks, resolved)), modes, reason
+    return (
+        replace(frf, checks=(*frf.checks, clipping_check, *checks, resolution_check)),
+        modes,
+        reason,
+    )

@@ -33,13 +33,13 @@ MARKERS = {
 }
 """Words, colour, size and whether hollow."""
 BAND_RATIO = 2.0
-"""Times the lowest and the highest mode: what is shown of the FRFs under several masses."""
+"""Times the lowest and the highest mode: the shown FRFs under several masses."""
 MAX_LABELS = 4
 """Number of modes that have a label."""
 
 
 def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: str = "") -> Picture:
-    """Poles of every order over frequency, by what of each stayed from the order before.
+    """Poles of every order over frequency, by the properties kept from the previous order.
 
     Above them, and pale behind them, the root mean square of the points' accelerances; dashed the
     modes that were found without the chart.
@@ -49,7 +49,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     chart : Stabilisation
     modes : sequence of Mode
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
     mode_rules = [Rule(mode.frequency, MODE_PEN, "fitted mode") for mode in modes]
@@ -71,10 +71,10 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         is_state = chart.state == state
         if is_state.any():
             # of several points what stays in shape stands out, of one there is no shape
-            pale = has_several_points and state == DAMPING
+            is_pale = has_several_points and state == DAMPING
             lower.append(
                 Dots(chart.frequency[is_state], chart.order[is_state].astype(float), colour, label,
-                     size=size, hollow=hollow or pale)
+                     size=size, hollow=hollow or is_pale)
             )  # fmt: skip
     count = f"{chart.points} points" if has_several_points else "one point"
     caption = (
@@ -91,7 +91,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
 def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
     """Return the FRF under each mass with its mode, and the stiffness of one seal at the poles.
 
-    Beside what was measured stands the linear solid that comes closest to all of them.
+    The figure shows the measured values and the linear solid closest to all of them.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
     frfs : sequence of FRF
         Under each of the masses.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     hertz = np.array([mode.frequency for mode in masses.modes])
     low, high = hertz.min() / BAND_RATIO, hertz.max() * BAND_RATIO
@@ -151,7 +151,7 @@ def several_masses(masses: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = "
 
 
 def draw_masses(modes: MassSeriesModes) -> Picture:
-    """Return the figure of modes under several masses, of what was fitted."""
+    """Return the figure of modes under several masses."""
     return several_masses(modes.joint_modes, [test.frf for test in modes.tests])
 
 

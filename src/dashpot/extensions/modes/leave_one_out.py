@@ -1,8 +1,8 @@
 r"""Leave-one-out prediction: each hit by a joint fit to the others.
 
-A fit agrees with the hits that it was made from, whatever it is. Its error on a hit that it has not
-seen is a figure of its own: each hit in turn is held against the fit to the relaxation tests and to
-all other hits, over the lines about the resonance,
+Any fit agrees with its own data. The error on an unused hit is more informative: each hit in turn
+is compared with the fit to the relaxation tests and all other hits, over the lines around the
+resonance,
 
 .. math:: \varepsilon_i = \mathrm{rms}|A_i - \hat A_i| / \mathrm{rms}|A_i|
 """
@@ -26,7 +26,7 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
 _MIN_COUNT, _MAX_HITS = 3, 8
-"""Hits that are asked, of which one is left out."""
+"""Smallest and largest number of hits."""
 _BAND_RATIO = 2.3
 """Times the resonance to either side."""
 

@@ -62,8 +62,10 @@ class SeveralMasses:
     @property
     def max_difference(self) -> complex:
         """Relative difference at the worst pole: of the stiffness, and of its imaginary part."""
-        measured, at_pole = self.stiffness[self.worst], self.stiffness_at_poles[self.worst]
-        return complex(measured.real / at_pole.real - 1, measured.imag / at_pole.imag - 1)
+        measured, model_stiffness = self.stiffness[self.worst], self.stiffness_at_poles[self.worst]
+        return complex(
+            measured.real / model_stiffness.real - 1, measured.imag / model_stiffness.imag - 1
+        )
 
     @property
     def stiffness_at_poles(self) -> ComplexArray:

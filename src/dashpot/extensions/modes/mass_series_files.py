@@ -172,11 +172,11 @@ def fit_modes_by_mass(
         )
     tests = tuple(modes_of(frfs, band=band)[0] for frfs in measured)
     _refuse_same(names, masses, tests)
-    silent = [mass for mass, test in zip(masses, tests, strict=True) if not test.modes]
-    if silent:
+    masses_without_mode = [mass for mass, test in zip(masses, tests, strict=True) if not test.modes]
+    if masses_without_mode:
         raise DataError(
-            f"nothing rings under the mass of {format_quantity(silent[0], 'g')}; give the band of "
-            "its resonance (--band), or leave its file out"
+            f"nothing rings under the mass of {format_quantity(masses_without_mode[0], 'g')}; give "
+            "the band of its resonance (--band), or leave its file out"
         )
     modes = [test.modes[0].mode for test in tests]
     new_masses = several_masses(modes, masses, seals=seals)
@@ -198,7 +198,7 @@ def fit_modes_by_mass(
 def _refuse_same(
     names: Sequence[str], masses: Sequence[float], tests: Sequence[MeasuredModes]
 ) -> None:
-    """Refuse an FRF that is given under two masses."""
+    """Refuse an FRF given under two masses."""
     entries = list(zip(names, masses, tests, strict=True))
     for (name, mass, modes), (other, other_mass, two) in combinations(entries, 2):
         if np.array_equal(modes.frf.value, two.frf.value):

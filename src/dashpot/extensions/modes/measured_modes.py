@@ -37,7 +37,7 @@ from dashpot.workflow.measured_frf import (
 )
 
 _UNIT = 1.0
-"""kg; the mass that a transmissibility leaves open."""
+"""Mass, kg, which a transmissibility does not determine."""
 SAME_MODE = 0.2
 """Relative: no mode of another set is the same one farther off than this."""
 
@@ -108,9 +108,9 @@ class MeasuredModes(Modes):
     modes : tuple of MeasuredMode
         The one that moves most first; empty if nothing rings in the band.
     band : (float, float)
-        Where they were sought, Hz.
+        Searched band, Hz.
     points : tuple of str
-        What the points are called; empty of a single one.
+        Names of the points; empty of a single one.
     highest_order : int
         Highest order of the stabilisation chart.
     mac : tuple of tuple of float
@@ -161,7 +161,7 @@ def modes_files(
         Files that :func:`~dashpot.extensions.modes.read_frf_set.read_frfs` reads:
         one point or several, in one file or in several.
     options : ReadOptions, optional
-        What the user said of the files.
+        Reading options of the files.
     band : (float, float), optional
         Where to look for modes, Hz; by default two octaves to either side of where a block on its
         mounts moves most.
@@ -170,7 +170,7 @@ def modes_files(
     polarity : sequence of +1 and -1, optional
         Sign of each FRF.
     against : sequence of path
-        The same points, tested once more, whose modes are held against these.
+        A second test of the same points, whose modes are compared with these.
 
     Raises
     ------
@@ -193,11 +193,11 @@ def modes_of(
     Those of motions over a base are sought in what they would be per force on 1 kg: poles and
     damping ratios are those of any mass, residues those of 1 kg.
     """
-    pushed = measured.per_force(mass=_UNIT)
-    band_frfs = select_mode_band(pushed, band)
+    force_frfs = measured.per_force(mass=_UNIT)
+    band_frfs = select_mode_band(force_frfs, band)
     lines = band_frfs.frfs[0].frequency
     search_band = band or (float(lines[0]), float(lines[-1]))
-    chart = stabilisation(pushed, band=search_band)
+    chart = stabilisation(force_frfs, band=search_band)
     shapes = find_mode_shapes(band_frfs)
     has_several_points = len(measured.points) > 1
     modes = MeasuredModes(
@@ -260,7 +260,7 @@ def _check_modes(
     *,
     search_band: tuple[float, float],
 ) -> Iterator[Check]:
-    """Yield the checks of the modes, and of the FRF of the point that stands for the first."""
+    """Yield the checks of the modes, and of the FRF of the representative point."""
     main = shapes[0].mode
     yield modes_within_band([shape.mode for shape in shapes], search_band)
     yield lines_in_half_power_band(band_frfs.frfs[point_index], main)

@@ -16,8 +16,10 @@ def phase_collinearity(shape: ComplexArray) -> float:
     the whole shape, shape (points,), does not matter (Juang and Pappa 1985).
     """
     parts = np.array([shape.real, shape.imag])
-    small, larger = np.linalg.eigvalsh(parts @ parts.T)
-    return float(((larger - small) / (larger + small)) ** 2)
+    smaller_eigenvalue, larger_eigenvalue = np.linalg.eigvalsh(parts @ parts.T)
+    return float(
+        ((larger_eigenvalue - smaller_eigenvalue) / (larger_eigenvalue + smaller_eigenvalue)) ** 2
+    )
 
 
 def phase_deviation(shape: ComplexArray) -> float:

@@ -21,7 +21,7 @@ from dashpot.reading.readers.frf import PAIRS, build_frf, determine_frf_columns,
 from dashpot.reading.table import SEGMENT, Column
 
 _NAMED = 1.5
-"""Least score of a column whose name says its role."""
+"""Smallest score of a column whose name gives its role."""
 
 
 def read_frfs(
@@ -36,13 +36,13 @@ def read_frfs(
     ----------
     path : path or sequence of path
     options : ReadOptions, optional
-        What the user said of the files; with a segment, or a column of a role, it is one FRF of
+        Reading options of the files; with a segment, or a column of a role, it is one FRF of
         each.
 
     Raises
     ------
     ReadError
-        If there is no FRF in a file, its kind or unit is left open, or it is given twice.
+        If a file has no FRF, the kind or unit of an FRF is unknown, or an FRF is given twice.
     DataError
         If they are not on the same lines.
     """
@@ -110,7 +110,7 @@ def _group_columns(file: OpenedFile) -> list[tuple[str, dict[int, str]]]:
 def _group_repeated_pairs(
     columns: Sequence[Column], indices_by_name: Mapping[str, list[int]], pair: tuple[Role, Role]
 ) -> list[tuple[str, dict[int, str]]]:
-    """Return the groups of a pair of parts that stands there several times."""
+    """Return the groups of a repeated pair of parts."""
     first = indices_by_name[pair[0]]
     # what does not stand there once for each is of none
     roles = [
@@ -141,7 +141,7 @@ def _get_point_name(column: Column, role: Role) -> str:
 
 
 def select_first_point(file: OpenedFile) -> OpenedFile:
-    """Return a file of several points as one of the first alone, any other as it is."""
+    """Return a file of several points as one of its first point, any other unchanged."""
     groups = _group_columns(file)
     return _select_columns(file, groups[0][1]) if len(groups) > 1 else file
 
@@ -153,7 +153,7 @@ def _build_subset_frf(file: OpenedFile, role_by_column: dict[int, str]) -> FRF:
 
 
 def _select_columns(file: OpenedFile, role_by_column: dict[int, str]) -> OpenedFile:
-    """Return a file as if it held some of its columns alone, named for their roles."""
+    """Return a file reduced to some of its columns, named by their roles."""
     indexes = list(role_by_column)
     columns = [replace(file.table.columns[i], name=role_by_column[i]) for i in indexes]
     table = replace(

@@ -104,7 +104,7 @@ def _find_half_power_width(
     Raises
     ------
     FitError
-        If fewer than 5 lines lie in that width: the peak would be what falls between them.
+        If fewer than 5 lines lie in that width: the peak would lie between them.
     """
     top = _find_highest_line(accelerance)
     omega = s.imag
@@ -163,7 +163,7 @@ def _fit_decrement(s: ComplexArray, accelerance: ComplexArray, record: float | N
 
     The lines about the peak, faded out to either side and transformed back, are the analytic
     impulse response :math:`R e^{pt}`: the slope of its logarithm is the pole. Its ends, where
-    the fading rings, are left out, and so is what has decayed to a thirtieth.
+    the fading rings, are omitted, and so is what has decayed to a thirtieth.
     """
     omega, top = s.imag, _find_highest_line(accelerance)
     step = float(np.median(np.diff(omega)))

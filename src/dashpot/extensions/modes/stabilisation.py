@@ -1,12 +1,12 @@
 r"""Stabilisation chart: poles over the model order, and which of them are stable.
 
-A right-hand fraction with one denominator for all points,
-:math:`H_o(\omega) = \sum_k \beta_{ok} z^k / \sum_k \alpha_k z^k`, :math:`z = e^{j\omega T}`, is
-fitted in linear least squares (LSCF: Guillaume, Verboven and Vanlanduit, ISMA 1998) for each order
-up to the highest. The band is laid over three quarters of the circle and the coefficients are
-complex, so that the order is the number of poles in the band. With the first coefficient of the
-denominator fixed, poles that only follow the noise grow instead of decaying, and are left out
-(Cauberghe et al. 2005). What a structure does stays where it is as the order rises.
+A right-hand fraction with one denominator for all points, :math:`H_o(\omega) = \sum_k \beta_{ok}
+z^k / \sum_k \alpha_k z^k`, :math:`z = e^{j\omega T}`, is fitted in linear least squares (LSCF:
+Guillaume, Verboven and Vanlanduit, ISMA 1998) for each order up to the highest. The band is laid
+over three quarters of the circle and the coefficients are complex, so that the order is the number
+of poles in the band. With the first coefficient of the denominator fixed, poles that only follow
+the noise grow instead of decaying, and are omitted (Cauberghe et al. 2005). Poles of the structure
+keep their place as the order rises.
 
 The chart knows nothing of the model that `dashpot.vibration.modal.pole_fit` fits, so it is a
 second opinion on each of its modes.
@@ -32,7 +32,7 @@ MAX_POLE_ANGLE = 1.5 * np.pi
 NOTHING_NEW = 1e-11
 """Share of a numerator's columns below which they follow the noise."""
 SAME_FREQUENCY, SAME_DAMPING, SAME_SHAPE = 0.01, 0.05, 0.98
-"""Relative, relative, and by the modal assurance criterion: what stays from order to order."""
+"""Relative, relative, and by the modal assurance criterion: properties kept from order to order."""
 NEW, FREQUENCY, DAMPING, SHAPE = range(4)
 """States of a pole compared with the order before."""
 
@@ -161,7 +161,7 @@ def _classify_poles(
     residues: ComplexArray,
     previous_order: tuple[ComplexArray, ComplexArray] | None,
 ) -> list[int]:
-    """Return what of each pole was there at the order before."""
+    """Return which properties of each pole were found at the previous order."""
     if previous_order is None or not len(previous_order[0]) or not len(poles):
         return [NEW] * len(poles)
     previous_poles, previous_residues = previous_order

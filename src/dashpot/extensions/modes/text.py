@@ -19,8 +19,10 @@ def modes(modes: MeasuredModes) -> Text:
     """Return each mode with its errors, where modes were sought, and of several points shapes."""
     has_several_points = bool(modes.points)
     # the modal mass is determined by a point that is struck itself
-    last = ["MPC", "MPD, deg"] if has_several_points else ["modal mass, kg"]
-    rows = [["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", *last, "stable"]]
+    last_columns = ["MPC", "MPD, deg"] if has_several_points else ["modal mass, kg"]
+    rows = [
+        ["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", *last_columns, "stable"]
+    ]
     over_base = modes.frf.quantity.over_base
     for number, mode in enumerate(modes.modes, start=1):
         rows.append(
@@ -71,7 +73,7 @@ def _format_macs(measured_modes: MeasuredModes) -> list[str]:
 
 
 def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
-    """Return the modes that another test has too."""
+    """Return the modes common with another test."""
     rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
     for mode in measured_modes.against:
         change = mode.frequency_hz / measured_modes.modes[mode.mode - 1].frequency_hz - 1
@@ -89,10 +91,10 @@ def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
 
 
 def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
-    """Return the main mode under each mass, the stiffness there, and how near one solid comes."""
+    """Return main mode and stiffness under each mass, and the deviation of a common solid."""
     joint_modes = modes_by_mass.joint_modes
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]
-    at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
+    rows = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
     pairs = zip(
         joint_modes.masses,
         joint_modes.modes,
@@ -106,7 +108,7 @@ def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
         modes.append(
             [name, *(reported_value.cells.ascii.with_error for reported_value in mode.facts[:2])]
         )
-        at_poles.append(
+        rows.append(
             [
                 name,
                 with_error(k.real, float(se[0]), "N/m"),
@@ -116,4 +118,4 @@ def modes_by_mass(modes_by_mass: MassSeriesModes) -> Text:
             ]
         )
     note = "  of one seal, at each pole; model: the linear one closest to all"
-    return Text([*table(modes), "", *table(at_poles), note])
+    return Text([*table(modes), "", *table(rows), note])

@@ -19,9 +19,9 @@ class ExponentialSum(FrozenArrays):
     Attributes
     ----------
     amplitudes, rates : array, shape (terms,)
-        a and r, ascending in r. Fewer than asked for if the data reject a further positive term.
+        a and r, ascending in r. Fewer than requested if the data reject a further positive term.
     constant : float
-        c; 0 if none was asked for.
+        c; 0 if none was requested.
     sse : float
         (Weighted) sum of squared residuals.
     amplitude_errors, rate_errors : array, shape (terms,)
@@ -76,7 +76,7 @@ def exponential_sum(
     constant : bool
         Fit c, of either sign.
     signed : bool
-        Let amplitudes have either sign; else a_j > 0.
+        Allow amplitudes of either sign; else a_j > 0.
     weights : array_like, shape (M,), optional
         1/sd of each y.
 

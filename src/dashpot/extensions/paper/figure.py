@@ -27,7 +27,7 @@ def figure_2(test: RelaxationTest, contact: float, *, stamp: str = "") -> Pictur
     contact : float
         Contact with the seal, s on the clock of the record.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     t = test.time - contact
     axis = Scale(CLOCK, (float(t[0]), float(t[-1])))
@@ -77,9 +77,9 @@ def figure_4(
     contact : float
         Contact with the seal, s on the clock of the record.
     fits : sequence of (str, array, array)
-        What each is called, its time from contact, s, and its force, N; the best one last.
+        Name, time from contact, s, and force, N, of each; the best one last.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     hold_start = float(fits[0][1][0])
     t = test.time - contact
@@ -106,7 +106,7 @@ def figure_4(
                 x,
                 Scale(label, compute_padded_limits(residual, np.array([-1.0, 1.0]))),
                 (
-                    Rule(0.0, REF, across=True),
+                    Rule(0.0, REF, is_horizontal=True),
                     Line(
                         *downsample_to_extremes(time, residual, bins=BINS, log=True),
                         Pen(pen.colour, 1.4),

@@ -34,7 +34,7 @@ def paper_page(reproduction: Reproduction) -> str:
     Parameters
     ----------
     reproduction : Reproduced
-        What ``dashpot demo --paper`` made.
+        Result of ``dashpot demo --paper``.
     """
     contents = {
         **frame(),
@@ -81,13 +81,13 @@ def make_table_1(table: Sequence[Coefficient]) -> TextTable:
     rows, row_classes = [], []
     for item in table:
         unit = item.full.word
-        printed_value, exact, coarse = (
+        printed_value, exact, quantised = (
             convert_to_unit(value, item.full.reading)
             for value in (item.printed, item.noise_free, item.quantised)
         )
         rows.append((
             item.full.symbol, unit, f"{printed_value:.4f}", round_to_error(exact, digits=9),
-            round_to_error(coarse, digits=7), _format_fact(item.full), _format_fact(item.hold),
+            round_to_error(quantised, digits=7), _format_fact(item.full), _format_fact(item.hold),
         ))  # fmt: skip
         row_classes.append("" if all(item.is_covered) else "doubt")
     return TextTable(header, tuple(rows), tuple(row_classes))

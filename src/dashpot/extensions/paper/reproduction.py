@@ -1,8 +1,8 @@
 """Reproduction of the paper: each computed or printed statement beside dashpot's result.
 
-Two solvers stand against each other: the paper's equations as printed (:mod:`.equations`), and
-dashpot's own solids, fits and predictions. The paper has no data; the seal is that of its Table 1,
-on the ideal ramp of eq. (1), on that with the steps of its load cell, and on the virtual rig.
+Two solvers are compared: the paper's equations as printed (:mod:`.equations`), and dashpot's own
+solids, fits and predictions. The paper has no data; the seal is that of its Table 1, on the ideal
+ramp of eq. (1), on that with the steps of its load cell, and on the virtual rig.
 """
 
 from __future__ import annotations
@@ -71,9 +71,9 @@ class Statement(Serialisable):
     part : str
         ``"equation"``, ``"figure"``, ``"misprint"`` or ``"unsaid"``.
     name, paper, reproduced : str
-        Where it stands, what the paper says, what comes out.
+        Place in the paper, value in the paper, reproduced value.
     difference, tolerance : float or None
-        What is left of the comparison, and how much may be; None where nothing is compared.
+        Difference and its tolerance; None if nothing is compared.
     """
 
     part: str
@@ -127,7 +127,7 @@ class Coefficient(Serialisable):
 
     @property
     def is_covered(self) -> tuple[bool, bool]:
-        """Whether the two intervals hold what is printed."""
+        """Whether both intervals contain the printed value."""
         return is_within_interval(self.full, self.printed), is_within_interval(
             self.hold, self.printed
         )
@@ -141,9 +141,9 @@ class HoldFit(Serialisable):
     ----------
     solid : GeneralizedMaxwell
     time, force : array
-        Time and force of the samples that were fitted, s after contact, and what the fit says, N.
+        Time of the fitted samples, s after contact, and force of the fit, N.
     rms, worst : float
-        What it leaves, N.
+        Residual, rms and largest, N.
     """
 
     _keys = ("solid", "rms", "worst")
@@ -214,7 +214,7 @@ class Reproduction(Serialisable):
 
     @property
     def is_reproduced(self) -> bool:
-        """Whether every statement that can be compared comes out to its tolerance."""
+        """Whether every comparable statement agrees within its tolerance."""
         return all(row.within_interval is not False for row in self.rows)
 
     @property
@@ -244,7 +244,7 @@ def reproduce(seed: int = 0) -> Reproduction:
     send_progress("eqs. (1) to (7)")
     noise_free_test = make_ideal_test()
     hold_fit, two = (fit_hold_phase(noise_free_test, arms) for arms in (1, 2))
-    coarse = fit_hold_phase(quantise_force(noise_free_test), 2)
+    quantised_fit = fit_hold_phase(quantise_force(noise_free_test), 2)
     send_progress("simulated test and hammer")
     rig = simulate_relaxation(PAPER, depth=DEPTH, ramp_time=RAMP, hold_time=HOLD, seed=seed)
     hammer = simulate_impact(PAPER, mass=PAPER_MASS, seals=SEALS, seed=seed)
@@ -261,12 +261,12 @@ def reproduce(seed: int = 0) -> Reproduction:
         seed=seed,
         rows=(
             *_check_equations(),
-            *_compare_test_figures(noise_free_test, hold_fit, two, coarse),
+            *_compare_test_figures(noise_free_test, hold_fit, two, quantised_fit),
             *_compare_mass_figures(top, study),
             *_check_misprints(top[1]),
             *UNSTATED_VALUES,
         ),
-        table=tuple(_compare_table(two.solid, coarse.solid, study)),
+        table=tuple(_compare_table(two.solid, quantised_fit.solid, study)),
         force=tuple(zip(TIMES, _compute_ramp(np.array(TIMES)).tolist(), strict=True)),
         accelerance=tuple(zip(LINES, np.abs(frf.value).tolist(), phases.tolist(), strict=True)),
         peak=top,
@@ -274,7 +274,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         mode=(mode.frequency, mode.damping_ratio),
         one_arm=hold_fit,
         two_arms=two,
-        quantised=coarse,
+        quantised=quantised_fit,
         ideal=noise_free_test,
         rig=rig,
         hammer=hammer,
@@ -301,7 +301,7 @@ def quantise_force(test: RelaxationTest) -> RelaxationTest:
 
 
 def make_paper_records(reproduction: Reproduction) -> dict[str, str]:
-    """Return the records by file name, each with what it is, and the truths of the virtual ones."""
+    """Return records and captions by file name, and the ground truth of simulated ones."""
     comments = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = reproduction.rig, reproduction.hammer
     return {
@@ -418,13 +418,13 @@ def _check_equations() -> Iterator[Statement]:
     )
 
 
-def _check_transfer_function(two: Coefficients, s: np.ndarray) -> float:
+def _check_transfer_function(coefficients: Coefficients, s: np.ndarray) -> float:
     """Return how far eq. (6) is from 1 / (m s^2 + K(s)) at complex frequencies, as a part of it."""
     shift, lines = float(s.real[0]), s.imag / (2 * np.pi)
     computed = predict_frf(
         SEALS * PAPER, mass=PAPER_MASS, frequency=lines, kind=Kind.RECEPTANCE, shift=shift
     )
-    return float(np.max(np.abs(two.eq_6(s, mass=PAPER_MASS) / computed.value - 1)))
+    return float(np.max(np.abs(coefficients.eq_6(s, mass=PAPER_MASS) / computed.value - 1)))
 
 
 def _build_figure_statement(
@@ -434,7 +434,7 @@ def _build_figure_statement(
 
 
 def _compare_test_figures(
-    noise_free_test: RelaxationTest, fit: HoldFit, two: HoldFit, coarse: HoldFit
+    noise_free_test: RelaxationTest, fit: HoldFit, two_arm_fit: HoldFit, quantised_fit: HoldFit
 ) -> Iterator[Statement]:
     """Figs. 1 to 4."""
     yield Statement(
@@ -449,10 +449,10 @@ def _compare_test_figures(
     yield Statement("figure", "Fig. 3", "the solid with N = 1 and N = 2", "dashpot.solids, any N")
     yield _build_figure_statement(
         "Fig. 4, N = 2", "fits much better than N = 1",
-        f"leaves {round_to_error(convert_to_unit(two.rms, 'mN'), digits=2)} mN rms of an exact "
-        f"record, {round_to_error(convert_to_unit(coarse.rms, 'mN'), digits=4)} mN of one in steps "
-        "of 1/1280 N",
-        convert_to_unit(two.rms, "mN"), 1e-9,
+        f"leaves {round_to_error(convert_to_unit(two_arm_fit.rms, 'mN'), digits=2)} mN rms of an "
+        f"exact record, {round_to_error(convert_to_unit(quantised_fit.rms, 'mN'), digits=4)} mN of "
+        "one in steps of 1/1280 N",
+        convert_to_unit(two_arm_fit.rms, "mN"), 1e-9,
     )  # fmt: skip
     yield _build_figure_statement(
         "Fig. 4, N = 1", "does not follow the hold",
@@ -460,17 +460,18 @@ def _compare_test_figures(
         f"{round_to_error(convert_to_unit(fit.worst, 'mN'), digits=6)} mN where the hold begins; "
         f"k_inf {round_to_error(convert_to_unit(fit.solid.k_inf, 'N/mm'), digits=8)} N/mm. Off: N "
         "= 2 over it",
-        coarse.rms / fit.rms, 0.05,
+        quantised_fit.rms / fit.rms, 0.05,
     )  # fmt: skip
 
 
-def _compare_mass_figures(top: tuple[float, float], study: Study) -> Iterator[Statement]:
+def _compare_mass_figures(peak: tuple[float, float], study: Study) -> Iterator[Statement]:
     """Figs. 5 and 6."""
     yield Statement("figure", "Fig. 5", "a mass on two seals", "dashpot simulate impact is one")
     yield _build_figure_statement(
         "Fig. 6, model", f"peaks at {PRINTED_HZ} Hz",
-        f"peaks at {round_to_error(top[0], digits=10)} Hz, {round_to_error(top[1], digits=9)} 1/kg",
-        abs(top[0] - PRINTED_HZ), 5e-3,
+        f"peaks at {round_to_error(peak[0], digits=10)} Hz, {round_to_error(peak[1], digits=9)} "
+        "1/kg",
+        abs(peak[0] - PRINTED_HZ), 5e-3,
     )  # fmt: skip
     comparison = study.comparison
     if comparison is not None:

@@ -57,7 +57,7 @@ class Robot:
         return np.column_stack([a.follow(w) for a, w in zip(self.axes, target.T, strict=True)])
 
     def read(self, positions: FloatArray) -> FloatArray:
-        """Return what the encoders say of positions, m: whole counts of each axis."""
+        """Return the encoder readings of positions, m: whole counts of each axis."""
         counts = np.round(positions / self.encoder) if self.encoder else positions
         return np.asarray(counts * self.encoder if self.encoder else counts)
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def render_reproduction(reproduction: Reproduction) -> Text:
-    """Return what came out, Table 1 as printed and as found, and every statement."""
+    """Return the results, Table 1 as printed and as reproduced, and every statement."""
     header = ("Table 1", "printed", "simulation, 95 %", "by the hold alone, 95 %", "unit")
     rows = [header, *map(_format_row, reproduction.table)]
     word = "reproduced" if reproduction.is_reproduced else "not reproduced"

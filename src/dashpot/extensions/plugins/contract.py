@@ -1,4 +1,4 @@
-"""Contract of plug-ins: validation of what they return, item by item."""
+"""Contract of plug-ins: validation of their results, item by item."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ def validate_keys(
     """
     unknown_keys = sorted(str(key) for key in item if key not in keys)
     if unknown_keys:
-        plugin.wrong(f"the key '{unknown_keys[0]}'{place}", f"among {', '.join(keys)}")
+        plugin.refuse_result(f"the key '{unknown_keys[0]}'{place}", f"among {', '.join(keys)}")
 
 
 def get_items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
-    """Return a list of dictionaries in what a plug-in returned; empty where the key is not there.
+    """Return a list of dictionaries from the result of a plug-in; empty if the key is missing.
 
     Raises
     ------
     ReadError
-        If something else stands there.
+        If another file exists there.
     """
     return _get_typed_list(plugin, document, key, dict, "a list of dictionaries")
 
 
 def get_texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    """Return a list of texts in what a plug-in returned; empty where the key is not there.
+    """Return a list of texts from the result of a plug-in; empty if the key is missing.
 
     Raises
     ------
     ReadError
-        If something else stands there.
+        If another file exists there.
     """
     return tuple(
         map(format_plain_line, _get_typed_list(plugin, document, key, str, "a list of texts"))
@@ -55,19 +55,19 @@ def _get_typed_list(
     if not isinstance(results, list | tuple) or not all(
         isinstance(result, kind) for result in results
     ):
-        plugin.wrong(f"'{key}' of type {type(results).__name__}", expected)
+        plugin.refuse_result(f"'{key}' of type {type(results).__name__}", expected)
     return results
 
 
 def get_text(plugin: Plugin, item: Mapping[str, Any], key: str, default: str | None = None) -> str:
-    """Return a text in an item of what a plug-in returned.
+    """Return a text in an item of the result of a plug-in.
 
     Raises
     ------
     ReadError
-        If it is no text, or is missing and nothing stands in its place.
+        If it is no text, or is missing without a default.
     """
     text = item.get(key, default)
     if not isinstance(text, str):
-        plugin.wrong(f"'{key}' of type {type(text).__name__}", "a text")
+        plugin.refuse_result(f"'{key}' of type {type(text).__name__}", "a text")
     return format_plain_line(text)

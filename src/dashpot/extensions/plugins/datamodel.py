@@ -18,9 +18,9 @@ class PluggedColumn(EqualByValue):
     Attributes
     ----------
     name, role : str
-        As the file calls it; what it plays, such as ``"force"``, empty where that is not known.
+        Name in the file; role such as ``"force"``, empty if not known.
     unit : str
-        Unit of SI; empty where the file names none that dashpot knows.
+        Unit of SI; empty if the file names none known to dashpot.
     values : array, shape (n,)
     """
 

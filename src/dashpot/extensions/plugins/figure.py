@@ -21,7 +21,7 @@ def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
     ----------
     fit : PluggedFit
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     origin = format_stamp(fit.sources) if fit.sources else ""
     caption = f"Numbers of '{fit.kind}' of {fit.by}, each with its interval."

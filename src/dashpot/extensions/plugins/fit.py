@@ -25,7 +25,7 @@ _CHECK_KEYS = ("name", "message", "passed", "grade", "remedy")
 
 
 def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
-    """Return what the plug-in of a kind finds in the columns of one file.
+    """Return the result of the plug-in of a kind for the columns of one file.
 
     Its function ``(columns, options)`` gets a list of ``{"name", "role", "unit", "values"}``,
     SI where a unit is known, and returns numbers and checks.
@@ -56,13 +56,13 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
-        plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
+        plugin.refuse_result(f"a {type(entries).__name__}", _EXPECTED)
     validate_keys(plugin, entries, _KEYS)
     reported_values = tuple(
         _make_reported_value(plugin, entry) for entry in get_items(plugin, entries, "numbers")
     )
     if not reported_values:
-        plugin.wrong("no numbers", _EXPECTED)
+        plugin.refuse_result("no numbers", _EXPECTED)
     all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
     checks = (*all_checks, *caution_checks(list_sources(records)))
     notes = get_texts(plugin, entries, "notes")
@@ -75,23 +75,25 @@ def _make_reported_value(plugin: Plugin, item: Mapping[str, Any]) -> ReportedVal
     name = get_text(plugin, item, "name")
     validate_keys(plugin, item, _NUMBER_KEYS, f" of the number '{name}'")
     if not name.isidentifier():
-        plugin.wrong(f"a number called '{name}'", "an identifier, such as peel_force")
+        plugin.refuse_result(f"a number called '{name}'", "an identifier, such as peel_force")
     unit = get_text(plugin, item, "unit", "")
     resolved_unit = units.find_unit(unit) if unit else None
     if unit and (resolved_unit is None or resolved_unit.factor != 1.0 or resolved_unit.offset):
-        plugin.wrong(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
+        plugin.refuse_result(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
     value = _number(plugin, item, "value", name)
     words = get_text(plugin, item, "words", "")
     if "low" in item or "high" in item:
         low, high = (_number(plugin, item, end, name) for end in ("low", "high"))
         if not low <= value <= high:
-            plugin.wrong(f"'{name}' = {value:g} outside {low:g} to {high:g}", "a value within")
+            plugin.refuse_result(
+                f"'{name}' = {value:g} outside {low:g} to {high:g}", "a value within"
+            )
         return ReportedValue(name, value, low, high, unit, words=words)
     if "error" not in item:
         return ReportedValue(name, value, unit=unit, words=words)
     error = _number(plugin, item, "error", name)
     if error < 0:
-        plugin.wrong(f"'{name}' with the standard error {error:g}", "one of 0 or more")
+        plugin.refuse_result(f"'{name}' with the standard error {error:g}", "one of 0 or more")
     half_width = NORMAL * error  # an interval alone: that is what a document keeps
     return ReportedValue(name, value, value - half_width, value + half_width, unit, words=words)
 
@@ -99,17 +101,21 @@ def _make_reported_value(plugin: Plugin, item: Mapping[str, Any]) -> ReportedVal
 def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> float:
     value = item.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        plugin.wrong(f"'{name}' whose {key} is {value!r:.40}", "a finite number")
+        plugin.refuse_result(f"'{name}' whose {key} is {value!r:.40}", "a finite number")
     return float(value)
 
 
 def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
     name, message = (get_text(plugin, item, key) for key in ("name", "message"))
     validate_keys(plugin, item, _CHECK_KEYS, f" of the check '{name}'")
-    passed, grade = item.get("passed"), item.get("grade", "limit")
-    if not (passed is None or isinstance(passed, bool)):
-        plugin.wrong(f"the check '{name}' whose 'passed' is {passed!r:.40}", "True, False or None")
+    is_passed, grade = item.get("passed"), item.get("grade", "limit")
+    if not (is_passed is None or isinstance(is_passed, bool)):
+        plugin.refuse_result(
+            f"the check '{name}' whose 'passed' is {is_passed!r:.40}", "True, False or None"
+        )
     if grade not in GRADES:
-        plugin.wrong(f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}")
+        plugin.refuse_result(
+            f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}"
+        )
     remedy = get_text(plugin, item, "remedy", "")
-    return Check(name, passed, message, grade=grade, remedy=Remedy(remedy) if remedy else None)
+    return Check(name, is_passed, message, grade=grade, remedy=Remedy(remedy) if remedy else None)

@@ -13,7 +13,7 @@ from dashpot.reading.read_options import ReadOptions
 
 
 def plugged_files(files: Sequence[str | Path], *, options: ReadOptions | None = None) -> PluggedFit:
-    """Return what the plug-in that ``options.kind`` names finds in a file.
+    """Return the result for a file by the plug-in that ``options.kind`` names.
 
     Raises
     ------

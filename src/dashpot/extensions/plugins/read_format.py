@@ -31,14 +31,14 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     Raises
     ------
     ReadError
-        If there is no such plug-in, it fails, or what it returns is not of the contract.
+        If there is no such plug-in, it fails, or its result violates the contract.
     """
     plugin = require_plugin("formats", options.format or "")
     return make_table(plugin, plugin.load(), b"".join(raw.blocks()), raw.name)
 
 
 def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTable:
-    """Return what the module of a format makes of a file's bytes, held to the contract.
+    """Return the table that the module of a format reads from a file's bytes, validated.
 
     Raises
     ------
@@ -56,15 +56,15 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
-        plugin.wrong(f"a {type(entries).__name__}", _EXPECTED)
+        plugin.refuse_result(f"a {type(entries).__name__}", _EXPECTED)
     validate_keys(plugin, entries, _KEYS)
     columns = get_items(plugin, entries, "columns")
     if not columns:
-        plugin.wrong("no columns", _EXPECTED)
+        plugin.refuse_result("no columns", _EXPECTED)
     values = [_convert_values(plugin, column) for column in columns]
     lengths = sorted({len(value) for value in values})
     if len(lengths) > 1 or lengths[0] < 2:
-        plugin.wrong(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
+        plugin.refuse_result(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
     check_value_count(len(values) * lengths[0], "the file holds")
     return FileTable(
         format=plugin.full_label,
@@ -88,7 +88,7 @@ def _convert_values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
     try:
         values = np.asarray(item.get("values"), dtype=float)
     except (TypeError, ValueError):
-        plugin.wrong(f"column '{name}' whose values are not numbers", _EXPECTED)
+        plugin.refuse_result(f"column '{name}' whose values are not numbers", _EXPECTED)
     if values.ndim != 1:
-        plugin.wrong(f"column '{name}' of {values.ndim} dimensions", _EXPECTED)
+        plugin.refuse_result(f"column '{name}' of {values.ndim} dimensions", _EXPECTED)
     return values

@@ -17,11 +17,11 @@ _COMMENT = "$"
 
 
 def make_writer(plugin: Plugin) -> Target:
-    """Return what writes the decks of a plug-in.
+    """Return the function that writes the decks of a plug-in.
 
     Its function gets ``{"k_inf", "b", "k", "tau", "temperature", "length", "band", "verdict"}``,
-    SI, the name of the unit system and its own name. What the deck is and whose it is, dashpot
-    writes over it.
+    SI, the name of the unit system and its own name. dashpot writes the kind and the origin of the
+    deck above it.
     """
 
     def write(
@@ -49,7 +49,7 @@ def make_writer(plugin: Plugin) -> Target:
             plugin.raise_failure(error)
         if not isinstance(cards, str) or not cards.strip():
             text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
-            plugin.wrong(text, "the cards of a deck as one text")
+            plugin.refuse_result(text, "the cards of a deck as one text")
         comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
         return deck.format_text(
             str(comment),

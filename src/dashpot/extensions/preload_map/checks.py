@@ -134,11 +134,11 @@ def solid_follows_master_curve(ratio: float, *, misfit: float) -> Finding:
 
 
 @criterion("upper limit of the loss factor", ">=", 0.0, "passivity", grade="stop")
-def part_dissipates(highest: float, *, frequency: float) -> Finding:
+def part_dissipates(largest_loss_factor: float, *, frequency: float) -> Finding:
     """The loss factor of every sweep may be above zero."""
     return Finding(
         "The loss factor is above zero, or may be, at every frequency",
-        highest,
+        largest_loss_factor,
         failure=f"The loss factor at {frequency:.4g} Hz is below zero",
         remedy="Check polarity, order and delay of the two channels.",
     )

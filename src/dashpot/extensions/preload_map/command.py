@@ -130,13 +130,13 @@ def _read_map(files: tuple[str, ...]) -> PreloadMap:
     """
     from dashpot.extensions.preload_map.preload_map import PreloadMap
 
-    saved = workflow.read_json_document(files[0])
-    if len(files) > 1 or not isinstance(saved, PreloadMap):
+    document = workflow.read_json_document(files[0])
+    if len(files) > 1 or not isinstance(document, PreloadMap):
         raise click.UsageError(
             f"{files[0]} is a saved result. Give records of stiffness, or one map that "
             "dashpot map FILE -o map.json has saved"
         )
-    return saved
+    return document
 
 
 def _render(preload_map: PreloadMap, suffix: str, unit_system: str | None) -> str:

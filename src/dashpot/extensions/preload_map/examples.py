@@ -34,9 +34,9 @@ def _write_preload_map() -> str:
         for X in _AMPLITUDES:
             u = (X / _HALF) ** _EXPONENT
             part = 1 - _LOST * u**2 / (1 + u**2)
-            softened = part + 2j * _LOST * _EXPONENT / np.pi * u / (1 + u**2)
+            softening_factor = part + 2j * _LOST * _EXPONENT / np.pi * u / (1 + u**2)
             error = random.standard_normal(16) + 1j * random.standard_normal(16)
-            value = tangent * solid * softened * np.exp(_SCATTER * error)
+            value = tangent * solid * softening_factor * np.exp(_SCATTER * error)
             rows = zip(frequency, value.real, value.imag / value.real, strict=True)
             lines += [f"{c:g},{X:g},{f:.4f},{k:.6f},{eta:.6f}" for f, k, eta in rows]
     return "\n".join([*lines, ""])

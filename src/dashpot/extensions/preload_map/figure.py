@@ -24,7 +24,7 @@ def draw_preload_map(preload_map: PreloadMap, *, stamp: str = "") -> Picture:
     ----------
     preload_map : PreloadMap
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     strips: list[tuple[Panel, ...]] = [
         (_make_storage_panel(preload_map),),

@@ -36,7 +36,7 @@ from dashpot.vibration.modal.dynamic_stiffness import DEGREE
 GAIN_ERROR = 0.01
 """Relative standard error of the ratio of two sensors where none is stated."""
 _ARMS_PER_DECADE, _BEYOND_BAND = 24, 30.0
-"""Relaxation times that the model is chosen from, and by which factor they leave the band."""
+"""Candidate relaxation times of a decade, and the factor by which they extend beyond the band."""
 _MIN_SCATTER = 1e-9
 """Scatter of ln|K| and of the angle, rad, at least: rounding leaves as much."""
 _MIN_SHARE = 1e-9
@@ -230,27 +230,36 @@ def _fit_law(
     """Fit the additive law, and the arms that follow its curve over frequency."""
     nc, nx = len(lines.compressions), len(lines.amplitudes)
     reference = (nc // 2, 0)
-    shared = layouts[0].main.shape[1] - nc - nx
-    curve = _make_curve_columns(lines, shared)
+    curve_column_count = layouts[0].main.shape[1] - nc - nx
+    curve = _make_curve_columns(lines, curve_column_count)
     tones = curve.frequency
     contrast_c, contrast_x = _make_contrasts(nc, reference[0]), _make_contrasts(nx, reference[1])
     magnitude = _estimate(lines, lines.magnitude, layouts[0].main, scatters[0])
     angle = _estimate(lines, lines.angle, layouts[1].main, scatters[1])
-    at_c, at_x = np.eye(nc)[reference[0]], np.eye(nx)[reference[1]]
+    compression_unit_vector, amplitude_unit_vector = (
+        np.eye(nc)[reference[0]],
+        np.eye(nx)[reference[1]],
+    )
     n = len(tones)
-    of_magnitude = np.hstack((curve.columns, np.tile(at_c, (n, 1)), np.tile(at_x, (n, 1))))
-    of_angle = np.hstack((curve.columns, np.tile(at_x, (n, 1))))
-    ln_master = of_magnitude @ magnitude.beta + 1j * (of_angle @ angle.beta)
-    sd = [max(scatter.line, _MIN_SCATTER) / curve.strength for scatter in scatters]
+    magnitude_columns = np.hstack(
+        (
+            curve.columns,
+            np.tile(compression_unit_vector, (n, 1)),
+            np.tile(amplitude_unit_vector, (n, 1)),
+        )
+    )
+    angle_columns = np.hstack((curve.columns, np.tile(amplitude_unit_vector, (n, 1))))
+    ln_master = magnitude_columns @ magnitude.beta + 1j * (angle_columns @ angle.beta)
+    sd = [max(scatter.line, _MIN_SCATTER) / curve.root_weight for scatter in scatters]
     model, angle_left = _fit_arms(tones, np.exp(ln_master), sd)
     fitted_stiffness = model.complex_stiffness(omega=2 * np.pi * tones) * np.exp(1j * angle_left)
     to_k, to_angle = _invert_curve(model, tones, sd)
     zeros = np.zeros
-    q = of_angle.shape[1]
-    pick_c = np.hstack((zeros((nc, shared)), contrast_c, zeros((nc, nx))))
-    pick_x = np.hstack((zeros((nx, shared + nc)), contrast_x))
-    turn_x = np.hstack((zeros((nx, shared)), contrast_x))
-    by_magnitude, by_angle = (of_magnitude / sd[0][:, None]), (of_angle / sd[1][:, None])
+    q = angle_columns.shape[1]
+    pick_c = np.hstack((zeros((nc, curve_column_count)), contrast_c, zeros((nc, nx))))
+    pick_x = np.hstack((zeros((nx, curve_column_count + nc)), contrast_x))
+    turn_x = np.hstack((zeros((nx, curve_column_count)), contrast_x))
+    by_magnitude, by_angle = (magnitude_columns / sd[0][:, None]), (angle_columns / sd[1][:, None])
     L_magnitude = np.vstack(
         (pick_c, pick_x, np.tile(to_angle[:n] @ by_magnitude, (nx, 1)), to_k[:, :n] @ by_magnitude)
     )
@@ -280,15 +289,15 @@ class _CommonCurve(NamedTuple):
 
     frequency: FloatArray
     columns: FloatArray
-    strength: FloatArray
+    root_weight: FloatArray
 
 
 def _make_curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
     """Return where the common curve is taken: at shared frequencies, or on a grid."""
     total = float((lines.weight**2).sum())
     if lines.shares_tones:
-        weight = np.bincount(lines.tone, lines.weight**2, len(lines.tones))
-        return _CommonCurve(lines.tones, np.eye(shared), np.sqrt(weight))
+        weight = np.bincount(lines.frequency_index, lines.weight**2, len(lines.shared_frequencies))
+        return _CommonCurve(lines.shared_frequencies, np.eye(shared), np.sqrt(weight))
     low, high = float(lines.frequency.min()), float(lines.frequency.max())
     f = np.asarray(np.geomspace(low, high, _GRID_POINTS), dtype=float)
     u = np.linspace(-1.0, 1.0, _GRID_POINTS)
@@ -348,8 +357,10 @@ def _fit_arms(
         target[-1] = -added_stiffness / _ANGLE_SD
         k, _ = solve_linear(np.column_stack((rows, turn)), target, positive=positive)
         added_stiffness += float(k[-1])
-    carries = k[1:-1] > _MIN_SHARE * float(k[:-1].sum())
-    model = GeneralizedMaxwell(float(k[0]), tuple(k[1:-1][carries]), tuple(tau[carries]))
+    is_significant = k[1:-1] > _MIN_SHARE * float(k[:-1].sum())
+    model = GeneralizedMaxwell(
+        float(k[0]), tuple(k[1:-1][is_significant]), tuple(tau[is_significant])
+    )
     return model, added_stiffness
 
 
@@ -401,7 +412,7 @@ def _run_checks(
         "amplitude and frequency": checks.amplitude_and_frequency_separable,
         "compression and amplitude": checks.compression_and_amplitude_separable,
     }
-    untested = [test.pair for test in preload_map.pairs if not test.tested]
+    untested_pairs = [test.pair for test in preload_map.pairs if not test.tested]
     worst = max(preload_map.cells, key=lambda cell: cell.residual)
     sweep_text = f"{convert_to_unit(worst.compression, 'mm'):.4g} mm"
     if worst.amplitude is not None:
@@ -422,7 +433,7 @@ def _run_checks(
     widest = max(gaps, key=lambda name: gaps[name])
     return (
         *(criteria[test.pair](test) for test in preload_map.pairs),
-        checks.every_pair_tested(untested),
+        checks.every_pair_tested(untested_pairs),
         checks.departure_excluded(
             max((test.departure_limit or 0.0 for test in preload_map.pairs), default=0.0),
             max((test.angle_limit or 0.0 for test in preload_map.pairs), default=0.0),

@@ -1,4 +1,4 @@
-"""Interpolation between levels of a variable, and what its error may be."""
+"""Interpolation between levels of a variable, and its error."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from dashpot.base.arrays import FloatArray
 class LevelWeights(NamedTuple):
     """Weights of the levels, shape (n,), of a parabola and of a straight line."""
 
-    curve: FloatArray
-    chord: FloatArray
+    parabolic: FloatArray
+    linear: FloatArray
 
     @property
     def difference(self) -> FloatArray:
         """Weights of parabola less line: the half width of the interpolation's error."""
-        return self.curve - self.chord
+        return self.parabolic - self.linear
 
 
 def compute_level_weights(levels: FloatArray, position: float) -> LevelWeights:

@@ -28,7 +28,7 @@ _TABLE_FREQUENCIES = 6
 
 def page(preload_map: PreloadMap) -> KindPage:
     """Return the page of a preload map."""
-    tested = [test for test in preload_map.pairs if test.tested]
+    tested_pairs = [test for test in preload_map.pairs if test.tested]
     return KindPage(
         subject="complex stiffness over frequency, amplitude and compression",
         summary_line=(
@@ -41,7 +41,8 @@ def page(preload_map: PreloadMap) -> KindPage:
             preload_map.checks,
             Topic("Records", {"repeatability_known", "part_dissipates"}),
             Topic(
-                "Separable", _SEPARABLE, f"{len(tested)} of {len(preload_map.pairs)} pairs tested"),
+                "Separable", _SEPARABLE,
+                f"{len(tested_pairs)} of {len(preload_map.pairs)} pairs tested"),
             Topic("Map", {
                 "sweeps_followed", "solid_follows_master_curve", "levels_enough", "levels_dense"}),
             Topic("Limits", {"stiffness_determined", "loss_factor_determined"}),
@@ -51,8 +52,8 @@ def page(preload_map: PreloadMap) -> KindPage:
         table_title="Stiffness, loss factor and resonances",
         groups=(group("", preload_map.facts),),
         sources=preload_map.source,
-        folds=(
-            CollapsibleSection("Separability", f"{len(tested)} pairs tested",
+        collapsible_sections=(
+            CollapsibleSection("Separability", f"{len(tested_pairs)} pairs tested",
             _make_pair_rows(preload_map)),
             CollapsibleSection("Map", "at the measured levels", _make_map_table(preload_map)),
             CollapsibleSection("Settings", f"{len(preload_map.cells)} settings",

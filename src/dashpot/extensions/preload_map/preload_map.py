@@ -227,7 +227,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         Raises
         ------
         DataError
-            If one lies outside what was measured: a map is not extrapolated.
+            If one lies outside the measured range: a map is not extrapolated.
         """
         f = (
             np.array([convert_to_si(frequency, "frequency")])
@@ -248,14 +248,14 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             np.log(self.amplitude_factor),
         )
         factor = np.exp(
-            compression_weights.curve @ log_compression_factor
-            + amplitude_weights.curve @ log_amplitude_factor
+            compression_weights.parabolic @ log_compression_factor
+            + amplitude_weights.parabolic @ log_amplitude_factor
         )
         master = self.model.complex_stiffness(omega=2 * np.pi * f)
         value = np.asarray(master * factor)
         loss_factor = value.imag / value.real
         log_gradient, angle_gradient = self._compute_gradients(
-            f, master, compression_weights.curve, amplitude_weights.curve
+            f, master, compression_weights.parabolic, amplitude_weights.parabolic
         )
         compression_gap, amplitude_gap = (
             float(compression_weights.difference @ log_compression_factor),
@@ -307,12 +307,12 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             As :meth:`evaluate`.
         """
         c, X = self._convert_place(compression, amplitude)
-        compression_weights = compute_level_weights(self.compressions, c).curve
+        compression_weights = compute_level_weights(self.compressions, c).parabolic
         factor = float(np.exp(compression_weights @ np.log(self.compression_factor)))
         if X is not None:
             amplitude_weights = compute_level_weights(
                 np.log(self.amplitudes), float(np.log(X))
-            ).curve
+            ).parabolic
             factor *= float(np.exp(amplitude_weights @ np.log(np.abs(self.amplitude_factor))))
         return self.model * factor
 

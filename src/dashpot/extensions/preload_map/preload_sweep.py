@@ -28,7 +28,7 @@ class PreloadSweep(EqualByValue):
     amplitude : float, str or None
         Amplitude of the motion, m, > 0; None where it is not known.
     weight : array, shape (n,), or None
-        How well each line is known beside the others, 1 over its relative error; None: all alike.
+        Relative weight of each line, 1 over its relative error; None: equal weights.
     source : Source or None
 
     Raises

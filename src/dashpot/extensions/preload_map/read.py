@@ -163,7 +163,7 @@ def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) 
 
 
 class _LengthColumn(NamedTuple):
-    """Column of a length: its number in the table, its values, m, and what is said of it."""
+    """Column of a length: its number in the table, its values, m, and a note."""
 
     column: int
     values: FloatArray
@@ -297,10 +297,10 @@ def read_sweeps(
     files : sequence of path
     options : ReadOptions, optional
     compressions, amplitudes : sequence of (str, float)
-        Pattern of a file's name, empty for all, and what is stated of it, m.
+        Pattern of a file's name, empty for all, and its stated value, m.
     mass, seals : float, optional
-        kg and number: FRFs of motion over force are of this mass on so many parts, and its inertia
-        is taken off.
+        kg and number: FRFs of motion over force are of this mass on `seals` parts, and its inertia
+        is subtracted.
 
     Raises
     ------
@@ -339,10 +339,10 @@ def read_sweeps(
 
 def _find_stated(name: str, patterns_and_values: Sequence[tuple[str, float]]) -> float | None:
     """Return the last value whose pattern suits a file."""
-    suited = [
+    matching_values = [
         value for pattern, value in patterns_and_values if not pattern or fnmatch(name, pattern)
     ]
-    return suited[-1] if suited else None
+    return matching_values[-1] if matching_values else None
 
 
 def _load_file(
@@ -360,17 +360,17 @@ def _load_file(
     ReadError
         If it is none.
     """
-    detected = recognise(path, None if options is None else options.for_file(path))
-    if detected.kind in {KIND, *SWEEP_KINDS}:
+    detected_kind = recognise(path, None if options is None else options.for_file(path))
+    if detected_kind.kind in {KIND, *SWEEP_KINDS}:
         with channels.open_file(path, options) as file:
             channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", stated_columns=SWEEP_OPTIONS)
             return _read_table(file, stated_settings)
-    if detected.kind == "frf":
+    if detected_kind.kind == "frf":
         with add_name_to_errors(Path(path).name):
             return _convert_frf(read_frf(path, options=options), mass, seals)
-    if detected.kind in _LOOPS:
+    if detected_kind.kind in _LOOPS:
         read_keywords: dict[str, Any] = {} if options is None else {"options": options}
-        loops = require_handler("read record", detected.kind)(path, read_keywords, {})
+        loops = require_handler("read record", detected_kind.kind)(path, read_keywords, {})
         if loops.unit != "N/m" or loops.of != "m":
             raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
         is_settled = _find_settled_loops(loops.frequency, loops.amplitude)
@@ -382,7 +382,7 @@ def _load_file(
             loops.source,
         )
     raise ReadError(
-        f"{Path(path).name} is {get_kind_label(detected.kind)}. A map is of storage and loss "
+        f"{Path(path).name} is {get_kind_label(detected_kind.kind)}. A map is of storage and loss "
         "stiffness over frequency, of FRFs, or of recorded loops"
     )
 

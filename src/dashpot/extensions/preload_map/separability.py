@@ -38,10 +38,10 @@ Pair: TypeAlias = Literal[
     "compression and frequency", "amplitude and frequency", "compression and amplitude"
 ]
 _SHAPES = 2
-"""Degree over ln f of what may differ between levels: a slope and a bend."""
+"""Degree of the polynomial in ln f by which levels may differ."""
 _RANK = 1e-9
 _ZERO_VARIANCE = 1e-24
-"""Sum of squares that rounding leaves."""
+"""Sum of squares due to rounding."""
 _DEGREES = range(1, 9)
 """Degrees over ln f of sweeps that share no frequencies."""
 _MIN_DOF = 4
@@ -63,7 +63,7 @@ class PairTest(Serialisable):
     tested : bool
         The sweeps hold combinations that show it.
     chance : float or None
-        Probability of a departure as clear as this where there is none.
+        Probability of a departure as clear as this if there is none.
     departure, departure_limit : float or None
         Largest relative departure of the stiffness from a separable one over all lines, as
         estimated and at most at 95 %.
@@ -133,7 +133,7 @@ class SweepScatter(NamedTuple):
 def build_frequency_columns(lines: StiffnessLines) -> FloatArray:
     """Return columns of the common dependence on frequency, the mean among them."""
     if lines.shares_tones:
-        return _make_level_columns(lines.tone, len(lines.tones))
+        return _make_level_columns(lines.frequency_index, len(lines.shared_frequencies))
     u, y = lines.centred_frequency, lines.magnitude
     sweep_columns = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
 
@@ -151,7 +151,7 @@ def build_layouts(lines: StiffnessLines) -> tuple[Layout, Layout]:
     frequency = build_frequency_columns(lines)
     compression = _make_level_columns(lines.compression, len(lines.compressions))
     amplitude = _make_level_columns(lines.amplitude, len(lines.amplitudes))
-    degree = min(_SHAPES, len(lines.tones) - 1)
+    degree = min(_SHAPES, len(lines.shared_frequencies) - 1)
     shapes = _make_legendre_columns(lines.centred_frequency, degree)[:, 1:]
     within_columns: dict[Pair, FloatArray] = {
         "compression and frequency": _multiply_columns(compression, shapes),
@@ -182,7 +182,7 @@ def estimate_scatter(
     Raises
     ------
     DataError
-        If too few lines are left to show any scatter.
+        If too few lines remain to estimate the scatter.
     """
     within_columns = np.hstack((layout.main, *layout.within.values()))
     sweeps = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
@@ -252,7 +252,7 @@ def _test_pair(
 def _compute_probabilities(
     pair: Pair, lines: StiffnessLines, y: FloatArray, layout: Layout, scatter: SweepScatter
 ) -> list[float]:
-    """Return the probability by chance of what a pair adds within sweeps and between them."""
+    """Return the p-values of the terms of a pair within sweeps and between them."""
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
@@ -332,7 +332,7 @@ def _make_orthonormal_basis(A: FloatArray) -> FloatArray:
 
 
 def _fit(A: FloatArray, y: FloatArray, weight: FloatArray) -> tuple[float, int]:
-    """Return the sum of squares that columns leave, and how many are independent."""
+    """Return the residual sum of squares of columns, and the number of independent ones."""
     basis = _make_orthonormal_basis(A * weight[:, None])
     residual = y * weight - basis @ (basis.T @ (y * weight))
     return float(residual @ residual), basis.shape[1]

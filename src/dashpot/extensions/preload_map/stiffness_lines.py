@@ -31,10 +31,10 @@ class StiffnessLines(NamedTuple):
         :math:`\ln|K^*|`, K in N/m, and the loss angle, rad.
     compressions, amplitudes : array
         Levels, m, rising; one amplitude of nan where none is known.
-    tones : array
+    shared_frequencies : array
         Frequencies that sweeps share, Hz, rising.
-    compression, amplitude, tone, sweep : int array, shape (n,)
-        Level of each line, and the sweep that it is of.
+    compression, amplitude, frequency_index, sweep : int array, shape (n,)
+        Indices of the levels of each line, and of its sweep.
     """
 
     frequency: FloatArray
@@ -43,17 +43,20 @@ class StiffnessLines(NamedTuple):
     angle: FloatArray
     compressions: FloatArray
     amplitudes: FloatArray
-    tones: FloatArray
+    shared_frequencies: FloatArray
     compression: IndexArray
     amplitude: IndexArray
-    tone: IndexArray
+    frequency_index: IndexArray
     sweep: IndexArray
 
     @property
     def shares_tones(self) -> bool:
-        """Most lines stand at a frequency that another sweep has, too."""
-        sweeps = [len(set(self.sweep[self.tone == i].tolist())) for i in range(len(self.tones))]
-        return bool(np.mean(np.array(sweeps)[self.tone] > 1) > _MIN_SHARED_BAND)
+        """Whether most frequencies occur in another sweep as well."""
+        sweeps = [
+            len(set(self.sweep[self.frequency_index == i].tolist()))
+            for i in range(len(self.shared_frequencies))
+        ]
+        return bool(np.mean(np.array(sweeps)[self.frequency_index] > 1) > _MIN_SHARED_BAND)
 
     @property
     def centred_frequency(self) -> FloatArray:
@@ -102,7 +105,7 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
             f"(--amplitude {unknown[0]}:0.1mm), or of none"
         )
     counts = [len(sweep.frequency) for sweep in sweeps]
-    of_sweep = np.repeat(np.arange(len(sweeps)), counts)
+    sweep_index = np.repeat(np.arange(len(sweeps)), counts)
     sweep_compressions = np.array([float(sweep.compression) for sweep in sweeps])
     compressions, compression = group_levels(sweep_compressions, SAME_COMPRESSION)
     if len(compressions) < 2:
@@ -131,10 +134,10 @@ def collect_lines(sweeps: Sequence[PreloadSweep]) -> StiffnessLines:
         compressions,
         amplitudes,
         tones,
-        compression[of_sweep],
-        amplitude[of_sweep],
+        compression[sweep_index],
+        amplitude[sweep_index],
         tone,
-        of_sweep,
+        sweep_index,
     )
 
 

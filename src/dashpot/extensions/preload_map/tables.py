@@ -87,7 +87,7 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
     f = tabulate_frequencies(preload_map)
     fields = 2 if len(preload_map.amplitudes) else 1
     stiffness_lines: list[str] = []
-    damped: list[str] = []
+    damping_lines: list[str] = []
     # field variables change slowest, the last of them first
     for c, X in sorted(preload_map.settings, key=lambda setting: (setting[1] or 0.0, setting[0])):
         K = preload_map.evaluate(f, compression=c, amplitude=X).value
@@ -96,7 +96,7 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
         for frequency, value in zip(f.tolist(), K.tolist(), strict=True):
             hertz = text(units.frequency(frequency))
             stiffness_lines.append(f"{text(units.stiffness(value.real))}, {hertz}, {tail}")
-            damped.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
+            damping_lines.append(f"{text(value.imag / value.real)}, {hertz}, {tail}")
     return "\n".join([
         *_format_head("**", preload_map, units,
         "connector behavior over frequency and field variables"),
@@ -107,7 +107,7 @@ def render_abaqus(preload_map: PreloadMap, units: UnitSystem) -> str:
         f"*CONNECTOR ELASTICITY, COMPONENT=1, DEPENDENCIES={fields}",
         *stiffness_lines,
         f"*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL, DEPENDENCIES={fields}",
-        *damped,
+        *damping_lines,
         "",
     ])  # fmt: skip
 

@@ -41,7 +41,7 @@ def format_preload_map(preload_map: PreloadMap) -> Text:
 
 
 def describe_map(preload_map: PreloadMap) -> str:
-    """Return what the map spans, in one line."""
+    """Return the ranges of the map, in one line."""
     low, high = preload_map.band
     parts = [f"{low:.4g} to {high:.4g} Hz", f"{len(preload_map.compressions)} compressions"]
     if len(preload_map.amplitudes):

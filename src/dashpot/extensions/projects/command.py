@@ -35,7 +35,7 @@ class Verification(Serialisable):
 
     @property
     def ok(self) -> bool:
-        """Whether nothing of weight failed."""
+        """Whether no check failed, other than notes."""
         return not any(check.failed and check.grade != "note" for check in self.checks)
 
 
@@ -59,8 +59,8 @@ Half-written files of killed runs are listed, in any folder of results.
     ),
 )
 def command(*, project: str, expect: str | None) -> CommandResult:
-    """Recompute every result; leave with 1 if anything differs."""
-    from dashpot.extensions.projects.project import open_project  # a page of help does without
+    """Recompute every result; exit with code 1 if anything differs."""
+    from dashpot.extensions.projects.project import open_project  # not needed for --help
     from dashpot.extensions.projects.verification import verify
 
     paths = find_partial_files(project)
@@ -90,15 +90,15 @@ def command(*, project: str, expect: str | None) -> CommandResult:
     )
 
 
-def _make_cleanup_result(folder: str, remaining: list[str]) -> CommandResult:
-    """Return the result for a folder that is no project."""
+def _make_cleanup_result(folder: str, partial_files: list[str]) -> CommandResult:
+    """Return the result for a folder that is not a project."""
     from dashpot.extensions.projects.verification import check_half_written_files
 
     check = check_half_written_files(Path(folder))
     verification = Verification(folder, "", (check,))
-    did = "left" if check.failed else "cleared"
-    removed_text = f"{format_count(len(remaining), 'half-written file')} {did}"
-    text = Text([f"{did} {name}" for name in remaining], [])
+    action = "left" if check.failed else "cleared"
+    removed_text = f"{format_count(len(partial_files), 'half-written file')} {action}"
+    text = Text([f"{action} {name}" for name in partial_files], [])
     return CommandResult(
         verification, text, (check,), verdict=verdict((check,), headline=removed_text)
     )

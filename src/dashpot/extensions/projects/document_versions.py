@@ -245,7 +245,7 @@ def name_present_schema(schema: str) -> str:
 def convert_document(document: Any) -> Any:
     """Return a document, or part of one, under the present keys, schemas and names of checks.
 
-    A digest of a former version is left out: what it was computed from is no longer there.
+    A digest of a former version is omitted: its input no longer exists.
     """
     return _convert(document, "", "", is_former=False)
 

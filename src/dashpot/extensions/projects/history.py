@@ -2,7 +2,7 @@
 
 ``history.jsonl`` only grows, by one write for each line, and the hash of a line is that of its
 bytes up to the hash. ``history.head`` says how many lines were written and the hash of the last, so
-that what was cut off the end is missed; while a line is written it announces that one, too.
+that what was cut off the end is missed; while a line is written it counts that one as well.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class HistoryLine:
     Attributes
     ----------
     operation, time, user : str
-        What was done, when (UTC), by whom.
+        Command, time (UTC) and user.
     job : dict
         The document of the :class:`~dashpot.workflow.job.Job`.
     inputs, outputs : tuple of FileEntry
@@ -73,25 +73,25 @@ class History:
     ----------
     lines : tuple of HistoryLine
         The whole ones.
-    intact : tuple of bool
-        Whether each is as it was written, in its place.
-    torn : bytes
-        What follows them: a line that was cut short.
-    written : int
-        How many lines there once were, by ``history.head``.
+    is_intact : tuple of bool
+        Whether each line is unchanged and in its place.
+    incomplete_line : bytes
+        An incomplete line after them.
+    recorded_count : int
+        Number of written lines, by ``history.head``.
     head : str
-        The hash of the last line there was, by ``history.head``; empty if it says nothing.
-    announced : str
-        The hash of a line that was about to be written, by ``history.head``.
+        Hash of the last written line, by ``history.head``; empty if unknown.
+    announced_hash : str
+        Hash of a line that was about to be written, by ``history.head``.
     """
 
     lines: tuple[HistoryLine, ...] = ()
-    intact: tuple[bool, ...] = ()
-    torn: bytes = b""
-    written: int = 0
+    is_intact: tuple[bool, ...] = ()
+    incomplete_line: bytes = b""
+    recorded_count: int = 0
     head: str = ""
-    announced: str = ""
-    raw: tuple[bytes, ...] = field(default=(), repr=False)
+    announced_hash: str = ""
+    raw_lines: tuple[bytes, ...] = field(default=(), repr=False)
 
     @property
     def last(self) -> str:
@@ -101,15 +101,15 @@ class History:
     @property
     def is_truncated(self) -> bool:
         """Whether lines were cut off its end."""
-        has_all_lines = self.written <= len(self.lines)
+        has_all_lines = self.recorded_count <= len(self.lines)
         return not (has_all_lines and self.head in {"", *(line.hash for line in self.lines)})
 
     @property
     def has_matching_head(self) -> bool:
-        """Whether ``history.head`` is of its last line: not lost, not older, not another's."""
+        """Whether ``history.head`` agrees with the last line."""
         last = (len(self.lines), self.last)
-        parts = (self.written, self.head)
-        return not self.lines or last in (parts, (self.written + 1, self.announced))
+        parts = (self.recorded_count, self.head)
+        return not self.lines or last in (parts, (self.recorded_count + 1, self.announced_hash))
 
 
 def get_log_path(folder: Path) -> Path:
@@ -118,7 +118,7 @@ def get_log_path(folder: Path) -> Path:
 
 
 def get_head_path(folder: Path) -> Path:
-    """Return the file that says how many lines were written, and the hash of the last."""
+    """Return the file with the number of written lines and the hash of the last."""
     return folder / "history.head"
 
 
@@ -131,20 +131,20 @@ def read_history(folder: Path) -> History:
         If a line is not one that dashpot writes.
     """
     try:
-        *raw, unfinished_line = get_log_path(folder).read_bytes().split(b"\n")
+        *raw_lines, unfinished_line = get_log_path(folder).read_bytes().split(b"\n")
     except FileNotFoundError:
-        raw, unfinished_line = [], b""
-    if unfinished_line and _is_whole(unfinished_line, raw):  # only its line end is lost
-        raw, unfinished_line = [*raw, unfinished_line], b""
-    lines = [_parse_line(text, number) for number, text in enumerate(raw, start=1)]
+        raw_lines, unfinished_line = [], b""
+    if unfinished_line and _is_whole(unfinished_line, raw_lines):  # only its line end is lost
+        raw_lines, unfinished_line = [*raw_lines, unfinished_line], b""
+    lines = [_parse_line(text, number) for number, text in enumerate(raw_lines, start=1)]
     previous_hashes = [GENESIS, *(line.hash for line in lines)]
-    intact = tuple(
+    is_intact = tuple(
         _has_valid_hash(text, line.hash) and (line.previous, line.line) == (previous, number)
         for number, (line, text, previous) in enumerate(
-            zip(lines, raw, previous_hashes, strict=False), 1
+            zip(lines, raw_lines, previous_hashes, strict=False), 1
         )
     )
-    return History(tuple(lines), intact, unfinished_line, *_read_head(folder), tuple(raw))
+    return History(tuple(lines), is_intact, unfinished_line, *_read_head(folder), tuple(raw_lines))
 
 
 def append(folder: Path, content: dict[str, Any]) -> str:
@@ -158,11 +158,12 @@ def append(folder: Path, content: dict[str, Any]) -> str:
     history = read_history(folder)
     if history.is_truncated:
         raise DataError(
-            f"{get_log_path(folder)} has {len(history.lines)} lines where {history.written} were "
-            "written; put the file back from a copy before anything is added to it"
+            f"{get_log_path(folder)} has {len(history.lines)} lines where "
+            f"{history.recorded_count} were written; put the file back from a copy before "
+            "anything is added to it"
         )
     file = get_log_path(folder)
-    all_lines = b"".join(line + b"\n" for line in history.raw)
+    all_lines = b"".join(line + b"\n" for line in history.raw_lines)
     # an operation that was cut short never happened; its half line must not stay
     if file.exists() and file.read_bytes() != all_lines:
         write_atomic(file, all_lines)
@@ -198,7 +199,7 @@ def _format_line_end(line_hash: str) -> bytes:
 
 
 def _has_valid_hash(text: bytes, line_hash: str) -> bool:
-    """Return whether the bytes of a line are those that its hash is of."""
+    """Return whether the bytes of a line agree with its hash."""
     if (
         text.endswith(_format_line_end(line_hash))
         and sha256(text.removesuffix(_format_line_end(line_hash))) == line_hash
@@ -211,8 +212,8 @@ def _has_valid_old_hash(text: bytes, line_hash: str) -> bool:
     """Return the same for a line of the second edition, hashed by its sorted content."""
     entry = json.loads(text)
     entry_without_hash = {key: value for key, value in entry.items() if key != "hash"}
-    ordered = json.dumps(entry_without_hash, sort_keys=True, ensure_ascii=False)
-    is_same = sha256(ordered.encode("utf-8", "surrogatepass")) == line_hash
+    sorted_text = json.dumps(entry_without_hash, sort_keys=True, ensure_ascii=False)
+    is_same = sha256(sorted_text.encode("utf-8", "surrogatepass")) == line_hash
     return is_same and json.dumps(entry).encode() == text
 
 
@@ -257,8 +258,8 @@ def _read_head(folder: Path) -> tuple[int, str, str]:
         return 0, "", ""
     if match is None:
         raise ReadError(f"{get_head_path(folder)} is not as dashpot writes it: it was changed")
-    count, head, announced = (part.decode() for part in match.groups(b""))
-    return int(count), head, announced
+    count, head, announced_hash = (part.decode() for part in match.groups(b""))
+    return int(count), head, announced_hash
 
 
 def _get_user() -> str:

@@ -13,8 +13,8 @@
       history.head      how many lines that are, and the hash of the last
       .lock             held while dashpot writes here
 
-A file is written beside its place and moved there; the line of history comes last, in one write.
-So dashpot may be killed at any point: what has no line of history has not happened.
+A file is written beside its place and moved there; the line of history comes last, in one write. So
+dashpot may be killed at any point: only runs with a line of history count.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Project:
 
 
 def create(folder: str | Path) -> Project:
-    """Return the project in `folder`, made if there is none.
+    """Return the project in `folder`, created if there is none.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def open_project(folder: str | Path) -> Project:
 
 
 def open_last_job(folder: str | Path) -> tuple[Job, Callable[[str], Path]]:
-    """Return the job of the last line of a project's history, and what finds the files it names.
+    """Return the job of the last line of a project's history, and a function that finds its files.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def open_last_job(folder: str | Path) -> tuple[Job, Callable[[str], Path]]:
     history = read_history(project.folder)
     if not history.lines:
         raise DataError(f"{folder} is a project without a result: open its files by hand")
-    if not all(history.intact):
+    if not all(history.is_intact):
         raise DataError(
             f"the history of {folder} is not as dashpot wrote it: 'dashpot verify' says where"
         )
@@ -201,7 +201,7 @@ def get_result_name(job: Mapping[str, Any], result: bytes) -> str:
 
 
 def list_contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
-    """Return what a project keeps of a study, by place without the name of the result."""
+    """Return the files that a project stores of a study, by path without the name of the result."""
     fits = {"fit": study.fit, "joint": study.joint}
     return {
         "records/.json": json.dumps(
@@ -248,14 +248,14 @@ class ResultNumbers(Serialisable):
 
 def select_numbers(document: dict[str, Any]) -> dict[str, Any]:
     """Return a result's document without its sampled arrays and its texts."""
-    dropped = {
+    dropped_keys = {
         "predicted", "measured", "profiles", "checks", "source", "steps", "verdict", "message",
     }  # fmt: skip
-    return {key: value for key, value in document.items() if key not in dropped}
+    return {key: value for key, value in document.items() if key not in dropped_keys}
 
 
 def make_profiles(job: Job) -> dict[str, bytes]:
-    """Return the reading profiles of a job, where the user said anything, by their place."""
+    """Return the reading profiles of a job with stated options, by their path."""
     profile_names = {dump_profile(options) for options in (job.reading, job.reading_impact)}
     texts = [text.encode() for text in sorted(profile_names - {dump_profile(ReadOptions())})]
     return {f"profiles/{sha256(text)[:NAME]}.toml": text for text in texts}
@@ -296,11 +296,11 @@ def _keep(project: Project, path: str) -> str:
     source = open_raw(path)
     content = b"".join(source.blocks())
     file_name = Path(source.name)
-    raw = project.folder / "raw"
-    raw.mkdir(exist_ok=True)
-    target = raw / file_name
+    raw_folder = project.folder / "raw"
+    raw_folder.mkdir(exist_ok=True)
+    target = raw_folder / file_name
     if target.exists() and target.read_bytes() != content:
-        target = raw / f"{file_name.stem}-{sha256(content)[:NAME]}{file_name.suffix}"
+        target = raw_folder / f"{file_name.stem}-{sha256(content)[:NAME]}{file_name.suffix}"
     if not target.exists():
         write_atomic(target, content)
     elif target.read_bytes() != content:

@@ -25,7 +25,7 @@ _ADDED = frozenset(
 )
 """Keys that a document of the first version may lack."""
 _LABELS = frozenset({"schema", "id", "digest", "message"})
-"""Keys that name a document, or word it, and hold no number of it."""
+"""Keys of names and texts, without numbers of the document."""
 
 
 def split_common(earlier_document: Any, second: Any) -> tuple[Any, Any, dict[str, tuple[Any, Any]]]:

@@ -75,17 +75,19 @@ def verify(
     history = read_history(project.folder)
     new_checks = [
         verification_checks.history_present(len(history.lines)),
-        verification_checks.history_complete(len(history.lines), torn=bool(history.torn)),
+        verification_checks.history_complete(
+            len(history.lines), has_incomplete_line=bool(history.incomplete_line)
+        ),
         verification_checks.history_whole(
             len(history.lines),
-            history.written,
-            shortened=history.is_truncated,
-            headed=history.has_matching_head,
+            history.recorded_count,
+            is_truncated=history.is_truncated,
+            has_matching_head=history.has_matching_head,
         ),
     ]
     if expect is not None:
         new_checks.append(_check_expected_hash(history, expect))
-    for line, intact in zip(history.lines, history.intact, strict=True):
+    for line, intact in zip(history.lines, history.is_intact, strict=True):
         new_checks.append(verification_checks.history_unchanged(line.line, is_unchanged=intact))
         files = [_verify_file(project, entry, line.line) for entry in (*line.inputs, *line.outputs)]
         new_checks += files
@@ -137,9 +139,9 @@ def _compare_with_rerun(
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")
     input_files = {*list_paths(job), *make_profiles(job)}
-    unlisted = sorted(input_files - {entry.file for entry in (*line.inputs, *line.outputs)})
-    if unlisted:
-        return [verification_checks.inputs_listed(unlisted, line.line)]
+    unlisted_files = sorted(input_files - {entry.file for entry in (*line.inputs, *line.outputs)})
+    if unlisted_files:
+        return [verification_checks.inputs_listed(unlisted_files, line.line)]
     rerun_files = list_contents(run(resolve_job_paths(project, job)), page)
     recorded_files = {
         _get_file_kind(output.file): resolve_project_path(project, output.file).read_bytes()
@@ -236,22 +238,22 @@ def _compare_with_former(
             faults.append(f"the result and its {name}.json hold different fits")
     if faults:
         return [verification_checks.result_recomputed(float("inf"), faults[0], line.line)]
-    worst, location, revised = 0.0, "", set()
+    worst, location, revised_keys = 0.0, "", set()
     for file_key, earlier_document in written_documents.items():
-        old, new, differing = split_common(
+        old, new, revised_values = split_common(
             earlier_document, select_numbers(json.loads(new_files[file_key]))
         )
         worst, location = max((worst, location), find_largest_difference(old, new, file_key))
-        revised |= {
+        revised_keys |= {
             name.rpartition(".")[2]
-            for name, (old_value, new_value) in differing.items()
+            for name, (old_value, new_value) in revised_values.items()
             if find_largest_difference(old_value, new_value)[0]
             > verification_checks.SAME_NUMBER_TOLERANCE
         }
     if worst == float("inf"):
         return [verification_checks.result_recomputed(worst, location, line.line)]
     version = line.software.get("dashpot", "another version")
-    reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised}
+    reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised_keys}
     return [
         verification_checks.former_result_recomputed(worst, location, line.line, version),
         verification_checks.uncertainty_unrevised(reasons, line.line, version),
@@ -274,22 +276,29 @@ def _compare_json(
 
 
 def find_largest_difference(
-    recorded: Any, recomputed: Any, location: str = ""
+    recorded_value: Any, recomputed: Any, location: str = ""
 ) -> tuple[float, str]:
     """Return the largest relative difference between two documents, and its place."""
-    if not (isinstance(recorded, dict | list) and isinstance(recomputed, type(recorded))):
+    if not (
+        isinstance(recorded_value, dict | list) and isinstance(recomputed, type(recorded_value))
+    ):
         compute = (
             _compute_gap_difference if location.endswith(".gap") else _compute_relative_difference
         )
-        return compute(recorded, recomputed), f"{location} was {recorded!r} and is {recomputed!r}"
+        return compute(
+            recorded_value, recomputed
+        ), f"{location} was {recorded_value!r} and is {recomputed!r}"
     if location.endswith("model.arms"):
-        recorded, recomputed = _merge_coincident_arms(recorded), _merge_coincident_arms(recomputed)
+        recorded_value, recomputed = (
+            _merge_coincident_arms(recorded_value),
+            _merge_coincident_arms(recomputed),
+        )
     recorded_parts, recomputed_parts = (
-        list_children(recorded, location),
+        list_children(recorded_value, location),
         list_children(recomputed, location),
     )
     if recorded_parts.keys() != recomputed_parts.keys():
-        difference_text = "other keys" if isinstance(recorded, dict) else "another length"
+        difference_text = "other keys" if isinstance(recorded_value, dict) else "another length"
         return float("inf"), f"{location or 'the document'} has {difference_text}"
     pairs = (
         find_largest_difference(
@@ -311,17 +320,17 @@ def _merge_coincident_arms(arms: Any) -> Any:
     is_list = isinstance(arms, list)
     if not is_list or not all(isinstance(arm, dict) and keys <= arm.keys() for arm in arms):
         return arms
-    merged: list[Any] = []
+    merged_arms: list[Any] = []
     for arm in arms:
-        last = merged[-1] if merged else {"tau": None}
+        last_arm = merged_arms[-1] if merged_arms else {"tau": None}
         if (
-            _compute_relative_difference(last["tau"], arm["tau"])
+            _compute_relative_difference(last_arm["tau"], arm["tau"])
             > verification_checks.SAME_NUMBER_TOLERANCE
         ):
-            merged.append(arm)
+            merged_arms.append(arm)
         else:
-            merged[-1] = last | {key: last[key] + arm[key] for key in ("k", "b")}
-    return merged
+            merged_arms[-1] = last_arm | {key: last_arm[key] + arm[key] for key in ("k", "b")}
+    return merged_arms
 
 
 def _compute_relative_difference(text: Any, other_value: Any) -> float:
@@ -358,7 +367,7 @@ def _is_number(value: Any) -> bool:
 def is_same_page(content: bytes, other_content: bytes) -> bool:
     """Return whether two pages are equal but for the rounding of a last digit.
 
-    The files inside a page are compared as what they are.
+    The files inside a page are compared by their type.
     """
     if content == other_content:
         return True
@@ -372,7 +381,7 @@ def is_same_page(content: bytes, other_content: bytes) -> bool:
 
 
 def _decode_embedded_files(page: str) -> str:
-    """Return a page with the files that its links hold as text."""
+    """Return a page with the files embedded in its links as text."""
     return re.sub(
         r"(?<=;base64,)[A-Za-z0-9+/=]+",
         lambda link: base64.b64decode(link[0]).decode(errors="backslashreplace"),
@@ -387,11 +396,11 @@ def _is_same_text(text: str, other_text: str) -> bool:
     """Return whether two texts are equal but for the last printed digit of their numbers."""
     if text == other_text:
         return True
-    before, after = _NUMBER.split(text), _NUMBER.split(other_text)
-    return before[::2] == after[::2] and all(
+    parts, other_parts = _NUMBER.split(text), _NUMBER.split(other_text)
+    return parts[::2] == other_parts[::2] and all(
         # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
         a == b or _is_rounded(a, b)
-        for a, b in zip(before[1::2], after[1::2], strict=True)
+        for a, b in zip(parts[1::2], other_parts[1::2], strict=True)
     )
 
 
@@ -407,7 +416,7 @@ def _is_rounded(a: str, b: str) -> bool:
 
 
 def _get_last_digit_unit(number: str) -> float:
-    """Return what one unit of the last digit of a printed number is.
+    """Return the value of one unit in the last digit of a printed number.
 
     >>> [_get_last_digit_unit(number) for number in ("12.70", "-3e-05", "40")]
     [0.01, 1e-05, 1.0]

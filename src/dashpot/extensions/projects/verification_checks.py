@@ -9,7 +9,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 SAME_NUMBER_TOLERANCE = 1e-6
 """Relative difference up to which a number that was computed again is the same."""
 MAX_LISTED = 20
-"""Files that a sentence names before it counts the rest."""
+"""Largest number of files named in a sentence."""
 
 
 @criterion("lines of history", ">=", 1, "by definition", grade="stop")
@@ -24,38 +24,40 @@ def history_present(lines: int) -> Finding:
 
 
 @criterion(source="a note: an interrupted step is not counted", grade="note")
-def history_complete(lines: int, *, torn: bool) -> Finding:
+def history_complete(lines: int, *, has_incomplete_line: bool) -> Finding:
     """The last line of the history is complete."""
     return Finding(
         f"The history ends with line {lines}, whole",
         failure=f"A line after line {lines} of the history was cut short. That operation did not "
         "happen",
         remedy="Repeat that operation.",
-        always_fails=torn,
+        always_fails=has_incomplete_line,
     )
 
 
 @criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
-def history_whole(lines: int, written_lines: int, *, shortened: bool, headed: bool) -> Finding:
+def history_whole(
+    lines: int, written_lines: int, *, is_truncated: bool, has_matching_head: bool
+) -> Finding:
     """No line is missing from the end of the history."""
     if not lines and not written_lines:
         return Finding("The history has no line that its head could be of")
     state_text = (
         "is missing" if not written_lines else f"is older: it is of line {written_lines} of {lines}"
     )
-    instead = f"history.head {state_text}, so lines cut off the end would not be seen"
-    if shortened:
-        instead = f"The history has {lines} of {written_lines} lines"
+    reason = f"history.head {state_text}, so lines cut off the end would not be seen"
+    if is_truncated:
+        reason = f"The history has {lines} of {written_lines} lines"
         if lines >= written_lines:
-            instead = (
+            reason = (
                 f"Line {written_lines} of the history is another than history.head was written for"
             )
     return Finding(
         "No line is missing at the end of the history",
-        max(written_lines - lines, 1) if shortened else int(not headed),
-        failure=instead,
+        max(written_lines - lines, 1) if is_truncated else int(not has_matching_head),
+        failure=reason,
         remedy="Restore history.jsonl from a copy."
-        if shortened
+        if is_truncated
         else "Restore history.head from a copy, and compare the last hash with one that you noted.",
     )
 
@@ -104,25 +106,29 @@ def inputs_listed(files: Sequence[str], number: int) -> Finding:
 
 
 @criterion("files", "<=", 0, "a note: a run that was killed leaves some", grade="note")
-def files_listed(unlisted: Sequence[str]) -> Finding:
+def files_listed(unlisted_files: Sequence[str]) -> Finding:
     """Every file in the project's folder is in its history."""
-    more_text = "" if len(unlisted) <= MAX_LISTED else f" and {len(unlisted) - MAX_LISTED} more"
+    more_text = (
+        "" if len(unlisted_files) <= MAX_LISTED else f" and {len(unlisted_files) - MAX_LISTED} more"
+    )
     return Finding(
         "Every file is in the history",
-        len(unlisted),
-        failure=f"The history does not list {', '.join(unlisted[:MAX_LISTED])}{more_text}",
+        len(unlisted_files),
+        failure=f"The history does not list {', '.join(unlisted_files[:MAX_LISTED])}{more_text}",
         remedy="Move them out of the project, if they do not belong there.",
     )
 
 
 @criterion("files", "<=", 0, "a note: they hold nothing that was finished", grade="note")
-def nothing_half_written(remaining: Sequence[str]) -> Finding:
+def nothing_half_written(partial_files: Sequence[str]) -> Finding:
     """No incomplete file of an interrupted run is left."""
-    more_text = "" if len(remaining) <= MAX_LISTED else f" and {len(remaining) - MAX_LISTED} more"
+    more_text = (
+        "" if len(partial_files) <= MAX_LISTED else f" and {len(partial_files) - MAX_LISTED} more"
+    )
     return Finding(
         "Runs that were killed left no half-written file",
-        len(remaining),
-        failure=f"Runs that were killed left {', '.join(remaining[:MAX_LISTED])}{more_text}",
+        len(partial_files),
+        failure=f"Runs that were killed left {', '.join(partial_files[:MAX_LISTED])}{more_text}",
         remedy=Remedy("Clear them.", "overwrite"),
     )
 
@@ -145,12 +151,12 @@ def file_unchanged(file: str, number: int, *, is_same: bool) -> Finding:
     "our choice: below what is printed",
     grade="stop",
 )
-def result_recomputed(worst: float, location: str, number: int) -> Finding:
+def result_recomputed(largest_difference: float, location: str, number: int) -> Finding:
     """Every result can be recomputed from its raw files."""
     result = f"The result of line {number}, computed again from its raw files, "
     return Finding(
-        f"{result}is the same (largest relative difference {worst:.2g})",
-        worst,
+        f"{result}is the same (largest relative difference {largest_difference:.2g})",
+        largest_difference,
         failure=f"{result}differs: {location}",
         remedy="Make the result again, and compare the versions.",
     )
@@ -159,15 +165,17 @@ def result_recomputed(worst: float, location: str, number: int) -> Finding:
 @criterion(
     "relative difference", "<=", SAME_NUMBER_TOLERANCE, "as of `result_recomputed`", grade="limit"
 )
-def former_result_recomputed(worst: float, location: str, number: int, version: str) -> Finding:
+def former_result_recomputed(
+    largest_difference: float, location: str, number: int, version: str
+) -> Finding:
     """The model of an earlier version can be recomputed from the raw files of its result."""
     result = (
         f"The result of line {number}, made by dashpot {version} and computed again by this "
         "version,"
     )
     return Finding(
-        f"{result} has the same model (largest relative difference {worst:.2g})",
-        worst,
+        f"{result} has the same model (largest relative difference {largest_difference:.2g})",
+        largest_difference,
         failure=f"{result} has another number: {location}. Either this version computes it "
         "otherwise, or result and history were changed together",
         remedy="Make the result again, and use the new one.",
@@ -189,7 +197,7 @@ def uncertainty_unrevised(reasons: Mapping[str, str], number: int, version: str)
 
 @criterion("parts that differ", "<=", 0, "by definition", grade="stop")
 def page_redrawn(number: int, *, is_same_page: bool, is_same: bool) -> Finding:
-    """Every report shows what its result says."""
+    """Every report agrees with its result."""
     page = f"The report of line {number}"
     if not is_same:
         return Finding(f"{page} was made by other versions, so its words are not checked")

@@ -30,7 +30,7 @@ def adams(
     r"""K(s)/k_inf as a transfer function, or a bushing property file at one frequency.
 
     ``"bus"`` is a property file of a bushing along x: a force curve of the slope K' and the damping
-    K''/omega at the frequency `nominal`. It is right at that frequency alone.
+    K''/omega at the frequency `nominal`. It is exact only at that frequency.
 
     ``"transfer-function"`` is for frequency-dependent bushings. Such a bushing takes a linear
     stiffness times a displacement transfer function:
@@ -67,9 +67,9 @@ def adams(
             "export the state space instead"
         )
     time = deck.units.words[2]
-    merged = parallel(deck.model)  # arms of equal time are one factor
-    lam = [value / deck.units.time for value in creep_of(merged).lam]
-    tau = [value / deck.units.time for value in merged.tau]
+    merged_model = parallel(deck.model)  # arms of equal time are one factor
+    lam = [value / deck.units.time for value in creep_of(merged_model).lam]
+    tau = [value / deck.units.time for value in merged_model.tau]
     return deck.format_text(
         "$",
         "transfer function K(s) / k_inf of a frequency-dependent bushing",

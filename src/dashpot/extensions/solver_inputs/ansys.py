@@ -92,7 +92,7 @@ def _write_table(
             cards += _real_constant(deck, number, tables[-1])
     for i, station in enumerate(row.stations):
         for node in row.nodes(i, first_id):
-            words = [text(value) for value in (*station.place, *compute_rotation(station.frame))]
+            words = [text(value) for value in (*station.position, *compute_rotation(station.frame))]
             cards.append(f"N,{node},{','.join(words)}")
     for i, station in enumerate(row.stations):
         a, b = row.nodes(i, first_id)
@@ -105,7 +105,7 @@ def _write_table(
         [*cards, "FINISH"],
         verified=VERIFICATION_NOTE,
         remarks=[
-            *row.remarks,
+            *row.comments,
             row.format_node_numbering(first_id),
             "K and CV1 are tables of FREQ: for full harmonic analyses",
             "the nodes are rotated: UX, UY and UZ are normal to the line, across it and along it;",

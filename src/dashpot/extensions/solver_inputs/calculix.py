@@ -55,9 +55,9 @@ def calculix(
     ``*FREQUENCY`` and ``*STATIC``: one at the origin, or up to three at each station of a line.
     ccx has no spring whose stiffness depends on frequency.
 
-    With a mass the deck is complete and runs as it stands: the mass on the solid under a unit
-    force, its displacement printed as a real and an imaginary block at each frequency, that is,
-    the receptance. Without one it is the network alone, to be included.
+    With a mass the deck is complete and runs without changes: the mass on the solid under a unit
+    force, its displacement printed as a real and an imaginary block at each frequency, that is, the
+    receptance. Without one, only the network, to be included in a model.
 
     Sliders are blocks of a perfectly plastic material in simple shear, for ``*STATIC`` and
     ``*DYNAMIC`` steps; ccx has no spring that slips. A mass is then refused: the steady-state
@@ -156,7 +156,7 @@ def _write_springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) ->
         verified=RUN,
         nominal=nominal,
         remarks=[
-            *row.remarks,
+            *row.comments,
             row.format_node_numbering(first_id),
             f"stiffness of {nominal:.6g} Hz, for *FREQUENCY and *STATIC: ccx knows no loss factor",
             f"of a spring, and the seal's is {eta.imag / eta.real:.4g} there",

@@ -17,10 +17,10 @@ def fmu(
     *,
     mass: Quantity | None = None,
 ) -> DeckText:
-    r"""FMU of a mount, or of a mass on it: FMI 2.0 (``"fmi2"``) or 3.0, both kinds of each.
+    r"""FMU of a mount or of a mass on it, FMI 2.0 or 3.0: Model Exchange and Co-Simulation.
 
-    The mount takes displacement and velocity and answers with the force; with a mass the FMU
-    takes the force on it and answers with its motion. A step of Co-Simulation is exact where the
+    The inputs of a mount are displacement and velocity, its output is the force; with a mass the
+    input is the force on it and the output its motion. A step of Co-Simulation is exact where the
     input is a straight line over the step, and its output belongs to the end of the step:
 
     .. math::
@@ -28,14 +28,15 @@ def fmu(
         F(t+h) = k_\infty x(t+h) + b u + \sum_j k_j \left[e_j(t) E_j + u \tau_j (1 - E_j)\right],
         \quad u = \frac{x(t+h) - x(t)}{h}, \quad E_j = e^{-h/\tau_j}
 
-    The line begins where the last one ended and ends at the input plus its rate times h. So set the
-    displacement of the beginning with the velocity of the step, or that of the end and no velocity:
-    both have no step of lag. The displacement of the beginning alone lags by a step. A sine
-    of frequency f sampled so has the amplitude :math:`\operatorname{sinc}^2 (f h)`.
+    The line starts at the end of the last one and ends at the input plus its rate times h. So set
+    the displacement at the start of the step with the velocity, or the displacement at its end
+    without a velocity: neither has a delay. The displacement at the start without a velocity delays
+    the output by a step. A sine of frequency f sampled so has the amplitude
+    :math:`\operatorname{sinc}^2 (f h)`.
 
     The returned text is ``sources/model.h``, and ``file_content`` the archive, with binaries where
     the package ziglang is installed (``pip install dashpot[fmu]``). Parameters have units and
-    limits; their intervals of 95 % stand in their descriptions.
+    limits; their 95 % intervals are in their descriptions.
 
     Parameters
     ----------

@@ -133,7 +133,7 @@ def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     cards = ["*KEYWORD", "*NODE"]
     for i, station in enumerate(row.stations):
         coordinates_text = "".join(
-            f"{format_fixed_width(value, 16):>16}" for value in station.place
+            f"{format_fixed_width(value, 16):>16}" for value in station.position
         )
         cards += [f"{node:>8}{coordinates_text}" for node in row.nodes(i, first_id)]
     vectors = {
@@ -170,7 +170,7 @@ def _write_line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         [*cards, "*END"],
         verified=VERIFICATION_NOTE,
         remarks=[
-            *row.remarks,
+            *row.comments,
             row.format_node_numbering(first_id),
             "fields of nine columns hold five digits or more; discrete elements add no mass",
             "forces act normal to the line, across it and along it, wherever the nodes go",

@@ -79,7 +79,7 @@ def modelica(
 
 
 def _format_factor(si: float) -> str:
-    """Return a unit in SI as a factor, and nothing where it is one."""
+    """Return the factor of a unit to SI; empty if it is 1."""
     return "" if si == 1 else f"{text(si)}*".replace(".*", ".0*")
 
 

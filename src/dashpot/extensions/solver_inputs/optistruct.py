@@ -58,9 +58,9 @@ def optistruct(
         )
         return text
     terms = deck.prony
-    of_material = deck.linear_fit is not None and deck.linear_fit.unit == "Pa"
+    is_material = deck.linear_fit is not None and deck.linear_fit.unit == "Pa"
     if len(terms) > _MAX_TERMS:
-        other = "" if of_material else ", or use --form table"
+        other = "" if is_material else ", or use --form table"
         raise ExportError(
             f"MATVE holds {_MAX_TERMS} terms, and the model has {len(terms)} arms: fit "
             f"fewer (dashpot fit FILE --arms {_MAX_TERMS}){other}"

@@ -1,4 +1,4 @@
-"""What to do for solvers that users name and for which nothing is written."""
+"""Advice for solvers without an export."""
 
 UNCHECKED = (
     "Nothing is written for it, as nothing here could check it. --to csv writes the arms as a "

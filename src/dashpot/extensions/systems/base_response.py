@@ -138,7 +138,7 @@ def random_limits(
     modes = model_modes(model, mass)
     grid, lines = _place_lines(f, modes), _place_lines(f[[0, -1]], modes, _LIMIT_LINES)
     S = _interpolate_density(grid, f, table)
-    carried, relative = _compute_base_ratios(model, mass, 2 * np.pi * grid, coupled)
+    transmissibility, relative = _compute_base_ratios(model, mass, 2 * np.pi * grid, coupled)
     per_force = limits(lines, Kind.ACCELERANCE) / (2 * np.pi * lines) ** 2
 
     def reach(limits: FloatArray, nominal: ComplexArray) -> tuple[float, float]:
@@ -150,7 +150,7 @@ def random_limits(
         return small, larger
 
     return RandomLimits(
-        reach(limits(lines, Kind.TRANSMISSIBILITY), carried),
+        reach(limits(lines, Kind.TRANSMISSIBILITY), transmissibility),
         reach((mass + coupled) * per_force, relative),
         (float(f[0]), float(f[-1])),
     )
@@ -193,7 +193,10 @@ def random_response(
         As :func:`random_base`; or if a body is held in a motion in which the ground shakes, or
         nothing holds it.
     """
-    follow, participation = _get_rigid_motion(system, base, along), system.participation(response)
+    rigid_motion, participation = (
+        _get_rigid_motion(system, base, along),
+        system.participation(response),
+    )
     if frequency is None:
         density = float(np.asarray(psd, dtype=float))
         if not (np.isfinite(density) and density >= 0):
@@ -203,20 +206,20 @@ def random_response(
                 "the arms of a part reach over more than ten decades of time, too many for white "
                 "noise of the base; give a psd over frequencies"
             )
-        return _compute_white_response(system, follow, participation, density)
+        return _compute_white_response(system, rigid_motion, participation, density)
     f, table = _read_table(frequency, psd)
     modes = complex_modes(system)
     lines = _place_lines(f, [m for m in modes if m.oscillates])
     S = _interpolate_density(lines, f, table)
-    s, push = 2j * np.pi * lines, system.mass_matrix @ follow
+    s, push = 2j * np.pi * lines, system.mass_matrix @ rigid_motion
     values = np.zeros(len(lines), dtype=complex)
     for mode in modes:
         gain = complex((participation @ mode.shape) * (mode.shape @ push))
         values -= gain / (s - mode.pole)
         if mode.oscillates:
             values -= gain.conjugate() / (s - mode.pole.conjugate())
-    carried = participation @ follow + s**2 * values
-    return _integrate_response(lines, S, carried, values)
+    transmissibility = participation @ rigid_motion + s**2 * values
+    return _integrate_response(lines, S, transmissibility, values)
 
 
 def _has_wide_spectrum(solids: Iterable[Solid]) -> bool:
@@ -242,7 +245,7 @@ def _get_rigid_motion(system: System, base: str, along: Vector) -> FloatArray:
 
 
 def _compute_white_response(
-    system: System, follow: FloatArray, participation: FloatArray, density: float
+    system: System, rigid_motion: FloatArray, participation: FloatArray, density: float
 ) -> RandomResponse:
     """Return the response to white noise by the stable states of the first-order form.
 
@@ -254,8 +257,8 @@ def _compute_white_response(
     size = np.ones(len(A))  # velocities in units in which they are as large as displacements
     size[n : 2 * n] = np.sqrt(np.abs(A[n : 2 * n, :n]).max())
     scaled_matrix = A * size / size[:, None]
-    pushed = np.zeros(len(A))
-    pushed[n : 2 * n] = -follow / size[n : 2 * n]
+    input_vector = np.zeros(len(A))
+    input_vector[n : 2 * n] = -rigid_motion / size[n : 2 * n]
     tolerance = _RIGID_RATIO * float(np.linalg.norm(scaled_matrix, ord=np.inf))
 
     def dies_away(re: float, im: float) -> bool:
@@ -263,16 +266,16 @@ def _compute_white_response(
         return re < -_UNDAMPED * magnitude and magnitude > tolerance  # a slow arm dies away slowly
 
     triangle, basis, count = schur(scaled_matrix, sort=dies_away)
-    if np.abs(basis[:, count:].T @ pushed).max(initial=0.0) > _ROUNDING_STRETCH * np.linalg.norm(
-        pushed
-    ):
+    if np.abs(basis[:, count:].T @ input_vector).max(
+        initial=0.0
+    ) > _ROUNDING_STRETCH * np.linalg.norm(input_vector):
         ratio = np.abs(np.linalg.eigvals(triangle[count:, count:])).min() / (2 * np.pi)
         raise DataError(
             "white noise of the base has no finite answer: a model without k_inf drifts away, or "
             f"nothing damps a motion that it shakes, at {ratio:.4g} Hz; give that part a damping, "
             "or a psd over frequencies"
         )
-    stable, stable_input = basis[:, :count], basis[:, :count].T @ pushed
+    stable, stable_input = basis[:, :count], basis[:, :count].T @ input_vector
     inner = triangle[:count, :count]
     variance = solve_continuous_lyapunov(inner, -density / 2 * np.outer(stable_input, stable_input))
     P = np.outer(size, size) * (stable @ variance @ stable.T)
@@ -331,12 +334,12 @@ def _interpolate_density(frequency: FloatArray, f: FloatArray, table: FloatArray
 
 
 def _integrate_response(
-    f: FloatArray, S: FloatArray, carried: ComplexArray, relative: ComplexArray
+    f: FloatArray, S: FloatArray, transmissibility: ComplexArray, relative: ComplexArray
 ) -> RandomResponse:
     """Return the response from transmissibility, and relative motion per acceleration."""
     change = np.abs(relative) ** 2
     return _make_response(
-        float(np.trapezoid(np.abs(carried) ** 2 * S, f)),
+        float(np.trapezoid(np.abs(transmissibility) ** 2 * S, f)),
         float(np.trapezoid(change * S, f)),
         float(np.trapezoid((2 * np.pi * f) ** 2 * change * S, f)),
     )

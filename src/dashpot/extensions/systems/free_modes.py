@@ -1,4 +1,4 @@
-"""Elastic modes of a body that nothing holds."""
+"""Elastic modes of a free body."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
 _RIGID_TOLERANCE = 1e-3
-"""Part of a shape that may be no rigid motion, and it is one."""
+"""Relative deviation of a shape from a rigid motion up to which it counts as rigid."""
 _NEIGHBOUR_COUNT = 8
 """Points among which the next ones to a place are looked for."""
 
@@ -81,7 +81,7 @@ class FreeModes(EqualByValue):
         )
 
     def evaluate_shapes(self, place: npt.ArrayLike) -> tuple[FloatArray, float]:
-        """Shapes at a place, shape (r, 3), and how far it lies from where they are known, m.
+        """Shapes at a point, shape (r, 3), and its distance from the nearest given point, m.
 
         Straight between the two neighbouring points whose connection passes nearest: exact at a
         point, and of second order between points along a line.
@@ -155,7 +155,7 @@ class FreeModes(EqualByValue):
 
 
 def _expand_damping_ratios(damping_ratio: npt.ArrayLike, count: int) -> FloatArray:
-    """Return the damping ratio of each of so many modes."""
+    """Return the damping ratio of each mode."""
     zeta = np.array(damping_ratio, dtype=float)
     zeta = np.full(count, zeta) if zeta.shape == () else zeta
     if zeta.shape != (count,) or not ((zeta >= 0) & (zeta < 1)).all():

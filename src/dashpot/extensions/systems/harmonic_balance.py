@@ -27,7 +27,7 @@ _SEARCH_GRID = np.log(10) * np.linspace(-7, 7, 1401)
 _SAMPLES = 256
 """Samples of a cycle in time; half as many are wrong by 0.03 %."""
 _MAX_CYCLES, _CLOSURE_TOLERANCE = 200, 1e-8
-"""Cycles at most until a loop closes, and what it may then still move, relatively."""
+"""Largest number of cycles until a loop closes, and its relative tolerance."""
 
 
 def with_friction(system: System) -> list[int]:
@@ -114,10 +114,10 @@ class BalanceEquation:
     omega: float
     stretch: ComplexArray
     compliance: ComplexArray
-    without: ComplexArray
-    spread: ComplexArray
+    frictionless_motion: ComplexArray
+    motion_per_force: ComplexArray
 
-    def pull(self, e: ComplexArray) -> ComplexArray:
+    def compute_friction_force(self, e: ComplexArray) -> ComplexArray:
         """First harmonic of the friction forces, N; what holds a stuck one still."""
         if not e.any():
             return np.asarray(np.linalg.solve(self.compliance, self.stretch))
@@ -131,14 +131,14 @@ class BalanceEquation:
         """Return the stable answer next to that of the line before; the smallest to begin with."""
         if len(self.stretch) > 1:
             return self._newton(previous_stretch)
-        answers = [answer for answer in self.all_answers() if self.is_stable(answer)]
+        answers = [answer for answer in self.find_all_solutions() if self.is_stable(answer)]
         if previous_stretch is None or not previous_stretch.any():
             return answers[0]
         return min(
             answers, key=lambda e: abs(np.log(max(abs(e[0]), 1e-300) / abs(previous_stretch[0])))
         )
 
-    def all_answers(self) -> list[ComplexArray]:
+    def find_all_solutions(self) -> list[ComplexArray]:
         """Return every stretch, the smallest first: |1 + C N(X)| X = |e_0| for the one mount."""
         from scipy.optimize import brentq  # costs an import that few need
 
@@ -194,7 +194,7 @@ class BalanceEquation:
 
     def _descend(self, e: ComplexArray) -> ComplexArray | None:
         def residual(e: ComplexArray) -> ComplexArray:
-            return np.asarray(e + self.compliance @ self.pull(e) - self.stretch)
+            return np.asarray(e + self.compliance @ self.compute_friction_force(e) - self.stretch)
 
         size = float(np.abs(self.stretch).max())
         return find_root_by_newton(residual, self._newton_step, e, size=size)

@@ -33,14 +33,14 @@ class LevelResponse(FrozenArrays):
     level : array, shape (n,)
         Amplitude of the force, N, or of the ground's motion, m.
     motion : complex array, shape (n,)
-        First harmonic of the place that was asked for, m.
+        First harmonic of the place that was requested, m.
     stretch : array, shape (mounts, n)
         Amplitude of the first harmonic over each mount with friction, m.
     stable : array of bool, shape (n,)
         Whether a small disturbance dies away: :math:`d|F|/dX > 0`. Determined for one mount with
         friction; for several every answer is one that was reached from its neighbour.
     harmonic : array, shape (n,)
-        Largest higher harmonic of a stretch over its first; 0 where only one was asked for.
+        Largest higher harmonic of a stretch over its first; 0 where only one was requested.
     """
 
     frequency: FloatArray
@@ -52,7 +52,7 @@ class LevelResponse(FrozenArrays):
 
     @property
     def amplitude(self) -> FloatArray:
-        """Amplitude of the motion asked for, m."""
+        """Amplitude of the motion requested, m."""
         return np.abs(self.motion)
 
     def frf(self, kind: Kind | str = Kind.ACCELERANCE) -> FRF:
@@ -121,12 +121,12 @@ def response_at_level(
     for hz, size in zip(f.tolist(), levels.tolist(), strict=True):
         line = subsystem.line(2 * np.pi * hz, size)
         answer = previous_stretch = line.solve_from_previous(previous_stretch)
-        third_harmonic, third_amplitude = line.pull(answer), 0.0
+        third_harmonic, third_amplitude = line.compute_friction_force(answer), 0.0
         if len(harmonics) > 1 and answer.any():
             answer, third_harmonic, third_amplitude = solve_several_harmonics(
                 subsystem, line, answer, harmonics
             )
-        motion = line.without - line.spread @ third_harmonic
+        motion = line.frictionless_motion - line.motion_per_force @ third_harmonic
         pairs.append(
             (
                 participation @ motion,
@@ -144,7 +144,7 @@ def response_at_level(
 def sweep_mass_at_level(
     solid: Solid, friction: AmplitudeDependent, *, mass: float, level: float, frequency: FloatArray
 ) -> LevelResponse:
-    """Return what an upward sweep shows of a mass, kg, on a solid under a force, N."""
+    """Return the response in an upward sweep of a mass, kg, on a solid under a force, N."""
     return response_at_level(
         System((point_mass("mass", mass),), (Mount(solid, ("mass", "ground"), friction=friction),)),
         response="mass.z",
@@ -165,8 +165,8 @@ def find_all_responses(
 ) -> LevelResponse:
     """Return every steady answer of one harmonic at a frequency and a level, the smallest first.
 
-    More than one where a resonance folds: then those that are not stable are never seen.
-    Parameters as for :func:`response_at_level`; for one mount with friction.
+    More than one where a resonance folds: a sweep never shows the unstable ones. Parameters as for
+    :func:`response_at_level`; for one mount with friction.
     """
     size = convert_to_si(level, "force" if force is not None else "length")
     hz = convert_to_si(frequency, "frequency")
@@ -177,9 +177,11 @@ def find_all_responses(
             "response_at_level follows one answer for several"
         )
     participation = system.participation(response)
-    answers = line.all_answers()
+    answers = line.find_all_solutions()
     motion = [
-        participation @ (line.without - line.spread @ line.pull(answer)) for answer in answers
+        participation
+        @ (line.frictionless_motion - line.motion_per_force @ line.compute_friction_force(answer))
+        for answer in answers
     ]
     count = len(answers)
     return LevelResponse(
@@ -199,7 +201,7 @@ class Backbone(FrozenArrays):
     Attributes
     ----------
     amplitude : array, shape (n,)
-        Amplitude of the stretch of the mount that was asked for, m.
+        Amplitude of the stretch of the mount that was requested, m.
     frequency : array, shape (n,)
         Natural frequency, Hz.
     damping_ratio : array, shape (n,)
@@ -223,7 +225,7 @@ def backbone(
     mode : int
         From 1, by rising frequency.
     mount : int
-        Which mount's stretch; the first that has friction where none is named.
+        Which mount's stretch; by default the first with friction.
     """
     without_friction = with_friction(system)
     mount = without_friction[0] if mount is None else mount

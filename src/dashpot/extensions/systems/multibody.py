@@ -125,18 +125,18 @@ class Mount:
     between : (str, str)
         Names of two bodies, or of a body and a ground.
     at : (float, float, float)
-        Where it is attached, m.
+        Attachment point, m.
     along : (float, float, float)
         The direction in which it acts; need not have length 1.
     rotary : bool
         True for a torsional mount about `along`: its solid is then in N m/rad.
     friction : AmplitudeDependent or None
-        What stands beside the solid and answers to amplitude: friction, stiffening, both.
+        Element in parallel to the solid that depends on amplitude: friction, stiffening, or both.
     amplitude : float or None
         Amplitude of the stretch, m (rad), at which every linear answer takes the friction; None
         leaves it to ``dashpot.systems.response_at_level``.
     name : str
-        Name of the part that it belongs to: those of one name share its energy.
+        Name of the part; mounts of one name are one part in the energy balance.
     """
 
     solid: Solid
@@ -157,7 +157,7 @@ class Mount:
 
     @property
     def linearised_solid(self) -> Solid:
-        """The linear solid that the mount is: its own, or what it is at the amplitude given.
+        """The linear solid of the mount, or its linearisation at the given amplitude.
 
         Raises
         ------
@@ -301,14 +301,13 @@ class System:
         return tuple(f"{ground}.{motion}" for ground in self.grounds for motion in MOTIONS)
 
     def with_modes(self, body: str, modes: FreeModes) -> System:
-        """Return the system with a body that bends, too.
+        """Return the system with an elastic body.
 
         Parameters
         ----------
         body : str
         modes : FreeModes
-            Its elastic modes, as it moves when nothing holds it; rigid ones are left out, since the
-            body's mass and inertia are there for them.
+            Its free elastic modes; rigid ones are omitted, since the body has mass and inertia.
         """
         if body not in [body.name for body in self.bodies]:
             names_text = ", ".join(body.name for body in self.bodies)
@@ -346,7 +345,7 @@ class System:
 
     @cached_property
     def springs(self) -> tuple[Mount | ModalSpring, ...]:
-        """The mounts, then what holds the modes of the bodies."""
+        """The mounts, then the springs of the modes of the bodies."""
         return (*self.mounts, *(spring for body in self.bodies for spring in body.springs))
 
     def spring_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
@@ -370,7 +369,7 @@ class System:
         Raises
         ------
         DataError
-            If the system is singular there: a body hangs on nothing.
+            If the system is singular there: a body is not held.
         """
         try:
             with np.errstate(all="ignore"):

@@ -80,7 +80,7 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
 
 
 def _get_unit_factor(word: str, source: str) -> float:
-    """Return what one of a unit is in (m/s^2)^2/Hz."""
+    """Return the factor of a unit to (m/s^2)^2/Hz."""
     unit_text = word.strip()
     if unit_text in _POWER_UNITS:
         return _POWER_UNITS[unit_text]

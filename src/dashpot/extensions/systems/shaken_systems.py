@@ -14,26 +14,30 @@ from dashpot.workflow.frf_prediction import MountedMass, ShakenMass
 
 
 def shake_mass(
-    mounted_mass: MountedMass, psd: str, bounded: Callable[..., FRFBounds] | None
+    mounted_mass: MountedMass, psd: str, compute_bounds: Callable[..., FRFBounds] | None
 ) -> ShakenMass:
-    """Return what a base that shakes at random does to a mass on seals, and at most.
+    """Return the response of a mass on seals to a random base, with its upper limit.
 
     Parameters
     ----------
     mounted_mass : MountedMass
     psd : str
         A file, or a word such as ``"0.01g^2/Hz"``.
-    bounded : callable or None
+    compute_bounds : callable or None
         What bounds the FRF by the relaxation tests.
     """
     base = read_psd(psd)
-    f, mass, coupled = base.frequency, mounted_mass.load.mass, mounted_mass.load.coupled
+    f, mass, coupled = (
+        base.frequency,
+        mounted_mass.mass_on_seals.mass,
+        mounted_mass.mass_on_seals.coupled,
+    )
     options: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
     response, limits = random_base(mounted_mass.solid, mass=mass, **options), None
-    if bounded is not None:
+    if compute_bounds is not None:
         limits = random_limits(
             mounted_mass.solid,
-            lambda at, kind: bounded(frequency=at, kind=kind).unmeasured,
+            lambda at, kind: compute_bounds(frequency=at, kind=kind).unmeasured,
             mass=mass,
             **options,
         )

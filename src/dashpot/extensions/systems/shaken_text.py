@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def format_shaken_mass(prediction: Prediction) -> list[str]:
-    """Return what a base that shakes at random does to a mass on seals, and at most."""
+    """Return the response of a mass on seals to a random base as text, with its upper limit."""
     mass = prediction.random
     assert mass is not None  # noqa: S101
     band, response = mass.band, mass.response

@@ -41,7 +41,7 @@ class StateSpace:
     force : array, shape (z, n)
         :math:`B_F`.
     base, base_velocity : array, shape (z, moving)
-        :math:`B_u` and :math:`B_v` of the ground motions asked for.
+        :math:`B_u` and :math:`B_v` of the ground motions requested.
     arm_mount : array of int, shape (J,)
         The mount of each of the J arms.
     arm_k : array, shape (J,)
@@ -311,7 +311,7 @@ def complex_modes(system: System) -> tuple[ComplexMode, ...]:
     """Return every mode of a system by the eigenvalues of its exact first-order form.
 
     Oscillations first, by rising frequency, then relaxations, by falling rate. Rigid-body motions
-    of a system that nothing holds, double poles at 0, are left out.
+    of a system that nothing holds, double poles at 0, are omitted.
     """
     poles, vectors = np.linalg.eig(state_space(system).A)
     n = len(system.dofs)
@@ -406,7 +406,7 @@ def _compute_derivative(system: System, s: complex, slopes: ComplexArray) -> Com
 def _normalise_shape(
     system: System, s: complex, vector: ComplexArray, slopes: ComplexArray
 ) -> ComplexArray:
-    """Return the shape; 0 of a relaxation so near that of its arm that nothing moves."""
+    """Return the shape; 0 of a relaxation too close to that of its arm for any motion."""
     with np.errstate(all="ignore"):
         size = complex(vector @ _compute_derivative(system, s, slopes) @ vector)
         shape = np.asarray(vector / np.sqrt(size))

@@ -9,7 +9,7 @@ from dashpot.base.number_format import format_count
 from dashpot.extensions.transfer_stiffness.third_octaves import MIN_LINES
 
 MIN_BLOCKED_DIFFERENCE = 20.0
-"""dB by which the output moves less than the input where it counts as blocked."""
+"""Level difference of input and output motion above which the output counts as blocked, dB."""
 
 
 @criterion("level difference, dB", ">=", MIN_BLOCKED_DIFFERENCE, "ISO 10846-2, ISO 10846-3")

@@ -134,7 +134,7 @@ def command(
 def _read_frf(
     path: str, kind: str, options: ReadOptions, hammer: Any, *, mass: float | None
 ) -> FRF:
-    """Return the FRF of what was measured.
+    """Return the FRF of the measured file.
 
     Raises
     ------

@@ -38,7 +38,7 @@ def draw_transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Pic
     ----------
     sheet : TransferStiffness
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     f = sheet.frequency
     frequency_scale = Scale("frequency, Hz", (float(f[0]), float(f[-1])), log=True)
@@ -48,7 +48,7 @@ def draw_transfer_stiffness(sheet: TransferStiffness, *, stamp: str = "") -> Pic
         low, high = compute_padded_limits(difference, np.array([MIN_BLOCKED_DIFFERENCE]))
         marks: tuple[Mark, ...] = (
             *_mark_unblocked(sheet),
-            Rule(MIN_BLOCKED_DIFFERENCE, REF, f"{MIN_BLOCKED_DIFFERENCE:g} dB", across=True),
+            Rule(MIN_BLOCKED_DIFFERENCE, REF, f"{MIN_BLOCKED_DIFFERENCE:g} dB", is_horizontal=True),
             Line(f, difference, FIT, "input over output"),
         )
         strips.append(

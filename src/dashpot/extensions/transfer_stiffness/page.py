@@ -50,7 +50,7 @@ def page(sheet: TransferStiffness) -> KindPage:
         groups=(group("", sheet.facts),),
         sources=sheet.source,
         note=f"{KindPage.note} {sheet.interval_note}".rstrip(),
-        folds=(
+        collapsible_sections=(
             CollapsibleSection("Third octaves", _describe_bands(sheet), _make_band_table(sheet)),
             CollapsibleSection(
                 "Lines", describe_rows(indices, "lines"), _make_line_table(sheet, indices)

@@ -1,4 +1,4 @@
-"""Transfer stiffness of a mount: lines, third octaves, limits, and where they are valid."""
+"""Transfer stiffness of a mount: lines, third octaves, limits, and their valid range."""
 
 from __future__ import annotations
 
@@ -52,8 +52,7 @@ class BandStiffness(Serialisable):
     level_difference : float or None
         The least of input over output, dB.
     indirect : float or None
-        Mean that the standard's formula for the indirect method gives, N/m; None where there is
-        no blocking mass.
+        Mean by the standard's formula of the indirect method, N/m; None without a blocking mass.
     valid : bool
         Valid by ISO 10846: it has enough lines, and where it was measured the output is blocked
         at each.
@@ -298,7 +297,7 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
         return {name: (np.repeat(valid, repeats), "")}
 
     def csv(self, *, lines: bool = False) -> str:
-        """Return the third octaves as a table, or the lines, below what they are of."""
+        """Return a heading and the table of third octaves, or of lines."""
         notes = [
             byline("transfer stiffness of " + ", ".join(source.file for source in self.source))
         ]

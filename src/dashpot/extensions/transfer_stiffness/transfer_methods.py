@@ -47,7 +47,7 @@ RELATIVE_ERROR = 0.01
 PREDICTED_LINES = 11
 """Lines of a predicted third octave; with the limits of a record `LEAST_LINES`."""
 _USUAL_BAND = (1.0, 100.0)
-"""Hz that are predicted where no band is given."""
+"""Default predicted frequencies, Hz."""
 _MAX_GAIN, _MAX_PHASE = 0.5, 0.5
 """Relative gain error and phase error, rad, below which a measurement determines a stiffness."""
 
@@ -139,7 +139,7 @@ def compute_transfer_stiffness(
     seals : float
         For a fit: how many in parallel.
     record : RelaxationTest, RampHold or sequence of them
-        Behind the fit: the limits then hold every arm that it does not exclude.
+        Behind the fit: the limits then include every arm that it does not exclude.
 
     Returns
     -------
@@ -148,8 +148,8 @@ def compute_transfer_stiffness(
     Raises
     ------
     DataError
-        If an option does not suit what was measured, a value is missing or impossible, or no
-        third octave lies in the band.
+        If an option does not suit the measurement, a value is missing or impossible, or no third
+        octave lies in the band.
     """
     request = _Request(
         convert_to_si(mass, "mass"),
@@ -231,14 +231,14 @@ def _validate(request: _Request, seals: float) -> None:
 class _MeasuredLines(NamedTuple):
     """Lines of a measurement, with their errors.
 
-    `random` is the relative sd of the real and of the imaginary part of each; `common`, shape
-    (errors, n), what one standard error of each cause does to ln k.
+    `random_error` is the relative sd of the real and of the imaginary part of each;
+    `common_error`, shape (errors, n), is the change of ln k by one standard error of each cause.
     """
 
     frequency: FloatArray
     value: ComplexArray
-    random: FloatArray
-    common: ComplexArray
+    random_error: FloatArray
+    common_error: ComplexArray
 
 
 def _select_lines(frf: FRF, request: _Request) -> FRF:
@@ -502,8 +502,8 @@ def _compute_means(lines: _MeasuredLines, spans: Sequence[tuple[int, int]]) -> B
     return compute_band_means(
         lines.value[order],
         np.concatenate(([0], np.cumsum(counts)[:-1])),
-        random=lines.random[order],
-        common=lines.common[:, order],
+        random=lines.random_error[order],
+        common=lines.common_error[:, order],
         quantile=NORMAL,
     )
 
@@ -582,7 +582,7 @@ def _predict(
     seals: float,
     tests: Sequence[RelaxationTest | RampHold],
 ) -> TransferStiffness:
-    """Return the sheet that a fit predicts, and what the indirect method would make of it."""
+    """Return the sheet that a fit predicts, with the error of the indirect method."""
     if request.output is not None or request.exact:
         raise DataError(
             "a fit predicts the blocked force itself: leave out --exact and --output-response"

@@ -19,15 +19,15 @@ from dashpot.numerics.inference.model_order import (
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MIN_TAU_RATIO = 1.5
-# what is left of zero in a sum of stiffnesses, relative to it
+# relative rounding error of a sum of stiffnesses
 ROUNDING = 1e-12
-# an error of a loss factor beyond which its size says nothing
+# error of a loss factor above which it is undetermined
 MAX_STATED_ERROR = 1.0
 # so many independent samples beyond the parameters show the size of a noise to a third
 MIN_DOF = 5.0
-# residuals of which no more say the same are as good as white
+# kappa up to which residuals count as white
 MAX_KAPPA = 10.0
-# residuals of which more say the same hold a part of the curve
+# kappa above which residuals contain a part of the curve
 MIN_CORRELATED_KAPPA = 20.0
 
 
@@ -201,14 +201,14 @@ def order_agreed(choice: OrderChoice) -> Finding:
         )
     if choice.in_noise_metric:
         message += ". The noise is as slow as the arms, so fits in its own metric were judged"
-    if choice.capped:
+    if choice.is_largest_tried:
         message += ". That is the most that was tried"
     return Finding(
         message,
         float(choice.by_bic),
         remedy=Remedy(f"Ask for more than {choice.arms} arms.", "arms", f"{choice.arms + 1}"),
         limit=float(choice.by_significance),
-        always_fails=choice.capped,
+        always_fails=choice.is_largest_tried,
     )
 
 
@@ -220,7 +220,7 @@ def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Findi
     """
     if arm_shortage is None:
         return Finding("The data support no further arm", float(arms), limit=float(arms))
-    arm_count, supported_count = arm_shortage.arms, arm_shortage.supported
+    arm_count, supported_count = arm_shortage.requested_arms, arm_shortage.supported_arms
     verb = "leaves" if arm_count == 1 else "leave"
     remainder, supported_text = (
         format_residual(rms, unit) for rms in (arm_shortage.rms, arm_shortage.supported_rms)

@@ -86,7 +86,7 @@ class ArmColumns:
         )
 
     def weights(self, element: FloatArray) -> Weights:
-        """Return weights of the arms that stand for an element."""
+        """Return weights of the equivalent arms of an element."""
         return compute_arm_weights(self.log_tau - element[0], float(element[1]))
 
     @cached_property
@@ -102,7 +102,7 @@ class ArmColumns:
         return Problem(model, [*map(Parameter, low, high, _STEP_SIZES)], self.restricted)
 
     def best(self) -> Optimum:
-        """Return the element that leaves least, from the best of a grid of starts."""
+        """Return the element with the smallest residual, from the best of a grid of starts."""
         return require_optimum(
             self.problem, [start_theta.theta for start_theta in self.starts(_STARTS)]
         )
@@ -128,7 +128,7 @@ class ArmColumns:
         return optima
 
     def solution(self, best: Optimum) -> Solution:
-        """Return an element as the arms that stand for it, in the engine's own terms."""
+        """Return an element as its equivalent arms, in the parameters of the engine."""
         arms = best.beta[-1] * self.weights(best.theta).value
         low, high = self.bounds
         # an edge of tau or of alpha is one of all its arms
@@ -141,7 +141,7 @@ class ArmColumns:
             fixed=best.beta[:-1],
             sse=self.stack.floor + best.sse,
             samples=self.stack.samples,
-            requested=len(arms),
+            requested_arms=len(arms),
             evaluations=0,
             converged=best.stationary and not is_at_edge,
             relative_offset=0.0 if best.stationary else 1.0,
@@ -222,7 +222,7 @@ class FractionalFit(SelectedModel):
 
     @cached_property
     def model(self) -> GeneralizedMaxwell:
-        """The arms that stand for it."""
+        """Equivalent arms."""
         return self.solid.maxwell
 
     @property
@@ -302,17 +302,17 @@ class AlternativeFamily(NamedTuple):
     solid : Solid
         Its best; of arms, the fewest that explain the data, if any do.
     residual : float
-        Standard deviation of what the best of the family taken leaves, over that of this.
+        Residual standard deviation of the selected family over that of this one.
     bic : float
-        BIC of this, less that of the family taken.
-    explains : bool
-        What this leaves may be chance, or BIC does not distinguish the two.
+        BIC less that of the selected family.
+    is_sufficient : bool
+        The residuals may be due to chance, or BIC does not distinguish the two.
     """
 
     solid: Solid
     residual: float
     bic: float
-    explains: bool
+    is_sufficient: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,28 +324,28 @@ class FamilySelection:
     best : SelectedModel
     arms : SelectedModel
         The solid with arms, taken or not.
-    other : Other or None
-        None where arms alone were asked for.
+    other_family : Other or None
+        None if only arms were requested.
     """
 
     best: SelectedModel
     arms: SelectedModel
-    other: AlternativeFamily | None = None
+    other_family: AlternativeFamily | None = None
 
     def alternative(
         self, band: tuple[float, float], extra: str = FAMILY_ADVICE
     ) -> Alternative | None:
-        """Return the other family, as a fit keeps it; `band` is what the data inform, Hz."""
-        if self.other is None:
+        """Return the other family, as a fit keeps it; `band` is the valid band of the data, Hz."""
+        if self.other_family is None:
             return None
-        solid, _, bic_difference, explains = self.other
+        solid, _, bic_difference, explains = self.other_family
         return build_alternative(
-            self.best.solid, solid, bic_difference, band, explains=explains, extra=extra
+            self.best.solid, solid, bic_difference, band, is_sufficient=explains, extra=extra
         )
 
     def checks(self, alternative: Alternative | None) -> tuple[Check, ...]:
         """Return the checks of a solid that was selected against another family."""
-        if self.other is None:
+        if self.other_family is None:
             return ()
         check = model_families_distinguished(alternative)
         if not isinstance(self.best, FractionalFit):
@@ -353,7 +353,9 @@ class FamilySelection:
         error = float(self.best.error[ELEMENT_PARAMETERS.index("alpha")])
         return (
             fractional_slope_determined(error, edge=self.best.is_at_edge),
-            fractional_model_suffices(self.other.residual, self.other.solid.maxwell.arms),
+            fractional_model_suffices(
+                self.other_family.residual, self.other_family.solid.maxwell.arms
+            ),
             check,
         )
 
@@ -370,9 +372,9 @@ class _Contender(NamedTuple):
 def select_family(
     arms: SelectedModel, family: str, fit: FractionalFit | None = None
 ) -> FamilySelection:
-    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
+    """Return the requested family, or with ``"auto"`` the one that BIC prefers, and the other one.
 
-    `fit` is the fractional solid of the same data, where it is known already.
+    `fit` is the fractional solid of the same data, if already known.
     """
     if family == "maxwell":
         return FamilySelection(arms, arms)
@@ -425,7 +427,7 @@ def select_family(
             rival.solid,
             residual=float(np.sqrt(spread(best) / spread(rival))),
             bic=criterion(rival) - criterion(best),
-            explains=bool(explain),
+            is_sufficient=bool(explain),
         ),
     )
 
@@ -466,7 +468,7 @@ def add_linear_alternative(
     ----------
     nonlinear_fit : Fit
     residuals : sequence of array
-        What it leaves of each test, up to the end of the hold, N.
+        Residuals of each test, up to the end of the hold, N.
     fit : FractionalFit
         Fit of the same tests.
     """
@@ -500,7 +502,7 @@ def add_linear_alternative(
         fit.solid,
         bic_difference,
         nonlinear_fit.band,
-        explains=explains,
+        is_sufficient=explains,
         extra=FAMILY_ADVICE,
     )
     checks = (*nonlinear_fit.checks, model_families_distinguished(linear_alternative))
@@ -511,7 +513,7 @@ def add_linear_alternative(
 
 
 def describe_fit(selection: SelectedModel) -> str:
-    """Return what was fitted, in words."""
+    """Return a description of the fitted solid."""
     if isinstance(selection, FractionalFit):
         return "a fractional Zener model"
     arms = selection.model.arms
@@ -521,7 +523,7 @@ def describe_fit(selection: SelectedModel) -> str:
 def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float]) -> float | None:
     """Return the lowest frequency, Hz, at which two solids differ materially, if any.
 
-    From the middle of `band`, what the data inform, Hz, to where parts vibrate.
+    Frequencies from the middle of the valid `band`, Hz, to where parts vibrate.
     """
     # the slow half of what the data inform is of the end of the hold, not of vibration
     low, high = max(float(np.sqrt(band[0] * band[1])), 1e-6), max(10 * band[1], MAX_HEARD_FREQUENCY)
@@ -532,7 +534,7 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
 
 
 def _find_disagreement(first: Solid, other_solid: Solid, f: FloatArray) -> FloatArray:
-    """Return where two solids differ by more than is worth telling."""
+    """Return the frequency above which two solids differ noticeably."""
     a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, other_solid))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
@@ -548,7 +550,7 @@ def build_alternative(
     bic_difference: float,
     band: tuple[float, float],
     *,
-    explains: bool,
+    is_sufficient: bool,
     extra: str,
 ) -> Alternative:
     """Return another family's solid as a fit keeps it, in numbers that no count of seals changes.
@@ -559,11 +561,11 @@ def build_alternative(
     bic_difference : float
         BIC of the other, less that of the fit's own.
     band : (float, float)
-        What the data inform, Hz.
-    explains : bool
+        Valid band of the data, Hz.
+    is_sufficient : bool
         The data do not reject the other.
     extra : str
-        What would distinguish the two.
+        Test that would distinguish the two.
     """
     frequency = divergence_frequency(own_solid, other_solid, band)
     if isinstance(other_solid, FractionalZener):
@@ -572,7 +574,7 @@ def build_alternative(
         arms = other_solid.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
     both_text = f"{name} explains the data too (BIC {bic_difference:+.3g})"
-    if not explains:
+    if not is_sufficient:
         message = f"{name} does not explain the data; its BIC is {bic_difference:.3g} higher"
     elif frequency is None:
         message = f"{both_text}. It predicts the same up to {MAX_HEARD_FREQUENCY:g} Hz"
@@ -588,4 +590,4 @@ def build_alternative(
             f"factor is {a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the "
             f"other, the stiffness {100 * (b.real / a.real - 1):+.2g} %. {advice}"
         )
-    return Alternative(other_solid, bic_difference, explains, frequency, sentence(message))
+    return Alternative(other_solid, bic_difference, is_sufficient, frequency, sentence(message))

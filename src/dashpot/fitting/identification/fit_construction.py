@@ -94,14 +94,14 @@ class AlternativeCandidate(NamedTuple):
         hammer_only = not problem.relaxations and problem.constraints.before is None
         return build_alternative(
             self.best.point.model, self.other.point.model, bic_difference, band,
-            explains=self.explains, extra=_HAMMER_ADVICE if hammer_only else _JOINT_ADVICE,
+            is_sufficient=self.explains, extra=_HAMMER_ADVICE if hammer_only else _JOINT_ADVICE,
         )  # fmt: skip
 
 
 def select_family_rival(
     arms: Candidate, candidates: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
-    """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
+    """Return the family requested, or with ``"auto"`` the one that BIC prefers, and the other.
 
     Parameters
     ----------

@@ -421,7 +421,7 @@ def _select_candidate(candidates: Sequence[Candidate]) -> Candidate:
 def _check_arm_count(
     best: Candidate, request: int | Literal["auto"], earlier_fit: Fit | None
 ) -> tuple[Check, ...]:
-    """Return whether the data support no further arm, where their number was asked for."""
+    """Return whether the data support no further arm, where their number was requested."""
     parametrisation = best.problem.parametrisation
     if request == "auto" or not isinstance(parametrisation, Arms) or best.exact:
         return ()

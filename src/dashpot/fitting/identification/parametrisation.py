@@ -32,7 +32,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # arms that lose this many powers of e are gone
 ZERO_STIFFNESS_SHARE = 1e-9
-# an arm or an element with less than this part of the stiffness has left
+# share of the stiffness below which an arm or an element is dropped
 MIN_STIFFNESS_SHARE = 1e-6
 _AT_EDGE = 1e-3
 
@@ -172,7 +172,7 @@ class FractionalElement:
             low, high = np.log(relaxation.window)
             count = int(np.ceil((high - low + 2 * GRID_MARGIN) / GRID_STEP))
             log_tau = low - GRID_MARGIN + GRID_STEP * np.arange(count + 1.0)
-            grids[relaxation] = log_tau, relaxation.rows(log_tau, slopes=False)
+            grids[relaxation] = log_tau, relaxation.rows(log_tau, with_slopes=False)
         return cls(MappingProxyType(grids))
 
     def pack(self, solid: Solid) -> FloatArray:

@@ -64,7 +64,7 @@ def find_prior_tests(
     Raises
     ------
     FitError
-        If the family asked for is not that of an earlier fit, or knows of one temperature alone.
+        If the family requested is not that of an earlier fit, or knows of one temperature alone.
     """
     if not records:
         return _use_earlier_fit(fit, temperature, family)

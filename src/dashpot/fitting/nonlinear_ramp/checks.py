@@ -64,8 +64,8 @@ def ramp_explained(quality: LinearFitQuality | None) -> Finding:
     if quality is None:
         return Finding("The record is not one ramp and one hold, so this check does not apply")
     return Finding(
-        f"A linear model leaves {quality.ramp:.3g} times the noise on the ramp",
-        quality.ramp,
+        f"A linear model leaves {quality.ramp_ratio:.3g} times the noise on the ramp",
+        quality.ramp_ratio,
         "No nonlinear law explains it better: two faults may hide each other, such as a seal that "
         "stiffens a little and one that warms. Fast arms, and their loss, are uncertain",
         "Press at a second speed, or strike the seal with a hammer.",

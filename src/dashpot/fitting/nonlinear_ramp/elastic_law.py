@@ -76,18 +76,18 @@ class ElasticLawScore:
     elastic_law : ElasticLaw
     bic : float
         Differences count.
-    ramp, hold : tuple of float
+    ramp_rms, hold_rms : tuple of float
         Root mean square residual of each record, N.
     """
 
     spacing: KnotSpacing
     elastic_law: ElasticLaw
     bic: float
-    ramp: tuple[float, ...]
-    hold: tuple[float, ...]
+    ramp_rms: tuple[float, ...]
+    hold_rms: tuple[float, ...]
 
     @property
-    def gap(self) -> float:
+    def path_deviation(self) -> float:
         """Largest distance between the law's path and the linear one, as a part of the depth."""
         x = np.linspace(0.0, self.elastic_law.depth, 101)
         return float(np.abs(self.elastic_law.path(x) - x).max()) / self.elastic_law.depth
@@ -111,7 +111,7 @@ class RampLaw:
     linear_qualities : tuple of LinearFitQuality
         Qualities of each record under the linear law with the full weight of its ramp.
     optimum : RampHoldOptimum
-        The optimum of the law, and what it leaves.
+        The optimum of the law, with its residuals.
     scores : tuple of ElasticLawScore
         The laws tried, the linear one first.
     residuals : tuple of array
@@ -147,12 +147,12 @@ class RampLaw:
     def relative_residuals(self) -> tuple[float, ...]:
         """Residual on each ramp as a part of the largest force."""
         rows = self.optimum.weighted.solid.rows
-        return tuple(value / rows.peak(i) for i, value in enumerate(self.optimum.ramp))
+        return tuple(value / rows.peak(i) for i, value in enumerate(self.optimum.ramp_rms))
 
     @property
     def rho(self) -> tuple[float, ...]:
         """Residual of each hold over that of a fit of the hold alone."""
-        return tuple(a / b for a, b in zip(self.optimum.hold, self.hold.rms, strict=True))
+        return tuple(a / b for a, b in zip(self.optimum.hold_rms, self.hold.rms, strict=True))
 
 
 def build_ramp_law(
@@ -278,14 +278,15 @@ def select_elastic_law(
         ``"auto"`` keeps the linear law where it is sound, where no other lowers BIC by 10, or
         where none moves the path by .05 % of the depth.
     arms : int, optional
-        By default as many as the holds support by BIC, and one faster one if the ramps do.
+        By default the number supported by the holds by BIC, and a faster one if supported by the
+        ramps.
     max_arms : int
         The most that are tried by default.
 
     Raises
     ------
     FitError
-        If a record has no samples on its ramp or in its hold to speak of.
+        If a record has too few samples on its ramp or in its hold.
     """
     require_choice("law", law, RampLawOption, FitError)
     rows = downsample_tests(tests)
@@ -294,7 +295,7 @@ def select_elastic_law(
     linear_qualities, optimum = _assess_linear_law(rows, hold, noise, arms)
     if law != "nonlinear" and all(quality.is_adequate for quality in linear_qualities):
         score = ElasticLawScore(
-            LINEAR_KNOTS, get_elastic_law(optimum), 0.0, optimum.ramp, optimum.hold
+            LINEAR_KNOTS, get_elastic_law(optimum), 0.0, optimum.ramp_rms, optimum.hold_rms
         )
         return build_ramp_law(tests, hold, linear_qualities, optimum, (score,))
     max_knots = int(rows.ramp.sum()) // _ROWS_PER_KNOT
@@ -320,7 +321,7 @@ def select_elastic_law(
 
 
 def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
-    """Return the arms that the holds of some tests support, where a fit to them has fewer.
+    """Return the arms supported by the holds of some tests, if their fit has fewer.
 
     More than a fit chooses by itself are tried, too.
 
@@ -328,7 +329,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
     ----------
     tests : sequence of RampHold
     hold : Hold
-        The holds by the number of arms that was asked for, or by the most that a fit chooses.
+        The holds by the number of arms that was requested, or by the most that a fit chooses.
     """
     arms = len(hold.log_tau)
     hold_only = fit_hold_only(downsample_tests(tests), max_arms=max(MAX_ARMS, arms + EXTRA_ARMS))
@@ -353,14 +354,14 @@ def _score_laws(
     optima: dict[KnotSpacing, RampHoldOptimum], hold: HoldEstimate
 ) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
-    best_optimum = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp))))
+    best_optimum = min(optima.values(), key=lambda optimum: float(np.sum(np.log(optimum.ramp_rms))))
     return tuple(
         ElasticLawScore(
             spacing,
             get_elastic_law(optimum),
             _compute_bic(optimum, hold, best_optimum.ramp_correlation),
-            optimum.ramp,
-            optimum.hold,
+            optimum.ramp_rms,
+            optimum.hold_rms,
         )
         for spacing, optimum in optima.items()
     )
@@ -375,10 +376,10 @@ def _compute_bic(
     for i, kappa in enumerate(correlation):
         ramp_rows = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
-        noise_level = min(rows.noise[i], optimum.hold[i])
+        noise_level = min(rows.noise[i], optimum.hold_rms[i])
         effective_count = rows.select_hold(i).sum() / hold.correlation[i]
-        total += deviance(max(optimum.ramp[i], noise_level) ** 2, effective=ramp_rows)
-        total += deviance(optimum.hold[i] ** 2, effective=effective_count)
+        total += deviance(max(optimum.ramp_rms[i], noise_level) ** 2, effective=ramp_rows)
+        total += deviance(optimum.hold_rms[i] ** 2, effective=effective_count)
         effective += ramp_rows
     arms, knot_count = len(optimum.log_tau), optimum.weighted.solid.bends.stop
     delays = len(optimum.nuisance) - 2 * len(rows.depths)
@@ -390,7 +391,7 @@ def _select_law(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
     best_score = min(scores, key=lambda score: score.bic)
     linear = scores[0]
-    is_better = linear.bic - best_score.bic > MIN_BIC_GAIN and best_score.gap > MIN_GAP
+    is_better = linear.bic - best_score.bic > MIN_BIC_GAIN and best_score.path_deviation > MIN_GAP
     return best_score if is_better else linear
 
 
@@ -412,7 +413,7 @@ def _add_faster_arm(optimum: RampHoldOptimum, hold: HoldEstimate) -> RampHoldOpt
     solid, n = optimum.weighted.solid, len(hold.log_tau)
     rows = solid.rows
     first_ramp = rows.ramp & (rows.record == 0)
-    ramp = np.log(rows.ends[0] - rows.time[first_ramp][0])
+    ramp = np.log(rows.ramp_ends[0] - rows.time[first_ramp][0])
     fastest = float(hold.log_tau[0]) if n else float(ramp)
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return optimum
@@ -446,8 +447,8 @@ def _assess_linear_law(
         optimum = _fit_jointly(rows, hold, start.log_tau, noise)
         qualities = tuple(
             assess_linear_fit(
-                optimum.ramp[i],
-                optimum.hold[i],
+                optimum.ramp_rms[i],
+                optimum.hold_rms[i],
                 hold.rms[i],
                 noise=noise[i],
                 discrepancy=optimum.ramp_scatter[i] / float(independent(hold)[i]),

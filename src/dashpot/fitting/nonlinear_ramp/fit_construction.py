@@ -57,9 +57,9 @@ def build_ramp_fit(
     tests : sequence of RampHold
     law : RampLaw
     requested_arms : int or None
-        Requested number of arms; None if the holds chose.
+        Requested number of arms; None if selected by the holds.
     by_depth, checks
-        The stiffnesses of each test, and checks besides those of the law.
+        Stiffnesses of each test, and checks other than those of the law.
     end : EndOfHold or None
         Limits at the end of the hold.
     unmeasured : array, shape (p, d), optional
@@ -182,7 +182,7 @@ def ramp_checks(
     return (
         residual_check,
         checks.hold_residual_small(
-            law.rho, [value / rows.peak(i) for i, value in enumerate(law.optimum.hold)]
+            law.rho, [value / rows.peak(i) for i, value in enumerate(law.optimum.hold_rms)]
         ),
         checks.tangent_determined(law.law, different_ramps(tests)),
         checks.k_inf_plausible(
@@ -217,12 +217,12 @@ def ramp_checks(
 
 
 def _select_nuisances(kind: str, law: RampLaw) -> list[Nuisance]:
-    """Return the nuisances of a kind, in the order of the tests, where they were fitted."""
+    """Return the fitted nuisances of a kind, in the order of the tests."""
     return [nuisance for nuisance in law.estimate.nuisance if nuisance.name.startswith(kind)]
 
 
 def end_stiffness(test: RampHold, equilibrium_force: float) -> float:
-    """Return the force over the last twentieth of the hold, less that at rest, over x, N/m."""
+    """Return the mean force above rest in the last twentieth of the hold over x, N/m."""
     last_samples = select_hold_end(test)
     return float(np.mean(test.force[last_samples]) - equilibrium_force) / float(
         np.mean(test.displacement[last_samples])

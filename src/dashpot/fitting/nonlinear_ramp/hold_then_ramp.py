@@ -78,7 +78,7 @@ class RampHoldOptimum:
     ----------
     weighted : Weighted
     optimum : Optimum
-    ramp, hold : tuple of float
+    ramp_rms, hold_rms : tuple of float
         Root mean square of each record's residual on its ramp and in its hold, a sample, N.
     ramp_scatter : tuple of float
         s_r of each record, N.
@@ -87,8 +87,8 @@ class RampHoldOptimum:
 
     weighted: Weighted
     optimum: Optimum
-    ramp: tuple[float, ...]
-    hold: tuple[float, ...]
+    ramp_rms: tuple[float, ...]
+    hold_rms: tuple[float, ...]
     ramp_scatter: tuple[float, ...]
     ramp_correlation: tuple[float, ...]
 
@@ -119,7 +119,7 @@ class RampHoldOptimum:
         The noise is scaled up if the hold residual exceeds that of the hold alone. Arms without
         stiffness and shape values at 0 have no error.
         """
-        best, noise_ratio = self.optimum, max(1.0, *np.divide(self.hold, hold.rms).tolist())
+        best, noise_ratio = self.optimum, max(1.0, *np.divide(self.hold_rms, hold.rms).tolist())
         plateau = np.zeros(len(best.beta), dtype=bool)
         plateau[: self.k.size : self.k.shape[1]] = True
         is_absent = (self.k[:, 1:] <= 0).all(axis=0)
@@ -156,7 +156,7 @@ def _build_hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBloc
     """
     hold_rows = rows.select_hold(i)
     time = rows.time[hold_rows] - rows.time[hold_rows][0]
-    root = np.sqrt(rows.count[hold_rows])
+    root = np.sqrt(rows.sample_counts[hold_rows])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
     displacement = rows.displacement[hold_rows] - rows.depths[i]
     if float(np.ptp(displacement)) > REST_TOLERANCE * rows.depths[i]:
@@ -187,7 +187,7 @@ def _select_order(
     rounding_sse = sum(
         sample_count * rounding(rows, i) ** 2 for i, sample_count in enumerate(sizes)
     )
-    penalty = float(np.log(effective / sum(sizes) * rows.count[~rows.ramp].sum()))
+    penalty = float(np.log(effective / sum(sizes) * rows.sample_counts[~rows.ramp].sum()))
     per_arm = 1 + len(blocks)
     return min(
         solutions,
@@ -324,7 +324,7 @@ def add_residual_statistics(
     leverage = np.sum(make_directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[
         : len(residual)
     ]
-    scaled_residual = np.sqrt(rows.count) * residual
+    scaled_residual = np.sqrt(rows.sample_counts) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):
         ramp, hold = rows.ramp & (rows.record == i), rows.select_hold(i)

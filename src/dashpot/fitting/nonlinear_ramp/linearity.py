@@ -46,7 +46,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
 # one independent residual, and than the hold alone in the hold
 MAX_RAMP_RATIO, MAX_SHAPE_RATIO, MAX_HOLD_RATIO = 1.2, 1.5, 1.1
-# what a residual of this part of the peak stands for moves no stiffness that anyone would notice
+# residual relative to the peak with a negligible effect on the stiffnesses
 NEGLIGIBLE_RESIDUAL = 1e-4
 # and more than this part is not what an encoder leaves
 MAX_ENCODER_RESIDUAL = 1e-3
@@ -57,15 +57,15 @@ class LinearFitQuality(NamedTuple):
 
     Attributes
     ----------
-    ramp : float
+    ramp_ratio : float
         Residual on the ramp over the noise of one sample.
-    hold : float
-        Residual in the hold over what the hold alone leaves.
+    hold_ratio : float
+        Residual in the hold over that of a fit of the hold alone.
     is_adequate : bool
     """
 
-    ramp: float
-    hold: float
+    ramp_ratio: float
+    hold_ratio: float
     is_adequate: bool
 
 
@@ -78,7 +78,7 @@ def assess_linear_fit(
     discrepancy: float,
     samples: float,
     peak: float,
-    unread: float = 0.0,
+    quantisation_force: float = 0.0,
 ) -> LinearFitQuality:
     r"""Judge a linear fit by its residuals.
 
@@ -97,15 +97,15 @@ def assess_linear_fit(
         Effective number of residuals on the ramp: of few, more is chance.
     peak : float
         Largest force, N.
-    unread : float
-        Force on the ramp that what the encoder leaves of the motion stands for, N.
+    quantisation_force : float
+        Force on the ramp that corresponds to the encoder error of the motion, N.
     """
     negligible = NEGLIGIBLE_RESIDUAL * peak
     by_chance = 1.0 + 3.0 / np.sqrt(2.0 * max(samples, 1.0))
     is_small = ramp <= max(MAX_RAMP_RATIO, by_chance) * noise
     is_structureless = discrepancy <= MAX_SHAPE_RATIO * by_chance
-    unread = min(MAX_SHAPE_RATIO * unread, MAX_ENCODER_RESIDUAL * peak)
-    is_followed = (is_small and is_structureless) or ramp <= max(negligible, unread)
+    quantisation_force = min(MAX_SHAPE_RATIO * quantisation_force, MAX_ENCODER_RESIDUAL * peak)
+    is_followed = (is_small and is_structureless) or ramp <= max(negligible, quantisation_force)
     valid = bool(is_followed and (hold <= MAX_HOLD_RATIO * single or hold <= negligible))
     return LinearFitQuality(ramp / max(noise, 1e-300), hold / max(single, 1e-300), valid)
 
@@ -140,7 +140,7 @@ def assess_residuals(
         discrepancy=rms / max(hold_rms, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,
-        unread=peak / test.depth * _compute_motion_residual(test, slice(onset, corner)),
+        quantisation_force=peak / test.depth * _compute_motion_residual(test, slice(onset, corner)),
     )
 
 
@@ -161,9 +161,9 @@ def sample_noise(scatter: float, rms: float) -> float:
 # Test of linearity on several tests.
 
 
-# arms that a hold alone is given at least: what it leaves is noise
+# smallest number of arms for a hold alone, so that its residual is noise
 _MIN_HOLD_ARMS = 2
-# an arm that lowers the sum of squares by less than this is none that the hold alone needs
+# ratio of sums of squares below which an arm is not needed for the hold alone
 _MIN_SSE_RATIO = 1.01
 # arms nearer than this in ln tau are one
 _SAME_ARM_DISTANCE = 1e-6
@@ -175,7 +175,7 @@ class LinearityResult(NamedTuple):
     Attributes
     ----------
     initial_fit : First
-        Arms, up to the number asked for.
+        Arms, up to the number requested.
     fractional_fit : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.
     quality : LinearFitQuality or None
@@ -248,12 +248,12 @@ def _has_distinct_times(log_tau: FloatArray, window: tuple[float, float]) -> boo
 
 
 def assess_linearity(holds: HoldBlocks, data: FitData, options: FitOptions) -> LinearityResult:
-    """Return the linear solid that is asked for, and whether any is sound."""
+    """Return the requested linear solid, and whether any linear solid is adequate."""
     determinable_arms = min(options.max_arms, max_determinable_arms(data.blocks))
     arm_count = determinable_arms if options.count is None else options.count
     auto, point = options.count is None, options.point is not None
     order_fits = fit_all_orders(
-        data, arm_count, auto=auto, thorough=options.thorough, only_max_arms=point
+        data, arm_count, is_automatic=auto, thorough=options.thorough, only_max_arms=point
     )
     linearity = LinearityResult(order_fits, None, _evaluate_holds(holds, order_fits))
     if not linearity.is_linear and arm_count < determinable_arms:
@@ -294,7 +294,9 @@ def _find_worst_record(
         if not quality.is_adequate:
             return quality
         worst_record = (
-            quality if worst_record is None or quality.ramp > worst_record.ramp else worst_record
+            quality
+            if worst_record is None or quality.ramp_ratio > worst_record.ramp_ratio
+            else worst_record
         )
     return worst_record
 
@@ -312,18 +314,18 @@ class DelayedMotion(NamedTuple):
 
     Attributes
     ----------
-    holds : HoldBlocks
+    hold_blocks : HoldBlocks
     data : FitData
-    lags : tuple of float
-        By how much each motion was made late, s: 0 as recorded.
-    filtered : bool
+    delays : tuple of float
+        Delay applied to each motion, s: 0 as recorded.
+    is_filtered : bool
         Whether by low-passes of those time constants.
     """
 
-    holds: HoldBlocks
+    hold_blocks: HoldBlocks
     data: FitData
-    lags: tuple[float, ...]
-    filtered: bool = False
+    delays: tuple[float, ...]
+    is_filtered: bool = False
 
     @classmethod
     def from_records(
@@ -334,56 +336,59 @@ class DelayedMotion(NamedTuple):
         *,
         filtered: bool = False,
     ) -> DelayedMotion:
-        """Return the data of records; as they are where no lags are said."""
+        """Return the data of records, with delays if given."""
         no_lags = (0.0,) * len(records)
         return cls(HoldBlocks(records), build_fit_data(records, design), lags or no_lags, filtered)
 
     def coefficients(self, function: Callable[[str], float]) -> Callable[[str], float]:
-        """The value of a column by its name, a delay with what the motion was made late by."""
-        delays = {f"delay@{i}": lag for i, lag in enumerate(self.lags)}
+        """The value of a column by its name; a delay includes the delay applied to the motion."""
+        delays = {f"delay@{i}": lag for i, lag in enumerate(self.delays)}
         return lambda name: function(name) + delays.get(name, 0.0)
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """Steps that were applied to the motion."""
-        if not any(self.lags):
+        if not any(self.delays):
             return ()
-        delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.lags)
-        parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
+        delay_text = " and ".join(format_quantity(lag, "ms", ".3g") for lag in self.delays)
+        parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.delays)),)
         description = f"put the motion behind a low-pass of {delay_text}"
-        if not self.filtered:
+        if not self.is_filtered:
             description = f"took the motion {delay_text} later"
         return (Step("lag", parameters, f"{description}, as the force comes"),)
 
 
 def select_delayed_motion(
-    recorded: DelayedMotion, options: FitOptions
+    recorded_motion: DelayedMotion, options: FitOptions
 ) -> tuple[DelayedMotion, LinearityResult]:
     """Return the motion under which a linear solid is sound, and how sound it is.
 
-    As recorded where one is, or where a later motion makes none so; else the later motion that
-    leaves least.
+    The motion as recorded if a linear solid is adequate, or if no delay makes one adequate; else
+    the delayed motion with the smallest residual.
     """
-    linearity = assess_linearity(recorded.holds, recorded.data, options)
+    linearity = assess_linearity(recorded_motion.hold_blocks, recorded_motion.data, options)
     if linearity.is_linear:
-        return recorded, linearity
+        return recorded_motion, linearity
     candidates = [
-        (motion, assess_linearity(motion.holds, motion.data, options))
-        for motion in _generate_delayed_motions(recorded, linearity)
+        (motion, assess_linearity(motion.hold_blocks, motion.data, options))
+        for motion in _generate_delayed_motions(recorded_motion, linearity)
     ]
     reliable = [pair for pair in candidates if pair[1].is_linear]
     return min(
         reliable,
         key=lambda pair: pair[1].initial_fit.solutions[-1].sse,
-        default=(recorded, linearity),
+        default=(recorded_motion, linearity),
     )
 
 
 def _generate_delayed_motions(
-    recorded: DelayedMotion, linearity: LinearityResult
+    recorded_motion: DelayedMotion, linearity: LinearityResult
 ) -> Iterator[DelayedMotion]:
     """The motions that may be as late as the force of the best linear solid."""
-    records, best_solution = recorded.holds.records, linearity.initial_fit.solutions[-1]
+    records, best_solution = (
+        recorded_motion.hold_blocks.records,
+        linearity.initial_fit.solutions[-1],
+    )
     values = [best_solution.coefficient(f"delay@{i}") for i in range(len(records))]
     large_delays = tuple(lag if lag > LINEAR_DELAY else 0.0 for lag in values)
     delayed_records, lags = zip(*map(_shift_motion, records, large_delays), strict=True)
@@ -417,7 +422,7 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
 
 
 def _set_force_filter(record: RampHold, lag: float) -> RampHold:
-    """The record with a force behind a low-pass of this time constant, as one that is named."""
+    """The record with its force low-passed by this time constant, as a stated filter."""
     if not lag:
         return record
     return replace(record, machine=replace(record.machine, force_filter=1 / (2 * np.pi * lag)))

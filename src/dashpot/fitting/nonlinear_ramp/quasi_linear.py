@@ -48,13 +48,13 @@ class DownsampledRows:
         Time since the row before, s; at the first row of a record the sampling interval.
     displacement, force : array, shape (M,)
         Means, m and N.
-    count : array, shape (M,)
+    sample_counts : array, shape (M,)
         Samples in a row.
     record : array of int, shape (M,)
-        Which record a row is of.
+        Index of the record of each row.
     ramp : array of bool, shape (M,)
         Rows before the end of the ramp.
-    ends : tuple of float
+    ramp_ends : tuple of float
         End of each record's ramp on the clock of `time`, s.
     depths : tuple of float
         Compression held in each record, m.
@@ -68,10 +68,10 @@ class DownsampledRows:
     step: FloatArray
     displacement: FloatArray
     force: FloatArray
-    count: FloatArray
+    sample_counts: FloatArray
     record: IndexArray
     ramp: BoolArray
-    ends: tuple[float, ...]
+    ramp_ends: tuple[float, ...]
     depths: tuple[float, ...]
     noise: tuple[float, ...]
     priors: tuple[LoadCellPriors, ...]
@@ -82,7 +82,7 @@ class DownsampledRows:
         return max(self.depths)
 
     @cached_property
-    def first(self) -> IndexArray:
+    def first_rows(self) -> IndexArray:
         """The first row of each record."""
         return np.flatnonzero(np.diff(self.record, prepend=-1))
 
@@ -101,7 +101,7 @@ def downsample_tests(tests: Sequence[RampHold]) -> DownsampledRows:
     Raises
     ------
     FitError
-        If a test has no ramp or no hold to speak of.
+        If a test has no sufficient ramp or hold.
     """
     parts, cell_priors = [], []
     for number, test in enumerate(tests):
@@ -229,7 +229,7 @@ class QuasiLinear:
         width = np.diff(knots)
         self.weights = 0.5 * (np.append(width, 0.0) + np.append(0.0, width)) / knots[-1]
         steps = np.diff(self.hats, axis=0, prepend=0.0)
-        steps[rows.first] = self.hats[rows.first]
+        steps[rows.first_rows] = self.hats[rows.first_rows]
         self._hat_steps = steps
 
     @property
@@ -264,7 +264,7 @@ class QuasiLinear:
         z = self.rows.step[:, None] / np.exp(log_tau)
         change = np.expm1(-z)
         decay = 1 + change
-        decay[self.rows.first] = 0.0
+        decay[self.rows.first_rows] = 0.0
         return z, -change / z, decay
 
 
@@ -322,9 +322,9 @@ class Bounds(NamedTuple):
 
 
 def tau_bounds(rows: DownsampledRows) -> Bounds:
-    """Return the relaxation times that ramp and hold could show, ln s."""
+    """Return the range of relaxation times visible in ramp and hold, ln s."""
     shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
-    holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ends)]
+    holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ramp_ends)]
     return Bounds(float(np.log(shortest)), float(np.log(max(holds))))
 
 
@@ -343,7 +343,7 @@ class Weighted:
         self._set_index = solid.rows.record if separate else np.zeros(len(sd), dtype=np.intp)
         self.sets = int(self._set_index[-1]) + 1
         self._set_mask = (self._set_index[:, None] == np.arange(self.sets)) * 1.0
-        self.root = np.sqrt(solid.rows.count) / sd
+        self.root = np.sqrt(solid.rows.sample_counts) / sd
         mean, prior_sd = np.array(nuisances.priors).T.reshape(2, -1)
         data = self.root * solid.rows.force
         # how far the mean of the shape is from 1 is the last row
@@ -373,7 +373,7 @@ class Weighted:
         return np.asarray(np.sum(columns * self._expand_by_row(self.stiffnesses(best)), axis=1))
 
     def problem(self, arms: int) -> Problem:
-        """Return the problem of so many arms, their ln tau inside the window of the rows."""
+        """Return the problem of a number of arms, their ln tau inside the window of the rows."""
         solid, stiffness_count = self.solid, self.sets * (1 + arms)
         bend_weights = solid.weights[solid.bends]
 

@@ -163,16 +163,16 @@ class MotionSteps(NamedTuple):
 
     Attributes
     ----------
-    each : array, shape (stop,)
+    sizes : array, shape (stop,)
         d; the first is the first displacement, zero.
-    after : float
+    next_step : float
         The step after the window, or its last where the record ends.
     correlation : array, shape (stop,)
         C_d at every lag.
     """
 
-    each: FloatArray
-    after: float
+    sizes: FloatArray
+    next_step: float
     correlation: FloatArray
 
 
@@ -180,7 +180,7 @@ def compute_delayed_lags(
     steps: MotionSteps, delayed_force: DelayedForce, *, start: int, interval: float
 ) -> FloatArray:
     """Correlation of the column with the steps at every lag, shape (stop,)."""
-    d, values = steps.each, steps.correlation
+    d, values = steps.sizes, steps.correlation
     first = reverse_before_start(d, start + 1)
     after_last = np.concatenate(([0.0], d[:0:-1]))
     total = np.zeros(len(d))
@@ -192,7 +192,7 @@ def compute_delayed_lags(
         )
         difference[0] = q @ d[start:]
         total += k / tau * compute_exponential_cumsum(difference, z)
-    change = values + steps.after * d[::-1] - d[start] * reverse_before_start(d, start)
+    change = values + steps.next_step * d[::-1] - d[start] * reverse_before_start(d, start)
     change[:-1] += values[1:]
     return np.asarray(total - delayed_force.k_g / (2.0 * interval) * change)
 
@@ -244,7 +244,9 @@ class Evaluation(NamedTuple):
 
 
 #: what a block cannot do once its rows are others
-_DROPPED_FIELDS: dict[str, None] = dict.fromkeys(("sampling", "full", "widen", "delayed"))
+_DROPPED_FIELDS: dict[str, None] = dict.fromkeys(
+    ("sampling", "build_full", "add_fixed_column", "add_delayed_column")
+)
 
 Rows: TypeAlias = Callable[[FloatArray, bool], Evaluation]
 """``rows(log_tau, derivative) -> Evaluation``."""
@@ -278,15 +280,15 @@ class DataBlock:
         evaluated together may be compared.
     sampling : hashable or None
         Blocks of equal sampling have equal columns; None if nothing is known.
-    full : callable, optional
-        Makes the same data with every weighted sample as a row, in order; left out if the rows
-        are those already.
-    widen : callable, optional
+    build_full : callable, optional
+        Returns the same data with every weighted sample as a row, in order; None if the rows are
+        the samples already.
+    add_fixed_column : callable, optional
         Adds a fixed column: takes its name and its value at every sample, weighted.
-    delayed : callable, optional
-        Adds the column of a force that comes late, where that costs less than any column.
+    add_delayed_column : callable, optional
+        Adds the column of a delayed force, where that is cheaper than a general column.
     variance : float or None
-        Variance of every row, where it is known: the rows are what was known before the data.
+        Variance of every row, where it is known: the rows are priors.
     """
 
     rows: Rows
@@ -298,9 +300,9 @@ class DataBlock:
     accuracy: float = 1e-15
     rotated_basis: bool = False
     sampling: Hashable = None
-    full: Callable[[], DataBlock] | None = None
-    widen: Callable[[str, FloatArray], DataBlock] | None = None
-    delayed: Callable[[str, DelayedForce], DataBlock] | None = None
+    build_full: Callable[[], DataBlock] | None = None
+    add_fixed_column: Callable[[str, FloatArray], DataBlock] | None = None
+    add_delayed_column: Callable[[str, DelayedForce], DataBlock] | None = None
     variance: float | None = None
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
@@ -310,16 +312,20 @@ class DataBlock:
     @property
     def exact(self) -> DataBlock:
         """Block with every sample as a row; itself if nothing was compressed."""
-        return self if self.full is None else self.full()
+        return self if self.build_full is None else self.build_full()
 
     def with_column(self, name: str, column: FloatArray) -> DataBlock:
         """Return the block with one more fixed column, given at every sample."""
-        return self.widen(name, column) if self.widen else self.append_column(name, column)
+        return (
+            self.add_fixed_column(name, column)
+            if self.add_fixed_column
+            else self.append_column(name, column)
+        )
 
     def with_delay(self, name: str, delayed_force: DelayedForce) -> DataBlock:
         """Return the block with the column of a force that comes late."""
-        if self.delayed:
-            return self.delayed(name, delayed_force)
+        if self.add_delayed_column:
+            return self.add_delayed_column(name, delayed_force)
         return self.with_column(name, delayed_force.column)
 
     def append_column(
@@ -333,7 +339,7 @@ class DataBlock:
             return self.rows(log_tau, derivative)._replace(fixed=extended)
 
         names = (*self.fixed_names, name)
-        return replace(self, rows=rows, fixed_names=names, sampling=None, full=make_full)
+        return replace(self, rows=rows, fixed_names=names, sampling=None, build_full=make_full)
 
     @property
     def target(self) -> FloatArray:
@@ -377,8 +383,8 @@ class DataBlock:
     ) -> DataBlock:
         """Return the same data of a solid whose relaxation times and stiffnesses were others.
 
-        Rows at ``log_tau(...)`` of the times asked for, springs and arms times `factor`; `stretch`
-        is the slope of that map, `window` that of the times asked for.
+        Rows at ``log_tau(...)`` of the times requested, springs and arms times `factor`; `stretch`
+        is the slope of that map, `window` that of the times requested.
         """
         row_factors = np.where(stiffnesses(self.fixed_names), factor, 1.0)
 
@@ -388,22 +394,24 @@ class DataBlock:
             slopes = stretch * factor * evaluation.d_arms if derivative else arms
             return Evaluation(evaluation.target, evaluation.fixed * row_factors, arms, slopes)
 
-        return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
+        return replace(
+            self, rows=rows, window=window, sampling=None, build_full=None, add_fixed_column=None
+        )
 
     def scale_rows(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> DataBlock:
         """Return every row times one factor, 1/sd; with other names, if they are given."""
-        make_full, names = self.full, fixed_names or self.fixed_names
+        make_full, names = self.build_full, fixed_names or self.fixed_names
         return self.transform_rows(
             lambda part: factor * part,
             fixed_names=names,
             floor=factor**2 * self.floor,
             variance=None if self.variance is None else factor**2 * self.variance,
-            full=None if make_full is None else lambda: make_full().scale_rows(factor, names),
+            build_full=None if make_full is None else lambda: make_full().scale_rows(factor, names),
         )
 
 
 def design_rows(target: FloatArray, fixed: FloatArray, columns: Columns) -> Rows:
-    """Return rows of a design matrix whose arms' columns come from a function of tau.
+    """Return rows of a design matrix with columns of arms from a function of tau.
 
     The columns are returned in the coordinates of `target`: weighted, and projected if the
     data were.
@@ -445,7 +453,7 @@ def prior_block(
     *,
     unit: float,
 ) -> DataBlock:
-    r"""Return priors of fixed coefficients as rows beside those of a block.
+    r"""Return priors of fixed coefficients as additional rows of a block.
 
     .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
 
@@ -474,5 +482,5 @@ def prior_block(
 
 
 def stiffnesses(names: Sequence[str]) -> BoolArray:
-    """Return which fixed coefficients are those of a spring or a dashpot and never negative."""
+    """Return which fixed coefficients belong to a spring or a dashpot and must not be negative."""
     return np.array([name.partition("@")[0] in _NEVER_NEGATIVE for name in names], dtype=bool)

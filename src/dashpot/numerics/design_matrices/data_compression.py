@@ -121,7 +121,7 @@ class DataCompression:
 def project_values(
     plans: Sequence[DataCompression], values: FloatArray
 ) -> tuple[FloatArray, FloatArray | float]:
-    """Compress values, shape (..., M), that stand one plan after the other."""
+    """Compress values, shape (..., M), of several plans in sequence."""
     projections, first_sample = [], 0
     remainder_sse: FloatArray | float = 0.0
     for plan in plans:
@@ -158,14 +158,14 @@ def _cut_into_pieces(values: FloatArray, section: _RecordSection) -> tuple[Float
     return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
-def _compute_residual_sse(shaped: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+def _compute_residual_sse(target: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
-    total = np.zeros(shaped.shape[:-2])
+    total = np.zeros(target.shape[:-2])
     pieces_at_once = max(1, CACHE_SAMPLES // (total.size * len(basis)))
-    for first in range(0, shaped.shape[-2], pieces_at_once):
+    for first in range(0, target.shape[-2], pieces_at_once):
         span = slice(first, first + pieces_at_once)
         residual = z[..., span, :] @ basis.T
-        np.subtract(shaped[..., span, :], residual, out=residual)
+        np.subtract(target[..., span, :], residual, out=residual)
         total = total + np.einsum("...ij,...ij->...", residual, residual)
     return total
 
@@ -205,7 +205,7 @@ def make_identity_plan(
 
 
 def uniform_step(position: FloatArray) -> float | None:
-    """Return the sample interval if the samples stand on a uniform grid up to rounding."""
+    """Return the sample interval if the samples are uniform up to rounding."""
     if len(position) < 2:
         return None
     step = float(position[-1] - position[0]) / (len(position) - 1)
@@ -359,7 +359,7 @@ class Kernels(NamedTuple):
         s.
     lags : array, shape (L,)
         s.
-    right : array, shape (K, r)
+    right_factors : array, shape (K, r)
         V: the columns at the fixed times times this span all others.
     left_factors : array, shape (r, L)
         S^-1 U': turns e(tau) into coordinates of that span.
@@ -367,7 +367,7 @@ class Kernels(NamedTuple):
 
     tau: FloatArray
     lags: FloatArray
-    right: FloatArray
+    right_factors: FloatArray
     left_factors: FloatArray
 
     @classmethod
@@ -375,7 +375,7 @@ class Kernels(NamedTuple):
         """Return the kernels of relaxation times in `window`, s.
 
         `per_fold` fixed times per factor e; directions weaker than `rank` of the strongest are
-        left out.
+        omitted.
         """
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
@@ -394,7 +394,7 @@ class Kernels(NamedTuple):
         for first in range(0, len(self.tau), TIMES_PER_BATCH):
             rows = slice(first, first + TIMES_PER_BATCH)
             arms = change(exact.evaluate(np.log(self.tau[rows]), False).arms)
-            projected = projected + arms @ self.right[rows]
+            projected = projected + arms @ self.right_factors[rows]
         return projected
 
     def columns(self, operator: FloatArray) -> Columns:
@@ -411,15 +411,15 @@ class Kernels(NamedTuple):
 
     def rows(self, factor: FloatArray) -> Rows:
         """Rows from the triangular factor of columns in this space, fixed columns and target."""
-        rank = self.right.shape[1]
+        rank = self.right_factors.shape[1]
         columns = self.columns(factor[:-1, :rank])
         return design_rows(factor[:-1, -1], factor[:-1, rank:-1], columns)
 
 
 @lru_cache(maxsize=8)
-def _make_unit_kernels(folds: float, per_fold: float, rank: float) -> Kernels:
-    tau = np.exp(np.linspace(-0.3, folds + 0.3, round(per_fold * folds)))
-    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), folds, MAX_LAG))))
+def _make_unit_kernels(log_range: float, per_fold: float, rank: float) -> Kernels:
+    tau = np.exp(np.linspace(-0.3, log_range + 0.3, round(per_fold * log_range)))
+    lags = np.concatenate(([0.0], np.exp(np.linspace(np.log(0.25), log_range, MAX_LAG))))
     u, s, vt = np.linalg.svd(np.exp(-lags[:, None] / tau), full_matrices=False)
     keep = s > rank * s[0]
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
@@ -436,7 +436,7 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
     exact : DataBlock
         Every sample as a row; its window's upper end is at least the record's span.
     tau_range : (float, float), optional
-        Relaxation times to be evaluated, s; those of the window, if left out.
+        Relaxation times to be evaluated, s; those of the window, if omitted.
     """
     kernels = Kernels.from_window(
         tau_range or exact.window, per_fold=TIMES_PER_FOLD, rank=RANK_TOLERANCE
@@ -453,8 +453,8 @@ def reduced_block(exact: DataBlock, *, tau_range: tuple[float, float] | None = N
         rows=kernels.rows(factor),
         floor=float(factor[-1, -1] ** 2),
         accuracy=ACCURACY,
-        full=lambda: exact,
-        widen=lambda name, column: reduced_block(
+        build_full=lambda: exact,
+        add_fixed_column=lambda name, column: reduced_block(
             exact.with_column(name, column), tau_range=tau_range
         ),
     )
@@ -486,7 +486,11 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
         rank=FEW_DIGITS_RANK_TOLERANCE,
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
-    column_groups = (evaluation.arms @ kernels.right, evaluation.fixed, evaluation.target[:, None])
+    column_groups = (
+        evaluation.arms @ kernels.right_factors,
+        evaluation.fixed,
+        evaluation.target[:, None],
+    )
     factor = _append_floor_row(
         np.asarray(np.linalg.qr(np.concatenate(column_groups, axis=1), mode="r"))
     )
@@ -497,6 +501,6 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
         accuracy=FEW_DIGITS_ACCURACY,
         rotated_basis=False,
         sampling=None,
-        full=None,
-        widen=None,
+        build_full=None,
+        add_fixed_column=None,
     )

@@ -67,12 +67,12 @@ class ConvolvedMotion(EqualByValue):
     sequences : array, shape (q + 3, m)
         Compressed lag sequences: fixed columns, d, u before the window, u at its end.
     lags : Compression
-    lagged : complex array
+    steps_spectrum : complex array
         Conjugate Fourier transform of the displacement's steps, zero padded.
     energy : float
         Sum of squared steps in the window.
     rounding : float
-        What is rounding of the energy of an arm without decay: a part of all steps' energy.
+        Rounding error of the energy of an arm without decay: a part of all steps' energy.
     start, count, step
         First sample of the window, samples up to its end, sample interval in s.
     steps : MotionSteps or None
@@ -83,8 +83,8 @@ class ConvolvedMotion(EqualByValue):
     fixed_gram: FloatArray
     sequences: FloatArray
     lags: DataCompression
-    lagged: ComplexArray
-    size: int
+    steps_spectrum: ComplexArray
+    fft_length: int
     energy: float
     rounding: float
     start: int
@@ -105,17 +105,17 @@ class ConvolvedMotion(EqualByValue):
 
     def correlate(self, values: FloatArray) -> FloatArray:
         """Compressed correlation of window values, shape (..., n), with the displacement."""
-        return self.lags.compress_to_nodes(self.lag(values))
+        return self.lags.compress_to_nodes(self.correlate_with_steps(values))
 
-    def lag(self, values: FloatArray) -> FloatArray:
+    def correlate_with_steps(self, values: FloatArray) -> FloatArray:
         r"""Correlation :math:`\sum_{i \in W} v_i d_{i-l}` for all lags l, shape (..., count)."""
         if self.start:
             padded_values = np.zeros((*values.shape[:-1], self.count))
             padded_values[..., self.start :] = values
             values = padded_values
-        spectrum = np.fft.rfft(values, self.size)
-        spectrum *= self.lagged
-        return np.asarray(np.fft.irfft(spectrum, self.size)[..., : self.count])
+        spectrum = np.fft.rfft(values, self.fft_length)
+        spectrum *= self.steps_spectrum
+        return np.asarray(np.fft.irfft(spectrum, self.fft_length)[..., : self.count])
 
     def gram(self, tau: FloatArray, force: Force, *, derivative: bool) -> FloatArray:
         """Gram matrix of [fixed, arms, y] or [fixed, arms, slopes, y].
@@ -183,7 +183,7 @@ def _correlate_window_steps(motion: ConvolvedMotion, d: FloatArray, moving: int)
     """Correlation of the steps of the window with all steps, the last of which is at `moving`."""
     if d[: motion.start].any():
         # never the difference of two correlations: the last creep of a motion is lost in it
-        return motion.lag(d[motion.start :])
+        return motion.correlate_with_steps(d[motion.start :])
     values = np.zeros(len(d))
     fft_length = find_fast_length(2 * moving)
     spectrum = np.fft.rfft(d[:moving], fft_length)
@@ -209,7 +209,7 @@ class Force(NamedTuple):
 def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) -> Rows:
     """Return rows whose inner products are closed forms in tau, in the coordinates of their factor.
 
-    Where rounding takes more of them than a factor bears, that of every sample serves.
+    Where rounding is too large for this factor, the factor of all samples is used.
     """
     q = shared.fixed.shape[1]
 
@@ -305,7 +305,7 @@ def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArra
 def upper_factor(gram: FloatArray) -> FloatArray:
     """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal where in doubt.
 
-    Dependent columns leave a ridge of rounding size; a column that is nothing stays nothing.
+    Dependent columns get a ridge of the size of rounding; a zero column stays zero.
 
     Raises
     ------
@@ -370,8 +370,8 @@ def correlate_displacement(
         fixed_gram=fixed.T @ fixed,
         sequences=initial_state[None],
         lags=lags,
-        lagged=np.conjugate(lagged, out=lagged),
-        size=fft_length,
+        steps_spectrum=np.conjugate(lagged, out=lagged),
+        fft_length=fft_length,
         energy=float(d[start:] @ d[start:]),
         rounding=MIN_ENERGY * float(d @ d),
         start=start,
@@ -387,7 +387,7 @@ def correlate_displacement(
 
 
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
-    """The steps of a motion from zero, and where they end: what it still moves by is rounding."""
+    """The steps of a motion from zero, and their ends: what it still moves by is rounding."""
     end_distance = np.abs(x - x[-1])
     moving = int(np.flatnonzero(end_distance > REST_SHARE * end_distance.max())[-1:].sum()) + 2
     d = x.copy()
@@ -422,7 +422,7 @@ def _correlate_column(
             line -= reverse_before_start(column[0] * x[:stop] - slope * total, start)
         return np.asarray(line)
     if not np.array_equal(column, x[start:stop]):
-        return motion.lag(column)
+        return motion.correlate_with_steps(column)
     # from the last lag to the first
     correlation = x[stop - 1] * d
     if start:
@@ -464,7 +464,7 @@ def _make_force_block(
         rows=correlation_rows(shared, force, exact),
         accuracy=float(np.sqrt(ROUNDING)),
         rotated_basis=True,
-        full=lambda: exact,
-        widen=widen,
-        delayed=append_delayed_force,
+        build_full=lambda: exact,
+        add_fixed_column=widen,
+        add_delayed_column=append_delayed_force,
     )

@@ -78,11 +78,11 @@ def build_hold_block(
     depth, ramp_time : float
         x_h and c > 0; c = 0 is a step.
     ramp : bool
-        The record has the ramp, too.
+        Whether the record includes the ramp.
     k_inf, offset, drift : str or None
         Names of the fixed columns; an offset is a constant force, N, which on a hold alone only a
         prior distinguishes from k_inf, a drift a straight line of force in time, N/s. Both are
-        left out unless named.
+        omitted unless named.
     weights : array, shape (M,), optional
         1/sd of each sample.
     compress : bool
@@ -122,7 +122,7 @@ def build_hold_block(
         floor=float(remainder_sse),
         accuracy=ACCURACY,
         sampling=(len(time), float(time[0]), step, ideal_ramp) if is_plain else None,
-        full=make_full,
+        build_full=make_full,
     )
     return _widening(block, plans)
 
@@ -130,7 +130,7 @@ def build_hold_block(
 def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
     """Relaxation times that a sampling could show: twice its finest step to ten times its span.
 
-    The finest step is the 2 % quantile of all steps: one jittered pair says nothing.
+    The finest step is the 2 % quantile of all steps: one jittered pair is not representative.
     """
     if step is not None:
         return 2 * step, 10 * float(time[-1] - time[0])
@@ -147,7 +147,7 @@ def _widening(block: DataBlock, plans: tuple[DataCompression, ...]) -> DataBlock
         make_full = partial(block.exact.with_column, name, column)
         return _widening(block.append_column(name, at_nodes, make_full=make_full), plans)
 
-    return replace(block, widen=widen)
+    return replace(block, add_fixed_column=widen)
 
 
 def _plan_compressions(
@@ -290,13 +290,13 @@ def build_recorded_block(
         The contiguous samples whose force is fitted; the displacement before it still acts.
         t_0 is the first time of all.
     k_inf, offset, drift : str
-        Names of the fixed columns; offset and drift are left out unless named.
+        Names of the fixed columns; offset and drift are omitted unless named.
     columns : mapping of str to array, shape (M,)
         Further fixed columns, a value at every sample.
     weights : array, shape (M,), optional
         1/sd of each sample.
     tau_range : (float, float), optional
-        Relaxation times to be evaluated, s; those of the window, if left out.
+        Relaxation times to be evaluated, s; those of the window, if omitted.
     """
     time = np.asarray(time, dtype=float)
     x = np.asarray(displacement, dtype=float)
@@ -355,26 +355,26 @@ def build_recorded_block(
     )
 
 
-def _stack_blocks(block: DataBlock, two: DataBlock) -> DataBlock:
+def _stack_blocks(block: DataBlock, second: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
     first_length = block.samples
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        rows_of_blocks = block.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        rows_of_blocks = block.evaluate(log_tau, derivative), second.evaluate(log_tau, derivative)
         return Evaluation(*(np.concatenate(pair) for pair in zip(*rows_of_blocks, strict=True)))
 
     return replace(
-        two,
+        second,
         rows=rows,
-        samples=block.samples + two.samples,
-        floor=block.floor + two.floor,
+        samples=block.samples + second.samples,
+        floor=block.floor + second.floor,
         sampling=None,
-        full=lambda: _stack_blocks(block.exact, two.exact),
-        widen=lambda name, column: _stack_blocks(
+        build_full=lambda: _stack_blocks(block.exact, second.exact),
+        add_fixed_column=lambda name, column: _stack_blocks(
             block.with_column(name, column[:first_length]),
-            two.with_column(name, column[first_length:]),
+            second.with_column(name, column[first_length:]),
         ),
-        delayed=None,
+        add_delayed_column=None,
     )
 
 
@@ -435,9 +435,9 @@ def compute_arm_columns(
 def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
     r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N, ...).
 
-    A decay may serve several increments, as arrays broadcast. Many stretches run side by side, one
-    step of all at a time; then each one's end is passed on, damped by the product of the decays
-    since.
+    A decay may serve several increments, as arrays broadcast. Many stretches are computed
+    simultaneously, one step of all at a time; then each one's end is passed on, damped by the
+    product of the decays since.
     """
     total = len(increments) + 1
     length = int(np.ceil(np.sqrt(total)))

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR_SHARE = 1e-13
-# residuals of which so many count as one are too nearly white to be worth the question
+# kappa below which residuals are so nearly white that evenness is not tested
 _MIN_KAPPA = 3.0
 # noise as even as this costs least squares no more than a tenth of what the data know
 _MAX_EVEN_GAIN = 2.0
@@ -72,8 +72,8 @@ class Noise:
     autocovariance : array, shape (lags,)
         :math:`\gamma_0, \gamma_1, \ldots` up to the cut, in the residual's unit squared.
     kappa : float
-        :math:`1 + 2\sum_{l>0} \gamma_l/\gamma_0`, at least 1: n / kappa residuals are worth
-        independent ones.
+        :math:`1 + 2\sum_{l>0} \gamma_l/\gamma_0`, at least 1: n / kappa is the effective number of
+        independent residuals.
     durbin_watson : float
         :math:`\sum (r_i - r_{i-1})^2 / \sum r_i^2`: 2 if white, towards 0 if correlated.
     """
@@ -90,7 +90,7 @@ class Noise:
 
     @property
     def power(self) -> float:
-        """Sum of the autocovariance over all lags: what means over very many samples scatter by."""
+        """Sum of the autocovariance over all lags: the scatter of means over very many samples."""
         return float(self.autocovariance[0] * self.kappa)
 
 
@@ -133,8 +133,8 @@ class JacobianColumns:
         is one: of each it takes but a part.
     """
 
-    def __init__(self, matrix: FloatArray, *, shared: bool = False) -> None:
-        self.matrix, self.shared = matrix, shared
+    def __init__(self, matrix: FloatArray, *, is_shared: bool = False) -> None:
+        self.matrix, self.shared = matrix, is_shared
         self._size, self._spectra = 0, np.zeros((0, 0), dtype=complex)
 
     @cached_property
@@ -157,7 +157,7 @@ class JacobianColumns:
         mean_columns = block_means(self.matrix.T, samples_per_mean).T
         return JacobianColumns(
             np.sqrt(samples_per_mean) * mean_columns if self.shared else mean_columns,
-            shared=self.shared,
+            is_shared=self.shared,
         )
 
     def spectra(self, min_size: int) -> tuple[int, ComplexArray]:
@@ -189,7 +189,8 @@ def estimate_noise(
     though a sum of many lags of it is what the slow arms meet. So means over many samples, which
     scatter less, are asked as well.
 
-    Residuals of rms below `rounding` are rounding errors, not noise: their pattern says nothing.
+    Residuals of rms below `rounding` are rounding errors, not noise: their pattern has no
+    information.
     """
     series = ResidualSeries(residual) if isinstance(residual, np.ndarray) else residual
     columns = JacobianColumns(jacobian) if isinstance(jacobian, np.ndarray) else jacobian
@@ -259,7 +260,7 @@ def _kappa(gamma: FloatArray) -> float:
 def _restore_autocovariance(
     gamma: FloatArray, kappa: float, columns: JacobianColumns
 ) -> FloatArray:
-    """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
+    """The autocovariance corrected for the fitted parameters, truncated if long enough."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
     absorbed, restored_gamma = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ITERATIONS):
@@ -361,7 +362,7 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
     noise_along : sequence of array, shape (r, r)
         The noise of each record along them; further columns are no data.
     """
-    if not information.turn.size:
+    if not information.parameter_directions.size:
         return 1.0
     rotation, _ = _orthonormalise(
         np.sum([columns.gram for columns in information.columns[: len(noise_along)]], axis=0)
@@ -371,7 +372,7 @@ def noise_gain_ratio(information: Directions, noise_along: Sequence[FloatArray])
 
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
-    """Return True if the noise is too nearly white to be worth asking whether it is uneven."""
+    """Return True if the noise is so nearly white that its evenness need not be tested."""
     return all(noise.kappa <= _MIN_KAPPA for noise in noises)
 
 
@@ -428,17 +429,17 @@ class Directions(NamedTuple):
 
     Attributes
     ----------
-    turn : array, shape (p, r)
+    parameter_directions : array, shape (p, r)
         Parameters by direction.
     columns : tuple of Columns, shape (n, r)
         The Jacobians along the directions: orthonormal but for rounding.
     gram : array, shape (r, r)
         Their inner products, which take the rounding into account.
     is_undetermined : bool array, shape (p,)
-        Parameters with a part in what the data do not know.
+        Parameters with a component in directions that the data do not determine.
     """
 
-    turn: FloatArray
+    parameter_directions: FloatArray
     columns: tuple[JacobianColumns, ...]
     gram: FloatArray
     is_undetermined: BoolArray
@@ -459,12 +460,12 @@ class Directions(NamedTuple):
         *,
         other_columns: Sequence[Callable[[FloatArray], FloatArray]] = (),
     ) -> FloatArray:
-        """Return the covariance of the parameters (p, p), infinite where they are undetermined."""
+        """Return the covariance of the parameters (p, p), infinite if undetermined."""
         noise_matrix = noise_along.copy()
         for absorbed_columns, columns in zip(other_columns, self.columns, strict=False):
             row = absorbed_columns(columns.matrix)
             noise_matrix += row.T @ row
-        inverse_map = np.linalg.solve(self.gram, self.turn.T)
+        inverse_map = np.linalg.solve(self.gram, self.parameter_directions.T)
         covariance = inverse_map.T @ noise_matrix @ inverse_map
         covariance[self.is_undetermined, :] = 0.0
         covariance[:, self.is_undetermined] = 0.0
@@ -473,14 +474,14 @@ class Directions(NamedTuple):
 
 
 def make_directions(
-    jacobians: Sequence[FloatArray], *, shared: bool = False, with_fine_scales: bool = False
+    jacobians: Sequence[FloatArray], *, is_shared: bool = False, with_fine_scales: bool = False
 ) -> Directions:
-    """Turn Jacobians into orthonormal columns; `shared`, each record knows that it is one of some.
+    """Return orthonormal columns of Jacobians; `is_shared` if several records share them.
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
-    directions; what counts is taken from the turned columns. With `with_fine_scales`, what J'J no
-    longer knows is asked of J, whose rounding is the root of it: for data that are known to a
+    directions; the result is computed from the rotated columns. With `with_fine_scales`, what J'J
+    no longer knows is asked of J, whose rounding is the root of it: for data that are known to a
     millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
@@ -489,7 +490,7 @@ def make_directions(
         rotation, is_undetermined = _orthonormalise_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(
-        JacobianColumns((rotation.T @ jacobian.T).T, shared=shared) for jacobian in jacobians
+        JacobianColumns((rotation.T @ jacobian.T).T, is_shared=is_shared) for jacobian in jacobians
     )
     gram = np.sum([column.gram for column in columns], axis=0)
     return Directions(rotation, columns, gram, is_undetermined)
@@ -541,7 +542,7 @@ def _orthonormalise_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]
 # Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 
 
-# rows of a tall matrix that a cache holds
+# rows of a tall matrix that fit into the cache
 ROWS_PER_BATCH = 1024
 
 
@@ -564,12 +565,12 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
 def marginalise(
     free_columns: FloatArray, error_columns: FloatArray
 ) -> Callable[[FloatArray], FloatArray]:
-    """Return what makes noise of covariance 1 + C C' white, free columns projected out.
+    """Return the whitening of noise with covariance 1 + C C', free columns projected out.
 
     Parameters
     ----------
     free_columns : array, shape (n, q)
-        Columns of which nothing is known.
+        Columns without a prior.
     error_columns : array, shape (n, m)
         C, known columns times their standard deviation.
     """
@@ -632,7 +633,7 @@ def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
 
     space = kernels.space(exact, means)
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
-    rank = kernels.right.shape[1]
+    rank = kernels.right_factors.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
     return ReducedBasis(
         JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS_ACCURACY)

@@ -7,7 +7,7 @@ With J the derivative of the model by :math:`\theta` and :math:`\beta`, and
 .. math:: C = (J'J)^{-1} J'\Gamma J\,(J'J)^{-1}, \qquad
           C_f = G\,C\,G', \quad G = \partial f / \partial(\theta, \beta)
 
-A coefficient that rests at zero is held there and has no error unless its bound is asked for.
+A coefficient that rests at zero is held there and has no error unless its bound is requested.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Estimate:
     ----------
     optimum : Optimum
     covariance : array, shape (p + q, p + q)
-        Zero for what rests at a bound, infinite for what the data do not determine.
+        Zero for parameters at a bound, infinite for undetermined ones.
     noises : tuple of Noise
         Noises of each record.
     prior_variance : float or None
@@ -100,7 +100,7 @@ class Estimate:
         return t_quantile(level, self.dof)
 
     def derive_quantity(self, function: Callable[[FloatArray], FloatArray]) -> DerivedQuantity:
-        """Return what follows from theta and beta, by its gradient (delta method)."""
+        """Return a quantity derived from theta and beta, by its gradient (delta method)."""
         optimum_values, steps = self.optimum.values, self.optimum.steps
         values = np.asarray(function(optimum_values))
         G = np.zeros((len(values), len(optimum_values)))
@@ -117,7 +117,7 @@ class Estimate:
         return replace(self, covariance=self.covariance + np.outer(error, error))
 
     def profile(self, index: int, *, level: float = 0.95) -> list[ProfileSlice]:
-        r"""Return the problem with one theta held, all others at their best, across its interval.
+        r"""Return the problem with one theta fixed, all others optimal, across its interval.
 
         .. math:: S(\theta_i) - S_{\min} \le t^2\, \gamma
 
@@ -138,7 +138,7 @@ class Estimate:
         first_step = half_width * width / _SLICES if has_width else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
-            """Return what is held has no error; None where the model says nothing."""
+            """Return zero errors for fixed parameters; None where the model is not defined."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
                     [start], cost_tolerance=_END_TOLERANCE / sum(sample_counts)
@@ -207,9 +207,9 @@ class Estimate:
 
 
 def propagate_covariance(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
-    """Return the covariance of what moves with parameters by this gradient, shape (m, m).
+    """Return the covariance of quantities with this gradient by the parameters, shape (m, m).
 
-    What depends on anything that the data do not determine is none of theirs either.
+    A quantity that depends on an undetermined parameter is undetermined as well.
     """
     finite = np.isfinite(np.diag(covariance))
     values = gradient[:, finite] @ covariance[np.ix_(finite, finite)] @ gradient[:, finite].T
@@ -254,11 +254,11 @@ def estimate(
     rounding : float
         Rms that rounding alone leaves.
     noises : sequence of Noise
-        Noises of each record, where it is known otherwise (:func:`white_noise`).
+        Noises of each record, if known otherwise (:func:`white_noise`).
     is_bounded : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
     is_fixed : array, shape (p,), optional
-        Thetas that have no error: such as press against an end that is no mere window.
+        Thetas that have no error: such as those at a physical bound.
     prior_variance : float, optional
         Variance of the rows of priors; by default the mean power of the noises.
     with_fine_scales : bool
@@ -271,7 +271,7 @@ def estimate(
     record_edges = np.cumsum(row_counts)[:-1]
     jacobians = np.split(optimum.jacobian[:, free], record_edges)
     information = make_directions(
-        jacobians, shared=len(record_edges) > 0, with_fine_scales=with_fine_scales
+        jacobians, is_shared=len(record_edges) > 0, with_fine_scales=with_fine_scales
     )
     # rows of priors are no record
     records = list(

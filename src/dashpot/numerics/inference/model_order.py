@@ -4,12 +4,12 @@ r"""Selection of the number of arms by two rules that fail in different ways.
   correlated residuals do not count as fresh evidence.
 * Significance: every arm has k > 3 SE and SE(ln tau) < 0.5.
 
-The smaller of the two answers is taken: an arm that either rule doubts is not worth its place. But
-a number of arms that BIC rejects by more than 50 is no answer. Such a fall is significant (11.8
-for the k and tau of an arm) even if only one in four of the residuals counted that kappa lets
-count; the arm is there, however poorly its k and tau are distinguished from a plateau and a drift.
-Where the rules disagree the result says so.
-Source: G. Schwarz, Annals of Statistics 6 (1978) 461, with the sample size of a correlated record.
+The smaller of the two numbers is taken: an arm must satisfy both rules. But a number of arms that
+BIC rejects by more than 50 is no answer. Such a fall is significant (11.8 for the k and tau of an
+arm) even if only one in four of the residuals counted that kappa lets count; the arm is there,
+however poorly its k and tau are distinguished from a plateau and a drift. If the rules disagree,
+the result is marked. Source: G. Schwarz, Annals of Statistics 6 (1978) 461, with the sample size of
+a correlated record.
 
 Where the noise is as slow as the arms, one :math:`M_\mathrm{eff}` is wrong for all of them: fast
 arms meet little of that noise. And the slowest arm, which trades with the plateau, has an SE of
@@ -53,7 +53,7 @@ class OrderChoice(NamedTuple):
     ----------
     arms, by_bic, by_significance : int
         `arms` is the smaller of the two, unless BIC is decisive.
-    capped : bool
+    is_largest_tried : bool
         The choice is the largest number that was tried, and more might be better still.
     in_noise_metric : bool
         The rules judged fits in the metric of the noise, not by plain least squares.
@@ -62,7 +62,7 @@ class OrderChoice(NamedTuple):
     arms: int
     by_bic: int
     by_significance: int
-    capped: bool = False
+    is_largest_tried: bool = False
     in_noise_metric: bool = False
 
     @property
@@ -76,20 +76,20 @@ class Shortage(NamedTuple):
 
     Attributes
     ----------
-    arms, supported : int
-        What was asked for, and what the rules take.
+    requested_arms, supported_arms : int
+        Requested number, and number by the rules.
     rms, supported_rms : float
         What either leaves.
     """
 
-    arms: int
-    supported: int
+    requested_arms: int
+    supported_arms: int
     rms: float
     supported_rms: float
 
 
 def deviance(sse: float, *, effective: float, rounding_sse: float = 0.0) -> float:
-    r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: what BIC has without its parameters.
+    r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: BIC without the term of the parameters.
 
     As :func:`bic`; sums of squares below 1e-300 are taken for that.
     """
@@ -130,7 +130,7 @@ def is_well_determined(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -
 
 
 def is_significant_fall(deviance_fall: float, parameters: int) -> bool:
-    """Return whether `deviance_fall` is more than chance gives with so many parameters."""
+    """Return whether `deviance_fall` is significant for the number of parameters."""
     return chi2_sf(deviance_fall, parameters) < MAX_CHANCE
 
 
@@ -189,6 +189,6 @@ def select_model_order(
         arm_count,
         by_bic,
         by_significance,
-        capped=not is_exhausted and arm_count == max(arms),
+        is_largest_tried=not is_exhausted and arm_count == max(arms),
         in_noise_metric=in_noise_metric,
     )

@@ -25,7 +25,7 @@ _RISE, _RISES = 0.7, 5.0
 
 
 class Coordinate(Enum):
-    """Coordinate that is held while everything else is fitted again."""
+    """Coordinate that is fixed while all others are fitted again."""
 
     LINEAR = "a linear parameter"
     LOG_TAU = "ln tau of an arm"
@@ -44,10 +44,10 @@ class ProfileTarget:
     step : float
         First distance from the optimum, about half a standard error.
     scale : float
-        kappa s^2, what one unit of deviance costs in SSE.
+        kappa s^2, the SSE of one unit of deviance.
     relative_gain : callable, optional
         How many times the noise at the optimum meets the way from there to linear parameters
-        and ln tau; once, if left out.
+        and ln tau; once, if omitted.
     """
 
     coordinate: Coordinate
@@ -101,7 +101,7 @@ class ProfileTrace:
             self.ended = self.ended or deviance < _SPARE_DEVIANCE
 
     def update_walk(self, deviance: float) -> bool:
-        """Take note of the deviance at the goal; True if the walk goes on from there."""
+        """Take note of the deviance at the goal; True if the walk continues from there."""
         root_rise = float(np.sqrt(deviance)) - self.root
         self.step *= min(max(self.rise / max(root_rise, 1e-3), 0.1), 3.0)
         is_close = root_rise <= 2.0 * self.rise
@@ -338,7 +338,7 @@ def compute_profiles(
 
 
 class _SimultaneousProfiles:
-    """The least-squares problems of many profiles, each with one coordinate held."""
+    """The least-squares problems of many profiles, each with one fixed coordinate."""
 
     def __init__(self, stack: Stack, optimum: Solution) -> None:
         self.optimum, self.fixed = optimum, len(stack.names)
@@ -386,7 +386,7 @@ class _SimultaneousProfiles:
         return float(log_tau[arm] + np.log(beta[self.fixed + target.index]))
 
     def range(self, target: ProfileTarget) -> tuple[float, float]:
-        """Return how far the held coordinate goes."""
+        """Return the range of the fixed coordinate."""
         if target.coordinate is Coordinate.LOG_TAU:
             return self.window
         if target.coordinate is Coordinate.LINEAR:
@@ -394,17 +394,17 @@ class _SimultaneousProfiles:
         start = self.value(target)
         return start - _OPEN_FOLDS, start + _OPEN_FOLDS
 
-    def walk(self, walks: Sequence[ProfileTrace]) -> None:
+    def walk(self, traces: Sequence[ProfileTrace]) -> None:
         """Walk every side to its end."""
-        sides = _Sides([trace.profile_target for trace in walks], self.fixed, self.arms)
-        self._add_spare_deviances(walks, sides)
-        residual = np.tile(self.optimum.log_tau, (len(walks), 1))
-        goals = np.array([trace.goal for trace in walks])
-        descents = self._start_descents(residual, walks)
+        sides = _Sides([trace.profile_target for trace in traces], self.fixed, self.arms)
+        self._add_spare_deviances(traces, sides)
+        residual = np.tile(self.optimum.log_tau, (len(traces), 1))
+        goals = np.array([trace.goal for trace in traces])
+        descents = self._start_descents(residual, traces)
         trials = descents.known
-        while active_walks := [i for i, trace in enumerate(walks) if not trace.ended]:
+        while active_walks := [i for i, trace in enumerate(traces) if not trace.ended]:
             for i in self._run_trials(descents, goals, sides, np.array(active_walks)):
-                trace, position, predicted_steps = walks[i], walks[i].at, np.zeros(self.arms)
+                trace, position, predicted_steps = traces[i], traces[i].at, np.zeros(self.arms)
                 sse, log_tau = descents.best(i)
                 if trace.update_walk(self._deviance(trace, trials.beta[i], log_tau, sse)):
                     predicted_steps = (
@@ -420,14 +420,14 @@ class _SimultaneousProfiles:
                 )
                 goals[i] = trace.goal
 
-    def _add_spare_deviances(self, walks: Sequence[ProfileTrace], sides: _Sides) -> None:
+    def _add_spare_deviances(self, traces: Sequence[ProfileTrace], sides: _Sides) -> None:
         """Add the deviance without each arm to the walks of that arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
         of_arm = {arm: i for i, arm in enumerate(sides.owner.tolist()) if arm >= 0}
         if not of_arm:
             return
-        first_walks = [walks[i] for i in of_arm.values()]
+        first_walks = [traces[i] for i in of_arm.values()]
         arm_sides = _Sides(
             [ProfileTarget(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
             self.fixed,
@@ -447,7 +447,7 @@ class _SimultaneousProfiles:
             )
             indices = indices[~np.isin(indices, ended)]  # `numpy.setdiff1d` imports masked arrays
         indices_by_arm = {arm: [i] for i, arm in enumerate(of_arm)}
-        for trace, arm, column in zip(walks, sides.owner.tolist(), sides.column, strict=True):
+        for trace, arm, column in zip(traces, sides.owner.tolist(), sides.column, strict=True):
             # a plateau that falls may have any of the arms, slower than all, in its place
             is_falling = trace.sign < 0 and column in self.plateaus
             for i in indices_by_arm[arm] if arm >= 0 else range(len(first_walks) * is_falling):
@@ -456,14 +456,14 @@ class _SimultaneousProfiles:
                     self._deviance(trace, descents.known.beta[i], log_tau, sse)
                 )
 
-    def _start_descents(self, start: FloatArray, walks: Sequence[ProfileTrace]) -> BatchedDescent:
-        tolerance = np.array([1e-3 * trace.profile_target.scale for trace in walks])
+    def _start_descents(self, start: FloatArray, traces: Sequence[ProfileTrace]) -> BatchedDescent:
+        tolerance = np.array([1e-3 * trace.profile_target.scale for trace in traces])
         return BatchedDescent(start, len(self.optimum.beta), tolerance)
 
     def _run_trials(
         self,
         descents: BatchedDescent,
-        goals: FloatArray,
+        target_values: FloatArray,
         sides: _Sides,
         indices: IndexArray,
         bounds: tuple[FloatArray, FloatArray] | None = None,
@@ -474,9 +474,11 @@ class _SimultaneousProfiles:
         trial = np.minimum(
             np.maximum(descents.positions[indices] + descents.steps[indices], low), high
         )
-        trial = sides.set_fixed_times(trial, goals, indices)
+        trial = sides.set_fixed_times(trial, target_values, indices)
         return indices[
-            descents.take(trial, self._solve_trials(trial, goals[indices], sides, indices), indices)
+            descents.take(
+                trial, self._solve_trials(trial, target_values[indices], sides, indices), indices
+            )
         ]
 
     def _deviance(
@@ -500,11 +502,11 @@ class _SimultaneousProfiles:
         return phi, values
 
     def _solve_trials(
-        self, log_tau: FloatArray, goals: FloatArray, sides: _Sides, indices: IndexArray
+        self, log_tau: FloatArray, target_values: FloatArray, sides: _Sides, indices: IndexArray
     ) -> SolvedTrials:
         phi, values = self._evaluate_columns(log_tau)
         row, arm, column = np.arange(len(indices)), sides.arm[indices], sides.column[indices]
-        amount, base = sides.amount(log_tau, goals, indices), phi[row, column]
+        amount, base = sides.amount(log_tau, target_values, indices), phi[row, column]
         target = self.target - amount[:, None] * base
         # where a relaxation time is held no coefficient is
         linear = ~sides.log_tau[indices]
@@ -558,7 +560,7 @@ class _SimultaneousProfiles:
 
 
 class _Normal:
-    """Normal equations of many design matrices (A, p, n), some columns left out of each."""
+    """Normal equations of many design matrices (A, p, n), some columns omitted from each."""
 
     def __init__(self, phi: FloatArray) -> None:
         gram = phi @ phi.swapaxes(1, 2)
@@ -576,7 +578,7 @@ class _Normal:
         self.gram[row, column, column] = 1.0 + RIDGE
 
     def solve_moments(self, moment: FloatArray) -> FloatArray:
-        """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""
+        """Coefficients (A, p, r) for moments of that shape; zero for excluded columns."""
         scaled_moment = self.free * moment / self.length
         return np.asarray(np.linalg.solve(self.gram, scaled_moment) / self.length)
 
@@ -598,17 +600,21 @@ class _Sides:
         self.owner: IndexArray = np.where(self.column >= fixed_count, self.arm, -1)
 
     def set_fixed_times(
-        self, log_tau: FloatArray, goals: FloatArray, indices: IndexArray
+        self, log_tau: FloatArray, target_values: FloatArray, indices: IndexArray
     ) -> FloatArray:
-        """Return the trials with a held relaxation time at its goal."""
+        """Return the trials with a fixed relaxation time at its goal."""
         fixed_time_rows = np.flatnonzero(self.log_tau[indices])
-        log_tau[fixed_time_rows, self.arm[indices][fixed_time_rows]] = goals[indices][
+        log_tau[fixed_time_rows, self.arm[indices][fixed_time_rows]] = target_values[indices][
             fixed_time_rows
         ]
         return log_tau
 
-    def amount(self, log_tau: FloatArray, goals: FloatArray, indices: IndexArray) -> FloatArray:
-        """Return the coefficient that is held, zero where none is."""
+    def amount(
+        self, log_tau: FloatArray, target_values: FloatArray, indices: IndexArray
+    ) -> FloatArray:
+        """Return the fixed coefficient, zero if there is none."""
         values = log_tau[np.arange(len(indices)), self.arm[indices]]
-        of_b = np.exp(np.minimum(np.where(self.log_b[indices], goals - values, 0.0), 600.0))
-        return np.where(self.log_b[indices], of_b, np.where(self.log_tau[indices], 0.0, goals))
+        of_b = np.exp(np.minimum(np.where(self.log_b[indices], target_values - values, 0.0), 600.0))
+        return np.where(
+            self.log_b[indices], of_b, np.where(self.log_tau[indices], 0.0, target_values)
+        )

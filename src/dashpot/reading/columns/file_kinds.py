@@ -1,4 +1,4 @@
-"""Kinds of files: their names, the command that reads each, and what is no table of a test."""
+"""Kinds of files: their names, the command that reads each, and tables that are not tests."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ class KindOfFile(NamedTuple):
 
     Attributes
     ----------
-    label, use : str
-        Its name, and the command that reads it or why none does.
+    label, usage : str
+        Its name, and the command that reads it or the reason for none.
     roles : tuple of str
         Roles of its columns; the reader of a creep test or a sweep finds its own.
-    accelerated : bool
-        Whether every acceleration column belongs to the record, too.
+    takes_all_accelerations : bool
+        Whether every acceleration column belongs to the record as well.
     by_hand : bool
         Whether its rows were read by hand, so that a sampling rate makes no sense.
     """
 
     label: str
-    use: str
+    usage: str
     roles: tuple[Role, ...] = ()
-    accelerated: bool = False
+    takes_all_accelerations: bool = False
     by_hand: bool = False
 
 
@@ -115,7 +115,7 @@ class Recognised:
     stored : bool
         Whether it is a result, or a record, that dashpot wrote as JSON.
     simulated : bool
-        Whether the header says that the table was simulated.
+        Whether the header marks the table as simulated.
     on_a_base : bool
         Whether an acceleration is that of the base: base excitation, no hammer.
     """
@@ -159,7 +159,7 @@ def get_kind_label(kind: str) -> str:
 def get_kind_command(kind: str) -> str:
     """Return the command that reads a kind of file, or why there is none; empty if unknown."""
     kinds = KINDS_OF_FILE if kind in KINDS_OF_FILE else DOCUMENT_KINDS
-    return kinds[kind].use if kind in kinds else ""
+    return kinds[kind].usage if kind in kinds else ""
 
 
 def identify_json(raw: RawFile) -> Recognised | None:

@@ -19,7 +19,7 @@ from dashpot.reading.table import Column
 
 
 _BARE_RATIOS = {"": 1.0, "1": 1.0, "-": 1.0, "db": 1.0, "%": 0.01}
-"""Units of a ratio; they mean a transmissibility where a name or a comment says so."""
+"""Units of a ratio; they mean a transmissibility if a name or a comment states it."""
 _RESPONSE_KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
     ("length", "force", Kind.RECEPTANCE),
     ("velocity", "force", Kind.MOBILITY),
@@ -206,7 +206,7 @@ def format_unit_multiple(unit: Unit, factor: float) -> str:
 
 
 _LONGEST_HEADING = 500
-"""Characters of a name; what is longer is cut."""
+"""Characters of a name; longer ones are cut."""
 _OF_WHAT = compile_on_use(r"\A(?:[A-Za-z]\(t\)|(?i:tan ?\((?:delta|d|δ)\)))\Z")  # E(t): no tonnes
 _IN_BRACKETS = compile_on_use(
     r"[\[(<{]([^\[\](){}<>]*+(?:\([^()]*+\)[^\[\](){}<>]*+){0,2})[\])>}][\s,;:]*+\Z"
@@ -303,9 +303,9 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
 
 
 def split_heading(name: str, word: str | None) -> tuple[str, str | None]:
-    """Return the name and the unit of a column, of which its name may state one, too.
+    """Return the name and the unit of a column; the name may contain a unit.
 
-    Two that differ become one word that is no unit, so that it is asked which is right.
+    Two different units become an unknown word, so that the user is asked.
 
     >>> split_heading("Force_N", None), split_heading("Force [N]", "N"), split_heading("F_N", "daN")
     (('Force', 'N'), ('Force', 'N'), ('F', 'N or daN'))
@@ -323,7 +323,7 @@ def split_heading(name: str, word: str | None) -> tuple[str, str | None]:
 
 
 def join_units(first: str, second: str) -> str:
-    """Return two units of one column as no unit that anyone knows, so that it is asked for."""
+    """Return two units of one column as an unknown word, so that the user is asked."""
     return f"{first} or {second}"
 
 
@@ -337,7 +337,7 @@ def strip_brackets(word: str) -> str:
 
 
 def state_unit(column: Column) -> Column:
-    """Return a column with the unit that its name states, or both where they contradict."""
+    """Return a column with the unit in its name, or both if contradictory."""
     unit = add_factor_to_unit(*split_heading(column.name, column.unit))
     return replace(column, unit=unit) if column.unit or units.find_unit(unit or "") else column
 

@@ -86,7 +86,7 @@ def find_amplitude_phase_pairs(
 
 
 def _has_reversed_phases(table: FileTable, amplitudes: list[int], phases: list[int]) -> bool:
-    """Return whether the names say that the first phase is that of the second amplitude."""
+    """Return whether by its name the first phase belongs to the second amplitude."""
     words = {i: set(vocabulary.tokens(table.columns[i].name)) for i in (*amplitudes, *phases)}
     own_words = {i: words[i] - words[j] for i, j in (amplitudes, amplitudes[::-1])}
     in_order, reversed_order = (
@@ -220,7 +220,7 @@ class NamedColumns:
         return pair is not None and has_force == any(columns.is_force for columns in pair)
 
     def has_creep(self) -> bool:
-        """Return whether there is a creep compliance, or the header says creep."""
+        """Return whether there is a creep compliance, or the header mentions creep."""
         header = " ".join(self.table.header).casefold()
         names = map(str.casefold, self.unique_names)
         has_compliance = any("compliance" in name and "machine" not in name for name in names)
@@ -240,7 +240,7 @@ class NamedColumns:
         )
 
     def satisfies(self, kind: FileKind) -> bool:
-        """Return whether the rule of a kind of an extension holds."""
+        """Return whether the table satisfies the rule of an extension's kind."""
         rule = find_handler("table rule", kind)
         return bool(rule and rule(self))
 
@@ -359,7 +359,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[NamedColumns], bool] | None], ...] 
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
-"""Kinds, reasons and predicates, the first true one decides; None: that of an extension."""
+"""Kinds, reasons and predicates, of which the first true one decides; None: an extension has it."""
 
 
 _REQUIRED_SWEEP_ROLES: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
@@ -372,13 +372,13 @@ _KINDS_BY_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
     "real": ("transmissibility", "frf"), "imaginary": ("transmissibility", "frf"),
     "coherence": ("transmissibility", "frf"),
 })  # fmt: skip
-"""Kinds by the role that they alone have: a user who names its column states the kind."""
+"""Kinds with a unique role: naming a column for it states the kind."""
 
 
 def detect_table_kind(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and the reason, by names and units, and of a sweep by its range.
 
-    What depends on the motion in a record, `dashpot.reading.readers.detect_kind` decides.
+    Decisions by the motion in a record are in `dashpot.reading.readers.detect_kind`.
     """
     if options.kind is not None:
         return parse_file_kind(options.kind)
@@ -459,7 +459,7 @@ def is_motion_ratio(table: FileTable) -> bool:
 
 
 def is_relative_transmissibility(table: FileTable) -> bool:
-    """Return whether a name or the header says a relative transmissibility."""
+    """Return whether a name or the header states a relative transmissibility."""
     texts = (*table.header, *(column.name for column in table.columns))
     return any("relative transmissib" in text.casefold().replace("_", " ") for text in texts)
 
@@ -484,7 +484,7 @@ def _load_role_values(table: FileTable, role: Role, options: ReadOptions) -> Flo
 
 
 def _find_role_columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
-    """Return the indices of the likeliest columns of roles; roles without one are left out."""
+    """Return the indices of the likeliest columns of roles; roles without one are omitted."""
     indices = []
     for role in roles:
         column_name = getattr(options, role, None)
@@ -530,7 +530,7 @@ _AMPLITUDE_ROLES: tuple[Role, ...] = ("strain", "stress", "displacement", "force
 _MIN_AMPLITUDE_RATIO = 1.5
 """Ratio of amplitudes at one frequency and temperature from which they were swept."""
 _TEMPERATURE_WIDTH = 3.0
-"""Range of temperatures that counts as one, K."""
+"""Range of temperatures that counts as a single one, K."""
 
 
 def assign_amplitude_column(table: FileTable, options: ReadOptions) -> ReadOptions:

@@ -41,7 +41,7 @@ _SCORE_PENALTIES = (
     (vocabulary.PARTIAL_TIME, 1.0, True),
     (vocabulary.WHOLE_TIME, 0.5, True),
 )
-"""Words that speak against a column, by how much, and if they do so of time or of the rest."""
+"""Words that lower the score of a column, by how much, and whether for time or other roles."""
 _WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
 _SENSITIVITY = compile_on_use(
     r"\A(\d++\.?\d*+(?:e[+-]?\d{1,3})?|\.\d++)\s*+(m|u|µ)?V\s*+/\s*+\(?([^()]++)\)?\Z",
@@ -80,7 +80,7 @@ def option_of(role: Role) -> str:
 
 
 def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment | Question:
-    """Return the column that plays a role, or the question to ask.
+    """Return the column of a role, or the question to ask.
 
     Raises
     ------
@@ -175,19 +175,19 @@ def accelerations(
 
 
 def _likely_accelerations(
-    table: FileTable, options: ReadOptions, free: Callable[[int], bool] = lambda _: True
+    table: FileTable, options: ReadOptions, is_free: Callable[[int], bool] = lambda _: True
 ) -> tuple[int, ...]:
     scored_columns = score_columns(table, "acceleration", options).items()
-    likely_columns = {i: value for i, value in scored_columns if free(i)}
+    likely_columns = {i: value for i, value in scored_columns if is_free(i)}
     best = max(likely_columns.values(), default=0.0)
     if best < 1.0:  # named so, but in volts or the like: the question is the unit
         candidates = (i for i, column in enumerate(table.columns) if _is_named_acceleration(column))
-        return tuple(filter(free, candidates))
+        return tuple(filter(is_free, candidates))
     return tuple(i for i, value in likely_columns.items() if value >= _floor(best))
 
 
 def _floor(best: float) -> float:
-    """Return the least score of a candidate beside the best one."""
+    """Return the lowest score of an alternative candidate."""
     if best < 2.0:
         return 1.0
     return max(1.5, best - 1.5) if best >= 3.5 else 1.5
@@ -322,7 +322,7 @@ def _reason(column: Column, role: Role) -> str:
 
 
 def acceleration_question(table: FileTable) -> Question:
-    """Ask for the accelerations where no column shows itself as one."""
+    """Ask for the accelerations if no column is recognised as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
     column_options = [
         f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
@@ -337,12 +337,12 @@ def acceleration_question(table: FileTable) -> Question:
 
 
 def _names_something(column: Column) -> bool:
-    """Return whether a name surely says something."""
+    """Return whether a name has a certain meaning."""
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 
 def _ask_missing_role(table: FileTable, role: Role) -> Question:
-    """Ask for the column of a role that none was found for: a wrong label is worth naming."""
+    """Ask for the column of a role without one, and name a column with a contradictory label."""
     option = flag(option_of(role))
     answer = f"{option}=NAME"
     for column in _unlike(table):
@@ -378,7 +378,7 @@ def _ask_missing_role(table: FileTable, role: Role) -> Question:
 
 
 def join_questions(table: FileTable, questions: Sequence[Question]) -> str:
-    """Return all questions in one sentence each; what no column was found for, in one for all."""
+    """Return one sentence for each question, and one for all roles without a column."""
     missing_roles = [question for question in questions if question.role]
     if len(missing_roles) < 2:
         return ". ".join(item.message for item in questions)
@@ -533,7 +533,7 @@ def _determine_frequency_unit(word: str, column: Column, label: str) -> str:
 
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
-    """Ask whether a factor beside a unit has been applied to the numbers."""
+    """Ask whether a factor next to a unit has been applied to the numbers."""
     result = split_factor(word)
     unit = result and (units.find_unit(result[1], dimension) or _find_part_unit(result[1], role))
     if not result or not unit or sensitivity(word, dimension, None):
@@ -573,7 +573,7 @@ def _label(column: Column, number: int, role: Role) -> str:
 
 
 def _add_unit(column: Column, role: Role) -> str:
-    """Return what may be written over a column that has no unit."""
+    """Return the possible unit labels of a column without a unit."""
     return f"{column.name or role} [{_unit_like(column, role)}]"
 
 
@@ -613,7 +613,7 @@ def no_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
 def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Unit | None:
     """Return the unit behind a sensitivity such as ``22.5mV/N``: volts divided by it.
 
-    The column is taken to be in volts unless it says another unit of voltage.
+    The column is in volts unless it states another unit of voltage.
     """
     match = _SENSITIVITY.match(word.strip())
     if match is None:
@@ -638,9 +638,9 @@ def format_column(columns: Sequence[Column], index: int, names: Counter[str] | N
 
 
 def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
-    """Return what names one column and no other: its name, or its number where names repeat.
+    """Return a unique name of a column: its name, or its number where names repeat.
 
-    Who asks it of many columns counts their names once.
+    For many columns the caller counts the names once.
     """
     name = _fold_column_name(columns[index])
     single = (names or _count_column_names(columns))[name] == 1

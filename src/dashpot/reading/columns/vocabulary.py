@@ -119,7 +119,7 @@ COMMANDED = (
     "set", "soll", "sollwert", "command", "commanded", "cmd", "setpoint", "target", "demand",
     "zadana", "zadane", "consigne", "nominal", "reference", "ref", "设定", "目标", "hedef",
 )  # fmt: skip
-"""Words for what was asked of the machine, not what it did."""
+"""Words for set-points."""
 DERIVED = (
     "sd", "std", "stdev", "error", "fehler", "rate", "speed", "velocity", "geschwindigkeit",
     "derivative", "noise", "status", "flag", "index", "count", "counter", "filtered", "gefiltert",
@@ -137,9 +137,9 @@ EXTREMES = (
 COUNTED = frozenset((
     "cycles", "segments", "counts", "steps", "zyklen", "cykle", "segmente",
 ))  # fmt: skip
-"""Words that stand where the unit of a count would."""
+"""Words in place of a unit in a column of counts."""
 STATIC = ("static", "stat", "statisch", "statische", "statischer", "statique", "statico", "静态")
-"""Words for what a cycle goes about."""
+"""Words for the mean of a cycle."""
 STEP_TIME = (
     "step", "segment", "schritt", "interval", "section", "abschnitt", "schrittzeit", "kroku",
     "stage", "action",
@@ -165,11 +165,11 @@ OF_BASE = (
     "anregung", "fußpunkt", "fundament", "ground", "floor", "boden", "podstawa", "stół",
     "reference", "control", "drive",
 )  # fmt: skip
-"""Words for what is shaken, of two that move."""
+"""Words for the base among two motions."""
 MIN_SCORE = 1.5
 """Lowest score with which a name counts for a role: that of a second meaning."""
 WHOLE_TIME = ("run",)
-"""Clocks of all that an instrument did, before this record too."""
+"""Clocks of an instrument that include the time before this record."""
 _HUMP = compile_on_use(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
 _GAPS = compile_on_use(r"[\s_\-:;,./\\|*#()\[\]{}<>]+")
 _INFORMATIVE_WORDS = (
@@ -220,7 +220,7 @@ _NO_SIZE = compile_on_use(
 )
 _BLANKS = compile_on_use(r" {2,}")
 _EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
-"""Words that stand in others without a blank."""
+"""Words found inside others without a blank."""
 _STEMS = MappingProxyType(
     {
         word: roles
@@ -262,7 +262,7 @@ def _split_search_words(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[s
 
 
 def _may_mean(spelling: str) -> bool:
-    """Return whether a word is worth a look at its roles: of thousands of names most are not."""
+    """Return whether a word may have a role; most of thousands of names have none."""
     is_certain = spelling in FIRST or spelling in SECOND
     return is_certain or spelling[-2:] in _STEM_ENDINGS or not spelling.isascii()
 
@@ -284,7 +284,7 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
 
 
 def names_magnitude(name: str) -> bool:
-    """Return whether a name says the size of a complex modulus or stiffness, and not a part of it.
+    """Return whether a name means the magnitude of a complex modulus or stiffness.
 
     >>> names_magnitude("|K*|"), names_magnitude("Dynamic storage modulus")
     (True, False)
@@ -296,7 +296,7 @@ def names_magnitude(name: str) -> bool:
 
 @lru_cache(maxsize=1 << 16)
 def replace_channel_number(name: str) -> str:
-    """A name that says the same without its own number, where many are counted on: no word has two.
+    """Return a name with 00 in place of its channel number.
 
     >>> replace_channel_number("ai_0017"), replace_channel_number(
     ...     "Channel [3917]"), replace_channel_number("T2")
@@ -317,7 +317,7 @@ def find_informative_words(name: str) -> str:
 
 
 def matches(name: str) -> MappingProxyType[Role, float]:
-    """Return how well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
+    """Return a score of a name for each role: 3 exact, 2.5 part of a word, 1.5 uncertain."""
     return _matches(replace_channel_number(name))
 
 

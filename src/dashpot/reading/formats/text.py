@@ -41,7 +41,7 @@ _IMAGINARY = compile_on_use(
 The letter stands first in the pattern, since a table holds few of them, and many digits.
 """
 _MAX_COMPLEX = 1 << 26
-"""Bytes of a file whose complex cells are parted: it is held as a whole."""
+"""Largest size of a file whose complex cells are split, bytes: it is held as a whole."""
 _MARKUP = compile_on_use(
     rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
     re.I,
@@ -58,7 +58,7 @@ _MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
 
 
 def read(raw: RawFile, options: ReadOptions) -> FileTable:
-    """Return the table that a text file holds.
+    """Return the table of a text file.
 
     Raises
     ------

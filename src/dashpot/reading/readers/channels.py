@@ -49,9 +49,9 @@ Judged: TypeAlias = Callable[
 _OVERLOAD = 9.9e37
 """Number that SCPI instruments send for an infinite or an invalid reading."""
 _MIN_NINES = 999.0
-"""The least number of nines alone that loggers write for no reading: 999, -9999, 999.99."""
+"""The smallest number of nines that loggers write for a missing reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
-"""Part of a step by which the steps of an even clock, and a rate said of it, may differ from it."""
+"""Largest relative deviation of the steps of an even clock, and of its stated rate."""
 _MARK_RATIO = 5.0
 """Factor of such a number over all others of its column."""
 
@@ -63,16 +63,16 @@ class OpenedFile:
     raw: RawFile
     table: FileTable
     options: ReadOptions
-    once: bool = False
+    is_cached: bool = False
     """Whether the columns read last are kept."""
 
     def column(self, role: Role) -> RoleAssignment | None:
-        """Return the column that plays a role, if one alone does."""
+        """Return the column of a role, if there is only one."""
         answer = assign(self.table, role, self.options)
         return answer if isinstance(answer, RoleAssignment) else None
 
     def find_unambiguous_column(self, role: Role) -> RoleAssignment | None:
-        """Return the column of a role; ask where several could play it.
+        """Return the column of a role; ask if there are several.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class Channel:
 def open_file(
     path: str | Path, options: ReadOptions | None, *, refuse_questions: bool = True
 ) -> Iterator[OpenedFile]:
-    """Open a file for a reader: whatever is wrong within is said with the file's name.
+    """Open a file for a reader: errors inside the block name the file.
 
     Raises
     ------
@@ -142,11 +142,11 @@ def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
 _LEFT_OPEN: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
 _MAX_KEPT = 16
-"""Number of them that are kept."""
+"""Number of kept ones."""
 
 
 def cache_open_file(path: str | Path, file: OpenedFile) -> None:
-    """Leave an open file to who reads it next, with the same options: it is parsed once."""
+    """Cache an open file for the next reader with the same options, so that it is parsed once."""
     key = _key(path, file.options)
     if key is not None:
         while len(_LEFT_OPEN) >= _MAX_KEPT:
@@ -169,8 +169,8 @@ def _key(path: str | Path, options: ReadOptions) -> object:
 
 
 def read_once(file: OpenedFile) -> OpenedFile:
-    """Return the file as one whose numbers are not read again where the same columns are."""
-    if file.once:
+    """Return the file with a cache of the loaded columns."""
+    if file.is_cached:
         return file
     columns: dict[tuple[int, ...], LoadedColumns] = {}
 
@@ -182,7 +182,7 @@ def read_once(file: OpenedFile) -> OpenedFile:
         # who cleans them must not clean the next one's
         return replace(columns[requested], values=columns[requested].values.copy(order="K"))
 
-    return replace(file, table=replace(file.table, load=load), once=True)
+    return replace(file, table=replace(file.table, load=load), is_cached=True)
 
 
 def refuse_summary(file: OpenedFile) -> None:
@@ -202,7 +202,7 @@ def expect(
 ) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
-    A user who has named a column of the roles `stated_columns` knows what the file is.
+    A stated column of the roles `stated_columns` decides the kind of the file.
 
     Raises
     ------
@@ -322,16 +322,16 @@ def refuse_sizes(
 def refuse_all_sizes(
     file: OpenedFile, channels_chosen: Sequence[Channel], function: Judged
 ) -> list[str]:
-    """Ask at once for every unit that is to be answered; return notes on unusual sizes.
+    """Ask for all missing units together; return notes on unusual sizes.
 
-    Who obeys the first question may well have to be asked the next: each is taken to be obeyed
-    before the next is looked for. The user's own word for a unit is not doubted.
+    All questions are collected: each is taken as answered before the next is searched for. The
+    user's own word for a unit is not doubted.
 
     Parameters
     ----------
     function : callable
-        From what every role is to be multiplied by, what its unit then is, and the roles whose
-        units are said, to the checks of each.
+        Function of the factor and the unit of every role, and of the roles with stated units;
+        returns the checks of each role.
 
     Raises
     ------
@@ -367,7 +367,7 @@ def refuse_all_sizes(
 
 
 def is_stated(file: OpenedFile, channel: Channel) -> bool:
-    """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
+    """Whether the unit of a channel is stated by the user or in each cell, as of clock times."""
     column = file.table.columns[channel.index]
     clocked = column.content == "clock"
     return clocked or file.options.unit_of(channel.role, column.name) is not None
@@ -376,7 +376,7 @@ def is_stated(file: OpenedFile, channel: Channel) -> bool:
 def refuse_other_rate(file: OpenedFile) -> None:
     """Refuse a rate that the file's own even clock contradicts.
 
-    A clock that is uneven, coarse or without a unit is none: the rate replaces it.
+    A clock that is uneven, coarse or without a unit is not used: the rate replaces it.
 
     Raises
     ------
@@ -478,7 +478,7 @@ def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
 def load(
     table: FileTable, indexes: Sequence[int], segment: int | None, *, refuse_questions: bool = True
 ) -> LoadedColumns:
-    """Return the numbers of some columns: of the segment asked for, overload marks left out.
+    """Return the numbers of some columns: of the segment requested, overload marks omitted.
 
     Raises
     ------
@@ -551,7 +551,7 @@ def load_test(
 
 
 def fill_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedColumns:
-    """Return the rows, a temperature that stands once for each block filled down, and a note.
+    """Return the rows, with a temperature written once per block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.
     """
@@ -580,7 +580,7 @@ def fill_down(loaded_columns: LoadedColumns, roles: Sequence[Role]) -> LoadedCol
 
 
 def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return the rows that lack no number, and notes: of loading, and how many are left out."""
+    """Return the rows that lack no number, and notes: of loading, and how many are omitted."""
     is_complete = np.isfinite(loaded_columns.values).all(axis=1)
     missing_indices = np.flatnonzero(~is_complete)
     if not missing_indices.size:
@@ -591,7 +591,7 @@ def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tup
 
 
 def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
-    """Return the segment asked for, or everything.
+    """Return the segment requested, or everything.
 
     Raises
     ------
@@ -613,7 +613,7 @@ def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
 
 
 def rows(loaded_columns: LoadedColumns, keep: BoolArray) -> LoadedColumns:
-    """Return some of the rows as one segment; each still knows its line."""
+    """Return some of the rows as one segment, with their line numbers."""
     if keep.all() and len(loaded_columns.starts) == 1:
         return loaded_columns
     indices = np.flatnonzero(keep)

@@ -145,7 +145,7 @@ def ramp_samples(displacement: FloatArray) -> tuple[int, int]:
 
 
 def drop_repeats(time: FloatArray, loaded_data: LoadedColumns) -> tuple[BoolArray, list[str]]:
-    """Return which samples to keep so that time rises, and a note on the repeats left out.
+    """Return which samples to keep so that time rises, and a note on the repeats omitted.
 
     Raises
     ------
@@ -278,7 +278,7 @@ def has_swapped_signals(displacement: FloatArray, force: FloatArray) -> bool:
 def compute_active_fraction(signal: FloatArray) -> float:
     """Return the part of a record in which a signal is beyond a tenth of its peak.
 
-    A hammer's pulses are over in a few samples, what it strikes rings on.
+    A hammer's pulses take a few samples, the struck mass rings longer.
     """
     deviation = np.abs(signal - median(signal))
     return float(np.mean(deviation > _LOUD_SHARE * deviation.max()))

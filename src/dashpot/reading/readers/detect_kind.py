@@ -91,7 +91,7 @@ def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = N
     """Return the command-line options that read a file as a relaxation test.
 
     Each role gets its likeliest free column, and a unit where the file states none. The text is
-    empty for fewer than three possible columns, and for what is no table.
+    empty for fewer than three possible columns, and without a table.
     """
     file = open_or_identify(path, options)
     if isinstance(file, Recognised):

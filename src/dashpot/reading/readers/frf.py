@@ -43,7 +43,7 @@ from dashpot.reading.table import Column, FileTable, LoadedColumns
 
 
 _MIN_PHASE_LINES = 8
-"""Fewest lines that show how far a phase goes."""
+"""Smallest number of lines that shows the range of a phase."""
 _FULL_TURN, _MAX_UNWRAPPED = 2 * np.pi, 60.0
 """Range of a phase in radians, wrapped and unwrapped over ten modes."""
 
@@ -57,7 +57,7 @@ def make_ratio_file(file: OpenedFile) -> OpenedFile:
     Raises
     ------
     ReadError
-        If it is not said which of two motions is the base, or a phase has no unit.
+        If the base among two motions is unknown, or a phase has no unit.
     """
     pair = find_amplitude_phase_pairs(file.table, file.options)
     if pair is None:
@@ -178,7 +178,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
 
 
 def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
-    """Return the FRF that stands in the columns that were settled.
+    """Return the FRF of the chosen columns.
 
     Raises
     ------
@@ -344,7 +344,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
 
 
 def _determine_kind(file: OpenedFile, role: Role, index: int) -> Ratio:
-    """Return what the FRF relates, from the unit, held against a ``kind:`` comment."""
+    """Return the kind of the FRF from the unit, compared with a ``kind:`` comment."""
     column, word = file.table.columns[index], file.unit_word(index, role) or ""
     new_ratio = parse_response_unit(word)
     if new_ratio is None and is_motion_ratio(file.table):
@@ -405,14 +405,14 @@ def _unlike_parts(file: OpenedFile, index: dict[Role, int]) -> list[str]:
     return [f"{message}; expected one unit: {advice}"]
 
 
-def _refuse_high(file: OpenedFile, index: int, top: float) -> None:
+def _refuse_high(file: OpenedFile, index: int, highest_frequency: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
-    if top > _MAX_FREQUENCY and not file.options.unit_of(
+    if highest_frequency > _MAX_FREQUENCY and not file.options.unit_of(
         "frequency", file.table.columns[index].name
     ):
         raise ReadError(
-            f"the FRF goes to {format_quantity(top, 'kHz')}, where no seal is struck: is the unit "
-            "of "
+            f"the FRF goes to {format_quantity(highest_frequency, 'kHz')}, where no seal is "
+            "struck: is the unit of "
             'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
             '--units "frequency=kHz"'
         )

@@ -45,7 +45,7 @@ _AT = (["at"], ["bei"], ["@"], ["à"])
 def add_specimen_temperature(
     file: OpenedFile, specimen: Specimen, test: Sequence[Channel] | None = None
 ) -> tuple[Specimen, list[str]]:
-    """Return the specimen with the temperature that the file says, and notes.
+    """Return the specimen with the temperature stated in the file, and notes.
 
     A column of temperature beside those of a `test` says it by its middle, and how far it rose;
     else a line of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``,

@@ -29,7 +29,7 @@ HITS = "hits, a hammer force and an acceleration, are"
 _RINGS_ON = 5.0
 """Smallest ratio of the duration of a response to that of its hammer."""
 _MAX_PULSE_SHARE = 0.02
-"""Part of a record that a hammer's pulses hardly fill."""
+"""Largest fraction of a record that hammer pulses fill."""
 _PEAKS: dict[Role, tuple[Callable[[float, str], Check], ...]] = {
     "hammer": (size_checks.impact_force_measurable, size_checks.hammer_not_heavy),
     "acceleration": (size_checks.acceleration_not_large,),
@@ -47,7 +47,7 @@ def read_impact(
     Raises
     ------
     ReadError
-        If a file cannot be read or leaves open which column is what or in which unit, or if the
+        If a file cannot be read or does not determine its columns and units, or if the
         files do not hold the same channels.
     """
     return hits_in(paths, options or ReadOptions(), HITS)
@@ -56,7 +56,7 @@ def read_impact(
 def hits_in(
     paths: str | Path | Sequence[str | Path], options: ReadOptions, wanted_kind: str
 ) -> ImpactTest:
-    """Return the hammer test in files, refusing any other with what the command wants."""
+    """Return the hammer test in files; refuse other files, naming the expected kind."""
     tests = read_impacts(paths, options=options, wanted_kind=wanted_kind)
     return tests[0] if len(tests) == 1 else _join_tests(tests)
 
@@ -69,7 +69,7 @@ def read_impacts(
 ) -> list[ImpactTest]:
     """Return the hammer test in each of several files of one set-up, as `read_impact` reads them.
 
-    What is a hit is then judged by the hardest of its own file.
+    Hits are then detected relative to the hardest hit of each file.
     """
     options = options or ReadOptions()
     path_list = [paths] if isinstance(paths, str | Path) else list(paths)
@@ -98,7 +98,7 @@ def read_impacts(
 
 
 def _refuse_copies(tests: Sequence[ImpactTest], path_list: Sequence[str | Path]) -> None:
-    """One file given twice is not twice as many hits."""
+    """Refuse a file given twice."""
     hashes = [tuple(source.sha256 for source in test.source) for test in tests]
     for i, file_hash in enumerate(hashes):
         if file_hash in hashes[:i]:
@@ -194,7 +194,7 @@ def _read_test(path: str | Path, options: ReadOptions, wanted_kind: str) -> Impa
 
 
 def _names(file: OpenedFile, channels_chosen: Sequence[Channel]) -> tuple[str, ...]:
-    """Return what the accelerations are called."""
+    """Return the names of the accelerations."""
     names = [file.table.columns[c.index].name for c in channels_chosen if c.role == "acceleration"]
     return tuple(name or f"acceleration {k}" for k, name in enumerate(names, start=1))
 
@@ -220,7 +220,7 @@ def _refuse_sizes(
     time: FloatArray,
     signals: Sequence[FloatArray],
 ) -> None:
-    """Ask for the units again that make a size no hammer test has."""
+    """Ask for the units of signals with magnitudes impossible for a hammer test."""
     of_signals = channels_chosen[-len(signals) :]
     requested: list[tuple[Channel, list[Check]]] = []
     for channel in channels_chosen[: -len(signals)]:
@@ -289,7 +289,7 @@ def _refuse_swapped(
 def loaded_whole(
     file: OpenedFile, channels_chosen: Sequence[Channel]
 ) -> tuple[LoadedColumns, list[FloatArray]]:
-    """Return the rows of some channels, and each in SI units; refuse one where a sample lacks."""
+    """Return the rows of some channels, and each in SI units; refuse missing samples."""
     channels.refuse_other_rate(file)
     loaded_columns = channels.load_test(file, channels_chosen)
     if file.options.rate is None:

@@ -53,7 +53,7 @@ _OPTIONAL_ROLES = {
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
-"""Roles that are given over the time since a step."""
+"""Roles over the time since a step."""
 _KINDS_WITHOUT_CLOCK = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 
@@ -63,7 +63,7 @@ class InspectedColumn:
     """Column: its name and unit, its role, and the reason.
 
     `first` holds the first few numbers as they stand, in the file's own unit; None
-    where there is none.
+    if there is none.
     """
 
     number: int
@@ -106,7 +106,7 @@ class Inspection(Plottable):
     segments : tuple of Segment
     warnings : tuple of str
     questions : tuple of Question
-        What must be answered before the file can be read, and the option that answers it.
+        Questions to answer before the file can be read, each with its option.
     simulated : bool
     """
 
@@ -158,8 +158,8 @@ class Inspection(Plottable):
     def course(self) -> FloatArray | None:
         """A few hundred rows of every column, in the file's units; None if they were not kept.
 
-        Shape (rows, columns), NaN where there is no number. For a picture: it is no part of the
-        inspection's value, nor of its document.
+        Shape (rows, columns), NaN where there is no number. Data for a figure; not part of the
+        inspection's value or document.
         """
         stored_course: FloatArray | None = vars(self).get(_COURSE)
         return stored_course
@@ -176,7 +176,7 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     Raises
     ------
     ReadError
-        If the file cannot be opened, or holds no table and nothing that dashpot knows.
+        If the file cannot be opened, or holds no table and is of no known kind.
     """
     file = open_or_identify(path, options)
     if isinstance(file, Recognised):
@@ -250,7 +250,7 @@ def _judge_sizes(
     roles: dict[int, tuple[Role, str]],
     refuse_sizes: Callable[..., None],
 ) -> None:
-    """Ask what who reads strain and stress asks of their sizes."""
+    """Add the questions on the magnitudes of strain and stress."""
     assigned_roles = {role for role, _ in roles.values()}
     elongated: Role = "strain" if "strain" in assigned_roles else "stretch"
     if not {elongated, "stress"} <= assigned_roles:
@@ -310,7 +310,7 @@ def _propose_roles(
     propose_more = find_handler("propose roles", kind)
     if propose_more:
         questions += propose_more(file, roles)
-    if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].accelerated:
+    if kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].takes_all_accelerations:
         for acceleration in _find_accelerations(file, list(roles)):
             roles[acceleration.index] = (acceleration.role, acceleration.reason)
             questions += _make_role_questions(file, acceleration.role, acceleration)
@@ -320,14 +320,14 @@ def _propose_roles(
 def _assign_kind_roles(
     file: OpenedFile, kind: str
 ) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
-    """Return those of the roles that the kind has."""
+    """Return the roles of the kind among the given ones."""
     table, options = file.table, file.options
     clocks = (
         find_separate_clocks(table, options) if "displacement" in _get_usual_roles(kind) else ()
     )
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    roles_wanted = _list_expected_roles(file, kind, clocked=bool(clocks))
+    roles_wanted = _list_expected_roles(file, kind, has_clock=bool(clocks))
     curve = not _CURVES.isdisjoint(roles_wanted)
     for role in roles_wanted:
         is_elapsed = curve and role == "time"
@@ -372,13 +372,13 @@ def _find_accelerations(file: OpenedFile, taken_columns: list[int]) -> list[Role
 
 
 def _get_usual_roles(kind: str) -> tuple[Role, ...]:
-    """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
+    """The roles of a kind; of a table that shows none, those of a ramp and hold are requested."""
     if kind == "unclear":
         return RAMP_ROLES
     return KINDS_OF_FILE[kind].roles if kind in KINDS_OF_FILE else ()
 
 
-def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[Role]:
+def _list_expected_roles(file: OpenedFile, kind: str, *, has_clock: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
     find_roles = find_handler("roles", kind)
     roles_wanted = find_roles(file) if find_roles else _get_usual_roles(kind)
@@ -386,7 +386,7 @@ def _list_expected_roles(file: OpenedFile, kind: str, *, clocked: bool) -> list[
         with suppress(ReadError):  # what is lacking is asked of the caller
             roles_wanted = tuple(assignment.role for assignment in sweep_columns(file)[0])
     options = file.options
-    needless = {"time": clocked or options.rate, "hammer": options.base_acceleration}
+    needless = {"time": has_clock or options.rate, "hammer": options.base_acceleration}
     return [role for role in roles_wanted if not needless.get(role)]
 
 
@@ -400,10 +400,10 @@ def _make_role_questions(
     return [] if needless else [assignment]
 
 
-def list_unit_questions(settle: Callable[[], object], role: str) -> list[Question]:
+def list_unit_questions(resolve_unit: Callable[[], object], role: str) -> list[Question]:
     """Return the question of the unit of a role, if it is open."""
     try:
-        settle()
+        resolve_unit()
     except ReadError as error:
         return [Question(str(error), f'--units "{role}=UNIT"')]
     return []

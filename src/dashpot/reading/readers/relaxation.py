@@ -37,15 +37,15 @@ def read_relaxation(
     path : path
         A text file of any lab, or an instrument's own format.
     options : ReadOptions
-        Answers to what the file leaves open.
+        Reading options of the file.
     specimen : Specimen or None
-        What was tested, kept with the record.
+        Tested specimen, kept with the record.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit; the
-        sentence says which option answers it.
+        If the file cannot be read, or does not determine its columns and units; the sentence names
+        the option to use.
     """
     with channels.open_file(path, options) as file:
         return relaxation_in(file, specimen or Specimen())
@@ -88,12 +88,12 @@ def load_signals(
     channels_chosen : sequence of Channel
         The time unless a rate is given, what moves, what pushes.
     clocks : sequence of Channel
-        The clock of what moves, where it has its own.
+        The clock of the displacement, where it has a separate one.
 
     Raises
     ------
     ReadError
-        If rows are missing where they matter, or a clock falls.
+        If rows are missing in loading, or a clock decreases.
     """
     channels.refuse_other_rate(file)
     moving = channels_chosen[-2].role
@@ -141,12 +141,12 @@ def signals(
     """Return two signals in SI units, as :func:`load_signals`, or row by row without a clock.
 
     With their columns, and that of the time unless there is none or a rate is given, and notes. A
-    clock that does not matter may be broken, or lack its unit: it is left out with a note.
+    clock that does not matter may be broken, or lack its unit: it is omitted with a note.
 
     Raises
     ------
     ReadError
-        With what the file leaves open, such as which of two clocks is that of the test.
+        With the open questions, such as which of two clocks is the clock of the test.
     """
     left_out = []
     if file.options.rate or file.find_unambiguous_column("time"):
@@ -264,7 +264,7 @@ def _refuse_swapped(
 def _require_relaxation_kind(file: OpenedFile, other_kinds: Sequence[FileKind] = ()) -> None:
     """Refuse another kind of file; a sweep may hold the columns of a relaxation test too.
 
-    What lacks a clock alone is asked for its rate.
+    If only the clock is missing, the sampling rate is requested.
     """
     channels.expect(
         file,
@@ -275,7 +275,7 @@ def _require_relaxation_kind(file: OpenedFile, other_kinds: Sequence[FileKind] =
 
 
 def moving_columns(
-    file: OpenedFile, moving: Role = "displacement", pushing: Role = "force"
+    file: OpenedFile, moving: Role = "displacement", force_role: Role = "force"
 ) -> tuple[list[Channel], list[Channel]]:
     """Return the columns of a record's roles, and the clock of what moves where it has its own.
 
@@ -286,9 +286,9 @@ def moving_columns(
     """
     clocks = find_separate_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
-        return channels.choose(file, channels.add_time_role(file, moving, pushing)), []
+        return channels.choose(file, channels.add_time_role(file, moving, force_role)), []
     displacement_clock, force_clock = channels.add_units(file, clocks)
-    signals = channels.choose(file, [moving, pushing])
+    signals = channels.choose(file, [moving, force_role])
     return [force_clock, *signals], [displacement_clock]
 
 
@@ -312,12 +312,12 @@ def check_joined_segments(time: FloatArray, loaded_columns: LoadedColumns) -> st
 def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> Trajectory:
     """Return the motion in a record or in a list of set-points; ``-`` is stdin.
 
-    Rows without a number are left out, and said in the notes of its source.
+    Rows without a number are omitted, with a note in the source.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         channels.refuse_other_rate(file)

@@ -187,7 +187,7 @@ def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
     """The value is possible in a test of rubber."""
     row = SIZES[kind]
     low, high = row.hard
-    message = f"{row.what} is {format_quantity_short(size, row.unit)}"
+    message = f"{row.description} is {format_quantity_short(size, row.unit)}"
     expected = (
         f"{message}, where {format_quantity_short(low, row.unit)} to "
         f"{format_quantity_short(high, row.unit)} is expected"

@@ -39,8 +39,8 @@ _A_SWEEP = 3
 def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
     """The columns by role, and that of the loss factor if there is no loss and no loss angle.
 
-    Storage stands beside loss, loss factor or loss angle; where no column is storage, the size
-    of the complex modulus stands beside one of the last two.
+    Storage is given with loss, loss factor or loss angle; where no column is storage, the size of
+    the complex modulus stands beside one of the last two.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def refuse_unlike_blocks(loaded_columns: LoadedColumns, values: Mapping[Role, Fl
 
 
 def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolArray]:
-    """Return which of the whole rows stand in each block."""
+    """Return the complete rows of each block."""
     of_row = np.searchsorted(
         np.array(loaded_columns.starts), np.arange(len(is_complete)), side="right"
     )
@@ -132,7 +132,7 @@ def _find_part_columns(file: OpenedFile) -> dict[Role, RoleAssignment | Question
 
 
 def _hint(file: OpenedFile, assignments: Mapping[Role, RoleAssignment | Question]) -> str:
-    """Return what the file is instead, where a column is not found."""
+    """Return the actual kind of the file, where a column is not found."""
     if not any(isinstance(assignment, Question) for assignment in assignments.values()):
         return ""
     kind, reason = detect_table_kind(file.table, file.options)
@@ -214,7 +214,7 @@ def _is_size(
 def load_parts(
     file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
-    """Return what was loaded, the values in SI by role with storage and loss, their unit and notes.
+    """Return the loaded object, the SI values by role with storage and loss, their unit and notes.
 
     K' = |K*| cos delta and K'' = K' tan delta, where the file has these instead.
 
@@ -297,7 +297,7 @@ def _check_loss_factor(
 
 
 def _solid_angle(file: OpenedFile, channel: Channel, angle: FloatArray) -> FloatArray:
-    """Refuse what is no loss angle of a solid, and ask for a unit that is likely the other one."""
+    """Refuse values that are no loss angle of a solid; ask for the unit if it is likely wrong."""
     name, degree = format_column(file.table.columns, channel.index), math.pi / 180
     low, high = float(angle.min(initial=0.0)), float(angle.max(initial=0.0))
     raw = high / channel.unit.factor

@@ -20,7 +20,7 @@ _MAX_LENGTH = 2000
 
 
 def main() -> None:
-    """Read a request from stdin, write the answer to stdout, and leave without ceremony."""
+    """Read a request from stdin, write the response to stdout, and exit at once."""
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)  # what a library prints is not the answer
         _serve(sys.stdin.buffer, output)
@@ -49,12 +49,12 @@ def run_parser(
     raw: RawFile,
     options: ReadOptions,
 ) -> message_protocol.Reply:
-    """Return what a foreign parser makes of a file of the format `format_name`.
+    """Return the table that a foreign parser reads from a file of the format `format_name`.
 
     Raises
     ------
     DashpotError
-        Whatever goes wrong, and it is not only an Exception: Rust's panics are none.
+        On any failure, including panics of Rust, which are no Exception.
     """
     try:
         return function(raw, options)

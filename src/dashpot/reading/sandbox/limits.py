@@ -29,7 +29,7 @@ def check_value_count(count: int, subject: str) -> None:
 
 
 def confine(seconds: float) -> None:
-    """Hold this process to its memory and time, so far as the system can.
+    """Limit memory and time of this process, as far as the system can.
 
     Linux and FreeBSD hold memory. macOS takes the limit and does not enforce it, Windows has none
     of this kind: there time and numbers alone are held, and time by the parent.

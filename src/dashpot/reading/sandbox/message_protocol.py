@@ -1,7 +1,7 @@
 """Messages between parent and child process: a JSON head and binary arrays.
 
-The child is what is not trusted: no pickle, no object but text and numbers, every size bounded
-before it is read, every word of the head checked for its type.
+The child is not trusted: no pickle, no object but text and numbers, every size bounded before it is
+read, every word of the head checked for its type.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def receive(stream: BinaryIO) -> dict[str, Any]:
 
 
 def read_exactly(stream: BinaryIO, size: int) -> bytes:
-    """Read so many bytes, or raise `ProtocolError`."""
+    """Read a number of bytes, or raise `ProtocolError`."""
     content = stream.read(size)
     if len(content) < size:
         raise ProtocolError
@@ -164,7 +164,7 @@ def _strings(values: Any) -> tuple[str, ...]:
 
 
 def _notes(notes: tuple[str, ...], cautions: Any) -> tuple[str, ...]:
-    """Return the notes, those at the places given as cautions."""
+    """Return the notes, with those at the given positions as cautions."""
     caution_indices = {_count(index) for index in _validate_type(cautions, list)}
     return tuple(Caution(note) if i in caution_indices else note for i, note in enumerate(notes))
 

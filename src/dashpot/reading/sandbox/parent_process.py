@@ -1,7 +1,7 @@
 """Parent process of the sandbox: starts a child for each file and validates its answer.
 
-A child costs the start of an interpreter, and the parent saves what the foreign library would
-have cost to import. One that serves several files would carry what one of them broke to the next.
+A child costs the start of an interpreter, and the parent saves what the foreign library would have
+cost to import. With several files in one child, damage by one file would affect the next.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def run_in_child(
 ) -> A:
     """Return ``function(raw, options)``, run in a process with limits of memory, time and numbers.
 
-    Where `columns` of a large file are asked for, the function takes them as its third argument.
+    Where `columns` of a large file are requested, the function takes them as its third argument.
 
     The function reads files of the format `format_name` and stands at the top of a module of
     dashpot; of the options it gets the sheet, the segment and the rate.
@@ -100,7 +100,7 @@ def _receive_answer(stream: BinaryIO) -> message_protocol.Reply:
 
 @contextmanager
 def _child(seconds: float, timed_out: threading.Event) -> Iterator[subprocess.Popen[bytes]]:
-    """A child that is ended after so many seconds, and in any case at the end of the block."""
+    """A child that is killed after a time limit, and in any case at the end of the block."""
     try:
         child = subprocess.Popen(  # noqa: S603
             _command(),

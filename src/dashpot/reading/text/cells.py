@@ -120,7 +120,7 @@ def _split_fixed_width(line: str, breaks: Sequence[int]) -> list[str]:
 
 
 def split_by_alignment(line: str, template: str) -> list[str]:
-    """Return the cells of a line in the columns of a full row, blank where one is missing.
+    """Return the cells of a line in the columns of a full row, missing ones blank.
 
     Returns no cells unless each stands under one cell of the row, the last under its last: only
     then do the gaps show which is missing.
@@ -364,7 +364,7 @@ _MIN_ROWS = 3
 _MIN_COMPLEX_SHARE = 0.8
 """Part of the lines from the first such row on that hold a complex number, at least."""
 _MAX_HEADER_LINES = 3
-"""Lines right above the table that may hold names and units."""
+"""Lines directly above the table that may contain names and units."""
 _PLACEHOLDER = "\0"
 
 

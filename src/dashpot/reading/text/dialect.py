@@ -63,7 +63,7 @@ class Dialect:
 
     @cached_property
     def numbers(self) -> tuple[int, ...]:
-        """The columns that hold numbers or clock times."""
+        """The columns of numbers or clock times."""
         return tuple(i for i, content in enumerate(self.contents) if content in {"number", "clock"})
 
     @cached_property
@@ -410,7 +410,7 @@ def _is_similar_row(mask: list[bool], is_number: list[bool], row: list[str]) -> 
 
 
 def _content(cells: Sequence[str], decimal_mark: Mark) -> Content:
-    """Return what the filled cells of a column hold, most of them."""
+    """Return the content of most filled cells of a column."""
     if cell.are_plain(cells, decimal_mark):
         return "number"
     other_texts = [text for text in cells if not cell.is_number(text, decimal_mark)]
@@ -445,7 +445,7 @@ def _extend_to_first_row(lines: Sequence[str], dialect: Dialect) -> Dialect | No
 
 
 def _digits(lines: Sequence[str]) -> list[str]:
-    """Return the lines that hold digits and hardly a word."""
+    """Return the lines with digits and hardly a word."""
     return [
         line
         for line in lines

@@ -167,7 +167,7 @@ _NEGATIVE_ZERO = compile_on_use(rb"-0(?=[\s,])")
 class PlainRows:
     """Parser of blocks of plain rows for one dialect and some columns, where possible."""
 
-    met: ClassVar[int] = 0
+    characters_read: ClassVar[int] = 0
 
     def __init__(
         self,
@@ -314,8 +314,8 @@ class PlainRows:
 
     def _from_json(self, raw: bytes, extra_cells: int) -> FloatArray | None:
         """Return the numbers of lines of one width, None unless each is written as JSON has it."""
-        PlainRows.met += len(raw)
-        if PlainRows.met < _MIN_CHARACTERS and "msgspec" not in sys.modules:
+        PlainRows.characters_read += len(raw)
+        if PlainRows.characters_read < _MIN_CHARACTERS and "msgspec" not in sys.modules:
             return None
         sign = self.dialect.delimiter.encode()
         if extra_cells > 1:

@@ -25,9 +25,9 @@ from dashpot.reading.text.plain_rows import PlainRows, line_count
 
 _SMALL = compile_on_use(r"\A[+-]?[1-9]\d{0,2}\Z")
 _FIRST_ROWS, _MAX_ROWS, _MAX_CELLS = 1 << 11, 1 << 14, 1 << 20
-"""Rows that are looked at first, and at most at once, fewer of a wide table."""
+"""Numbers of rows that are read first, and at most at once; fewer for a wide table."""
 _MAX_CACHED = 1 << 12
-"""Texts of a column that are known again."""
+"""Cached texts of a column."""
 
 
 def find_undecided_columns(values: FloatArray) -> set[int]:
@@ -57,44 +57,47 @@ class _Marks:
     """Marks of the numbers in one column, as far as they have been read."""
 
     decimal: str
-    text: str = ""
-    foreign: str = ""
-    small: bool = False
-    broken: bool = False
-    grouped: bool = False
-    seen: set[str] = field(default_factory=set)
+    decimal_mark_example: str = ""
+    other_mark_example: str = ""
+    has_small_number: bool = False
+    has_mark: bool = False
+    has_groups: bool = False
+    seen_cells: set[str] = field(default_factory=set)
 
     def is_redundant(self, text: str) -> bool:
         """Return whether a cell adds no information.
 
-        What was said before shows nothing new: of a counter a few rows are enough. Nor, where the
+        Repeated texts add no information; of a counter a few rows are enough. Nor, where the
         decimal mark is sure, does a cell without another mark.
         """
-        if self.grouped or text in self.seen:
+        if self.has_groups or text in self.seen_cells:
             return True
-        return self.broken and not any(c in text for c in ".," if c != self.decimal)
+        return self.has_mark and not any(c in text for c in ".," if c != self.decimal)
 
     def add(self, text: str) -> None:
         match = cell.EITHER_WAY.match(text)
         if match and match[1] in self.decimal:
-            self.text = self.text or text
+            self.decimal_mark_example = self.decimal_mark_example or text
         elif match:
-            self.foreign = self.foreign or text
+            self.other_mark_example = self.other_mark_example or text
         elif _SMALL.match(text):
-            self.small = True
+            self.has_small_number = True
         else:  # 1,234.5 shows what groups; 1.6, and 1600 without any mark, what does not
             mark_count = sum(c in ".," for c in text)
-            self.grouped |= mark_count > 1
-            self.broken |= mark_count == 1 or len(text) > 3
+            self.has_groups |= mark_count > 1
+            self.has_mark |= mark_count == 1 or len(text) > 3
 
     def question(self) -> str:
         """Return a cell that can be read two ways, or ""."""
-        if self.grouped:
+        if self.has_groups:
             return ""
-        if self.foreign and (self.decimal == "." or not (self.text or self.small or self.broken)):
-            return self.foreign
+        if self.other_mark_example and (
+            self.decimal == "."
+            or not (self.decimal_mark_example or self.has_small_number or self.has_mark)
+        ):
+            return self.other_mark_example
         # beside 800, 1.600 was hardly printed with three decimals
-        return self.text if self.small and not self.broken else ""
+        return self.decimal_mark_example if self.has_small_number and not self.has_mark else ""
 
 
 def find_ambiguous_marks(
@@ -121,7 +124,9 @@ def find_ambiguous_marks(
         is_consistent = block.count(".") in {0, cells} and not commas
         lines = [block.partition("\n")[0]] if is_consistent else block.split("\n")[:-1]
         _add_rows(lines, dialect, indexes, columns)
-        if all(m.grouped or (m.broken and index not in commas) for index, m in columns.items()):
+        if all(
+            m.has_groups or (m.has_mark and index not in commas) for index, m in columns.items()
+        ):
             break
     return [
         _which_mark(text) for column_marks in columns.values() if (text := column_marks.question())
@@ -143,8 +148,8 @@ def _add_rows(
             continue
         for index, column_marks in columns.items():
             text = row[indexes[index]]
-            if len(column_marks.seen) < _MAX_CACHED:
-                column_marks.seen.add(text)
+            if len(column_marks.seen_cells) < _MAX_CACHED:
+                column_marks.seen_cells.add(text)
             if cell.number(text, dialect.mark) is not None:
                 column_marks.add(text)
 
@@ -191,12 +196,12 @@ class _Gathered:
     segments: list[str] = field(default_factory=lambda: [""])
     lines: list[tuple[int, int]] = field(default_factory=list)
     words: dict[str, list[int]] = field(default_factory=dict)
-    between: list[tuple[int, str]] = field(default_factory=list)
+    lines_between: list[tuple[int, str]] = field(default_factory=list)
     remarks: list[tuple[int, str]] = field(default_factory=list)
-    doubts: list[tuple[int | None, Question]] = field(default_factory=list)
-    above: list[tuple[str, ...]] = field(default_factory=lambda: [()])
+    questions: list[tuple[int | None, Question]] = field(default_factory=list)
+    headers: list[tuple[str, ...]] = field(default_factory=lambda: [()])
 
-    def note(self, word: str, line: int) -> None:
+    def count_word(self, word: str, line: int) -> None:
         """Count a word in the place of a number; a few are enough to show."""
         if word not in self.words and len(self.words) >= _MAX_MENTIONED:
             return
@@ -213,19 +218,19 @@ class _Gathered:
         self.parts.append(values)
         self.rows += len(values)
 
-    def part(self, odd: str | None) -> None:
+    def end_segment(self, odd: str | None) -> None:
         """End a segment where lines stand between the rows, unless they are but one remark.
 
-        `odd` is what is wrong with a header there, None if there is none.
+        `odd` is the fault of a header there, None if there is no header.
         """
-        texts = [text for _, text in self.between]
+        texts = [text for _, text in self.lines_between]
         if odd or not _remark(texts):
             self.starts.append(self.rows)
             self.segments.append(title(texts))
-            self.above.append(tuple(texts))
+            self.headers.append(tuple(texts))
         if odd is None:
-            self.remarks.append(self.between[-1])
-        self.between.clear()
+            self.remarks.append(self.lines_between[-1])
+        self.lines_between.clear()
 
     def notes(self) -> list[str]:
         """Return notes on the skipped lines and their places."""
@@ -242,10 +247,10 @@ class _Gathered:
             notes.append(
                 f"line {number} is a remark between rows{count_text}: '{words.strip()[:60]}'"
             )
-        if self.between and self.rows:
-            number, words = self.between[0]
+        if self.lines_between and self.rows:
+            number, words = self.lines_between[0]
             notes.append(
-                f"what follows the table is no row and was passed over ({len(self.between)} "
+                f"what follows the table is no row and was passed over ({len(self.lines_between)} "
                 f"lines) from line {number}: '{words.strip()[:40]}'"
             )
         return notes
@@ -309,9 +314,9 @@ def _load_columns(
     values = _merge_parts(gathered, len(indexes))
     notes = [*gathered.notes(), *reader.finish(values)]
     last = tail.rstrip().split("\n")[1:]
-    if not gathered.between:
+    if not gathered.lines_between:
         notes += _labels(first, "".join(last[-1:]), dialect, heading)
-    complete = gathered.between or gathered.rows - gathered.starts[-1] < 2
+    complete = gathered.lines_between or gathered.rows - gathered.starts[-1] < 2
     if not complete and dialect.is_cut_off(last):
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
@@ -322,7 +327,7 @@ def _load_columns(
         )
         commas = reader.grouped | reader.plain.commas
         questions = find_ambiguous_marks(table_lines, dialect, indexes, commas, points)
-        gathered.doubts += [(None, question) for question in questions]
+        gathered.questions += [(None, question) for question in questions]
     starts, names = tuple(gathered.starts), tuple(gathered.segments)
     return LoadedColumns(
         values,
@@ -330,8 +335,8 @@ def _load_columns(
         names,
         tuple(gathered.lines),
         tuple(notes),
-        tuple(gathered.doubts),
-        tuple(gathered.above),
+        tuple(gathered.questions),
+        tuple(gathered.headers),
     )
 
 
@@ -349,12 +354,12 @@ def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[s
     return notes[:2]
 
 
-def _merge_parts(gathered: _Gathered, width: int) -> FloatArray:
-    """The parts as one array, each column in one piece; a part is let go once it is copied."""
-    values = np.empty((gathered.rows, width), order="F")
-    row = gathered.rows
-    while gathered.parts:
-        part = gathered.parts.pop()
+def _merge_parts(collected: _Gathered, width: int) -> FloatArray:
+    """The parts as one array, each column in one piece; a part is freed once it is copied."""
+    values = np.empty((collected.rows, width), order="F")
+    row = collected.rows
+    while collected.parts:
+        part = collected.parts.pop()
         values[row - len(part) : row] = part
         row -= len(part)
     return values
@@ -402,21 +407,21 @@ def title(lines: Sequence[str]) -> str:
 
 
 class _Reader:
-    """Reads blocks of lines for one dialect and one choice of columns into what is gathered."""
+    """Reader of blocks of lines for one dialect and some columns, into collected parts."""
 
     def __init__(
         self,
         dialect: Dialect,
         indexes: tuple[int, ...],
         heading: Heading,
-        gathered: _Gathered,
+        collected: _Gathered,
         time_budget: TimeBudget,
     ) -> None:
         self.patience = time_budget
         self.dialect = dialect
         self.indexes = indexes
         self.heading = heading
-        self.got = gathered
+        self.got = collected
         self.clocks = {
             index: ClockColumn(heading.clocks[i] if heading.clocks else "")
             for index, i in enumerate(indexes)
@@ -466,7 +471,7 @@ class _Reader:
 
     def finish(self, values: FloatArray) -> list[str]:
         """Judge the end of the file and the clocks; return notes."""
-        lines_between = self.got.between
+        lines_between = self.got.lines_between
         if self.got.rows and lines_between and self._is_malformed_row(lines_between[0]):
             number, text = lines_between[0]
             parts = cell.split(text, self.dialect.delimiter)
@@ -476,38 +481,38 @@ class _Reader:
         notes = []
         for index, clock in self.clocks.items():
             nights, questions = clock.apply_day_changes(values[:, index])
-            self.got.doubts += [(None, question) for question in questions]
+            self.got.questions += [(None, question) for question in questions]
             notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
         return notes
 
     def _add(self, values: FloatArray, line: int) -> None:
         """Add rows, after the lines before them are classified."""
         gathered = self.got
-        if gathered.rows and gathered.between:
-            single = len(gathered.between) == 1
-            for item in (gathered.between[0], gathered.between[-1]):
+        if gathered.rows and gathered.lines_between:
+            single = len(gathered.lines_between) == 1
+            for item in (gathered.lines_between[0], gathered.lines_between[-1]):
                 if self._is_malformed_row(item) or (single and looks_like_number(item[1].strip())):
                     self._refuse_row(*item)
             change = self._find_header_change()
             self.changed = self.changed if change is None else change  # it holds until the next
             before = len(gathered.starts)
-            gathered.part(change)
+            gathered.end_segment(change)
             if self.changed and len(gathered.starts) > before:
                 advice = f"read what stands before it with --file-part segment={before}"
                 message = f"{self.changed}; split the file there, or {advice}"
-                gathered.doubts.append((before, Question(message, "--file-part segment=N")))
-        gathered.between.clear()
+                gathered.questions.append((before, Question(message, "--file-part segment=N")))
+        gathered.lines_between.clear()
         gathered.add(values, line)
 
     def _find_header_change(self) -> str | None:
         """Return how a second header differs from the first; None if there is none."""
         if not self.heading.columns:
             return ""
-        texts = tuple(text for _, text in self.got.between)
+        texts = tuple(text for _, text in self.got.lines_between)
         if texts not in self.headers and len(self.headers) < _MAX_MENTIONED:
             self.headers[texts] = self._compare_header(texts)
         difference = self.headers[texts] if texts in self.headers else self._compare_header(texts)
-        number = self.got.between[-1][0]
+        number = self.got.lines_between[-1][0]
         return difference and f"line {number} ends a second header, {difference}"
 
     def _compare_header(self, texts: Sequence[str]) -> str | None:
@@ -524,7 +529,7 @@ class _Reader:
         row = self.dialect.row(line, self.like)
         if row is None and len(self.no_rows) < _MAX_MENTIONED and self.dialect.delimiter != " ":
             self.no_rows.add(line)  # a header may stand above every few rows
-        has_gap = self.got.rows and self.got.between and not follows_row
+        has_gap = self.got.rows and self.got.lines_between and not follows_row
         if row is None or (has_gap and not self._is_full(row)):  # "Maximum;8.0;1.9" below the table
             return None
         return row
@@ -537,14 +542,14 @@ class _Reader:
             value = clock.seconds(row[i]) if clock else self.dialect.value(row[i], i)
             values.append(np.nan if value is None else value)
             if value is None and row[i]:
-                self.got.note(row[i][:20], number)
+                self.got.count_word(row[i][:20], number)
             if self.dialect.mark == "." and "," in row[i] and value is not None and not clock:
                 self.grouped.add(index)
         return values
 
     def _add_other_line(self, line: str, number: int) -> None:
         """Keep a line that is no row: the heading of the next segment, or the end of the file."""
-        lines_between = self.got.between
+        lines_between = self.got.lines_between
         if re.search(r"\w", line):
             if len(lines_between) >= _HEADING:
                 lines_between.pop()
@@ -553,7 +558,7 @@ class _Reader:
             )
 
     def _is_full(self, row: Sequence[str]) -> bool:
-        """Return whether no word stands where a number is expected."""
+        """Return whether there is no word in place of a number."""
         return all(
             cell.is_missing(row[i]) or self.dialect.value(row[i], i) is not None
             for i in self.dialect.numbers

@@ -30,7 +30,7 @@ FREQUENCY_LIMIT = 0.05
 HEIGHT_LIMIT = 3.0
 DAMPING_LIMIT = 1.25
 DEPTH_LIMIT = 0.25
-# so many limits off, a prediction is of no use
+# deviation, in limits, above which a prediction is useless
 MAX_LIMIT_RATIO = 4.0
 # measured, n = 21: from here on the parabola reads the peak to 1 %, with a third of it to 17 %
 MIN_LINES = 1.5

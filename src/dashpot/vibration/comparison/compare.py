@@ -191,7 +191,7 @@ def _get_legend(fit: Fit | None, measured: FRF) -> str:
 
 
 def find_fitted_files(fit: Fit, frf: FRF) -> set[str]:
-    """Return the files that a fit and an FRF were both made from, by what they hold."""
+    """Return the files that a fit and an FRF have in common, by their contents."""
     return find_origins(fit.source) & find_origins(frf.source)
 
 

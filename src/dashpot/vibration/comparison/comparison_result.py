@@ -102,7 +102,7 @@ class Comparison(Plottable, Serialisable):
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the prediction, by the gravest check that failed; it says `message`."""
+        """Verdict on the prediction, by the gravest failed check, with the sentence `message`."""
         return replace(verdict(self.checks), message=self.message)
 
     @property

@@ -14,7 +14,7 @@ from dashpot.datamodel.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.spectral_estimators import Spectra
 
 MAX_HITS_WITHOUT_TREND = 3
-"""Hits that show no trend: a line through them leaves too little to judge it by."""
+"""Number of hits up to which no trend is estimated."""
 RESONANCE_BANDWIDTHS = 4.0  # bandwidths to either side of a resonance show it
 RESONANCE_LINES = 5.0  # lines on either side of a resonance from which a single hit shows it
 CONFIDENCE = 0.99  # of records without a trend show less than is called one
@@ -22,7 +22,7 @@ MIN_AMPLITUDE_RANGE = 0.2  # of a doubling: hits so alike show no trend
 TREND_CONFIDENCE, POWER = 0.95, 0.6  # two-sided: a change is found at 5 %, by four of five tests
 _MEDIAN_SE_RATIO = 1.25  # its standard error over that of a mean
 MEAN_AMPLITUDE_RATIO = 0.55
-"""One frequency of a whole decay is that of this part of its first amplitude (friction, Iwan's)."""
+"""Amplitude of the frequency fitted to a whole decay, over its first amplitude (friction)."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ class RegressionLine(Serialisable):
     slope : float
         Per doubling.
     critical_slope : float
-        What chance exceeds in one of a hundred records without any slope.
+        Slope that is exceeded by chance in 1 % of the records without a trend.
     found : float
-        What slope four of five such records find, at 5 %.
+        Slope that four of five records detect at the 5 % level.
     middle, value : float
         Mean of the logarithms, and of the quantity.
     se, spread : float
@@ -67,8 +67,7 @@ class Trend:
     mass, mass_se : float
         Modal mass, kg: the median over the hits, and the standard error of its logarithm.
     amplitudes : (float, float)
-        Amplitudes of the motion that their resonances are of: `MEAN_AMPLITUDE_RATIO` times that
-        after the hit, m.
+        Range of motion amplitudes, `MEAN_AMPLITUDE_RATIO` times the amplitude after each hit, m.
     range : float
         Highest over lowest.
     """

@@ -44,7 +44,7 @@ def agreement(
 ) -> tuple[list[HitQuality], BoolArray]:
     """Hold each hit against the others; leave out one that the others contradict.
 
-    With fewer than four hits nobody can say who is wrong, so none is left out.
+    With fewer than four hits nobody can say who is wrong, so none is omitted.
     """
     qualities, accepted = list(qualities), accepted.copy()
     differences = compute_disagreement(spectra.only(accepted))

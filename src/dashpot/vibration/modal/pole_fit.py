@@ -28,7 +28,7 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
     Returns
     -------
     array, shape (r, r)
-        0 to 1; 0 where a shape is nothing but zeros.
+        0 to 1; 0 if a shape is zero.
 
     Notes
     -----
@@ -149,17 +149,17 @@ class BackgroundProjection:
     lines : FRFLines
     basis : array, shape (channels, 2n, background)
         Orthonormal.
-    rest : array, shape (channels, 2n)
+    projected_values : array, shape (channels, 2n)
         The values without it.
     """
 
     lines: FRFLines
     basis: FloatArray
-    rest: FloatArray
+    projected_values: FloatArray
 
     @classmethod
     def from_lines(cls, lines: FRFLines) -> BackgroundProjection:
-        """Mass line, modes above the band and, as slow real poles, what is below it."""
+        """Background: mass line, modes above the band and, as slow real poles, motion below it."""
         s = lines.s
         rates = np.array(SLOW_POLES) * float(np.sqrt(s.imag[0] * s.imag[-1]))
         columns = [np.ones_like(s), (s / s.imag[-1]) ** 2]
@@ -185,7 +185,7 @@ class BackgroundProjection:
 
     def parts(self, columns: int) -> list[slice]:
         """Channels that are solved for at once: as many as a cache of so many columns holds."""
-        channels, rows = self.rest.shape
+        channels, rows = self.projected_values.shape
         value = max(1, MAX_BLOCK_SIZE // (rows * max(columns, 1)))
         return [
             slice(first_channel, first_channel + value)
@@ -217,7 +217,7 @@ class PoleTrial:
     (:class:`dashpot.numerics.least_squares.Trial`).
     """
 
-    ground: BackgroundProjection
+    background: BackgroundProjection
     theta: FloatArray
 
     @cached_property
@@ -229,18 +229,18 @@ class PoleTrial:
     @cached_property
     def columns(self) -> ComplexArray:
         """Return the columns of a residue of 1 and of j, pole by pole: shape (2 modes, n)."""
-        return _make_residue_columns(self.ground.lines, self.poles)
+        return _make_residue_columns(self.background.lines, self.poles)
 
     @cached_property
     def slopes(self) -> tuple[ComplexArray, ComplexArray]:
         """Slopes of the kernels of poles and of their conjugates, shape (modes, n) each."""
-        lines, p = self.ground.lines, self.poles[:, None]
+        lines, p = self.background.lines, self.poles[:, None]
         return pole_kernel_slope(lines, p), pole_kernel_slope(lines, p.conj())
 
     def basis(self, part: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The modes' rows of some channels, their orthonormal basis, and the way back from it."""
-        rows = self.ground.remove_background(part, self.columns)
-        weight = 1 / self.ground.lines.sd[part] ** 2
+        rows = self.background.remove_background(part, self.columns)
+        weight = 1 / self.background.lines.sd[part] ** 2
         scale = np.sqrt(weight @ (np.abs(self.columns) ** 2).T)
         q, triangle = np.linalg.qr(rows / scale[:, None, :])
         return rows, q, np.linalg.pinv(triangle, rcond=1e-12) / scale[:, :, None]
@@ -248,12 +248,12 @@ class PoleTrial:
     @cached_property
     def solution(self) -> _Residues:
         """The linear problem at these poles."""
-        residues = [self._solve_residues(part) for part in self.ground.parts(len(self.theta))]
+        residues = [self._solve_residues(part) for part in self.background.parts(len(self.theta))]
         return _Residues(*(np.concatenate(group) for group in zip(*residues, strict=True)))
 
     def _solve_residues(self, part: slice) -> _Residues:
         rows, q, inverse = self.basis(part)
-        y = self.ground.rest[part]
+        y = self.background.projected_values[part]
         c = _multiply(inverse, _multiply(q.swapaxes(1, 2), y))
         residual = y - _multiply(rows, c)
         residues = c[:, 0::2] + 1j * c[:, 1::2]
@@ -269,7 +269,7 @@ class PoleTrial:
             -sigma * (upper_kernel + lower),
             1j * omega * (upper_kernel - lower),
         )
-        jacobian = self.ground.remove_background(part, slopes)
+        jacobian = self.background.remove_background(part, slopes)
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
         transposed = jacobian.swapaxes(1, 2)
@@ -299,7 +299,7 @@ class PoleTrial:
         """Gauss-Newton curvature."""
         return np.asarray(self.solution.normal.sum(axis=0))
 
-    def ahead(self, step: FloatArray) -> PoleTrial:
+    def step_ahead(self, step: FloatArray) -> PoleTrial:
         """Return the trial a short step away."""
         return replace(self, theta=self.theta + step)
 
@@ -319,7 +319,7 @@ class PoleTrial:
         """The residues' real and imaginary parts in turn, shape (channels * 2 modes,)."""
         return self.residues.view(float).ravel()
 
-    def only(self, modes: list[int]) -> PoleTrial:
+    def select_modes(self, modes: list[int]) -> PoleTrial:
         """Return the chosen modes."""
         return replace(self, theta=self.theta.reshape(-1, 2)[modes].ravel())
 
@@ -347,7 +347,7 @@ def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
 
 
 def _make_residue_columns(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
-    """Return what a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
+    """Return the responses of each pole for the residues 1 and j, shape (2 poles, n)."""
     p = poles[:, None]
     upper_kernel, lower_kernel = pole_kernel(lines, p), pole_kernel(lines, p.conj())
     pairs = np.empty((2 * len(poles), len(lines.s)), complex)
@@ -458,12 +458,12 @@ def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
 
 
 def _prune(trial: PoleTrial) -> PoleTrial:
-    """Drop what is no mode until all are."""
+    """Drop poles that are no modes until only modes remain."""
     while trial.theta.size:
         mode_indices = [i for i in range(len(trial.poles)) if _is_mode(trial, i)]
         if len(mode_indices) == len(trial.poles):
             break
-        trial = trial.only(mode_indices)
+        trial = trial.select_modes(mode_indices)
         trial = _refine(trial) if mode_indices else trial
     return trial
 
@@ -482,14 +482,14 @@ def _refine(trial: PoleTrial, tolerance: float = 0.0) -> PoleTrial:
     """
     is_free = np.full(len(trial.theta), np.inf)
     objective = Objective(lambda theta, _: replace(trial, theta=theta), -is_free, is_free)
-    cost_tolerance = max(1e-13, tolerance / trial.ground.rest.size)
+    cost_tolerance = max(1e-13, tolerance / trial.background.projected_values.size)
     descent = descend(objective, trial.theta, cost_tolerance=cost_tolerance, limit=MAX_STEPS)
     return trial if descent is None else descent.point
 
 
 def _add_next_pole(trial: PoleTrial) -> PoleTrial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
-    lines, omega = trial.ground.lines, trial.ground.lines.s.imag
+    lines, omega = trial.background.lines, trial.background.lines.s.imag
     missed_power = (trial.misfit * lines.sd**2).sum(axis=0)
     worst_line, step = float(omega[np.argmax(missed_power)]), float(np.median(np.diff(omega)))
     # sharp peaks stand where most is missed, to a line; broad ones may be missed most beside it
@@ -499,7 +499,7 @@ def _add_next_pole(trial: PoleTrial) -> PoleTrial:
         for i in np.linspace(-1.5, 1.5, 7)
         if worst_line + i * step > 0
     ]
-    return _add_best_pole(trial, scans(lines, starts) + trial.ground.broad)[0]
+    return _add_best_pole(trial, scans(lines, starts) + trial.background.broad)[0]
 
 
 def _add_best_pole(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial, float]:
@@ -513,7 +513,7 @@ def _add_best_pole(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial,
 
 def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     """Return the fall of the squared residuals by each of these poles, unrefined."""
-    ground, count = trial.ground, len(scan.poles)
+    ground, count = trial.background, len(scan.poles)
     gains = np.zeros(count)
     for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
         weight = 1 / np.repeat(sd, 2)
@@ -533,7 +533,7 @@ def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
 
 def _add_outer_poles(trial: PoleTrial) -> PoleTrial:
     """Add poles beyond either end of the band, as background, where they explain what is missed."""
-    omega, value_count = trial.ground.lines.s.imag, trial.ground.rest.size
+    omega, value_count = trial.background.lines.s.imag, trial.background.projected_values.size
     low, high = float(omega[0]), float(omega[-1])
     outer_frequencies = [
         float(pole_frequency) for by in OUTER_FACTORS for pole_frequency in (low / by, high * by)
@@ -543,7 +543,7 @@ def _add_outer_poles(trial: PoleTrial) -> PoleTrial:
         for pole_frequency in outer_frequencies
         for ratio in (0.003, 0.02, 0.1)
     ]
-    scanned_poles = scans(trial.ground.lines, starts)
+    scanned_poles = scans(trial.background.lines, starts)
     for _ in range(2):
         refined_trial, gain = _add_best_pole(trial, scanned_poles)
         # a scan shows a part of what a refined pole explains
@@ -566,8 +566,10 @@ def _add_outer_poles(trial: PoleTrial) -> PoleTrial:
 
 
 def _get_least_gain(trial: PoleTrial) -> float:
-    """Return what a pole must explain, in variances, to be there."""
-    return float(3 * _count_parameters(trial.misfit) * np.log(trial.ground.rest.size))
+    """Return the gain in variances by which a pole is accepted."""
+    return float(
+        3 * _count_parameters(trial.misfit) * np.log(trial.background.projected_values.size)
+    )
 
 
 def _finish(trial: PoleTrial, modes: int) -> PoleFit:
@@ -597,7 +599,7 @@ def _finish(trial: PoleTrial, modes: int) -> PoleFit:
 
 def _compute_chi2(trial: PoleTrial, p: complex) -> float:
     """Misfit per degree of freedom of the lines about a mode."""
-    misfit_near_mode = trial.misfit[:, _select_mode_lines(trial.ground.lines, p)]
+    misfit_near_mode = trial.misfit[:, _select_mode_lines(trial.background.lines, p)]
     return float(misfit_near_mode.sum()) / max(
         2 * misfit_near_mode.size - _count_parameters(misfit_near_mode), 1
     )
@@ -613,7 +615,7 @@ def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
     p = trial.poles[-1]
-    mode_lines = _select_mode_lines(trial.ground.lines, p)
+    mode_lines = _select_mode_lines(trial.background.lines, p)
     gain = float((previous.misfit - trial.misfit)[:, mode_lines].sum()) / max(
         _compute_chi2(trial, p), 1e-300
     )
@@ -622,7 +624,7 @@ def _is_last_supported(trial: PoleTrial, previous: PoleTrial) -> bool:
 
 def _is_mode(trial: PoleTrial, i: int) -> bool:
     """Return whether pole i is in the band, oscillates, decays, is distinct and tall."""
-    lines, p = trial.ground.lines, trial.poles[i]
+    lines, p = trial.background.lines, trial.poles[i]
     omega, record = lines.s.imag, lines.record
     if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MAX_DAMPING * p.imag:
         return False

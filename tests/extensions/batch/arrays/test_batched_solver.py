@@ -35,7 +35,7 @@ def records(
     for _ in range(count):
         tau = 0.12 * 6.0 ** np.arange(arms) * np.exp(generator.uniform(0, 0.6, arms))
         k = generator.uniform(0.3, 1.5, arms)
-        rows = family.block(np.zeros(len(TIME))).exact.evaluate(np.log(tau), False)
+        rows = family.build_block(np.zeros(len(TIME))).exact.evaluate(np.log(tau), False)
         clean = 2 * rows.fixed[:, 0] + rows.arms @ k
         full = np.zeros(len(TIME))
         full[-len(clean) :] = clean
@@ -50,14 +50,14 @@ def test_batched_solver_has_the_optimum_of_each_single_fit(name: str, arms: int)
     data = records(family, arms, 12, seed=arms)
     many = solve_many(family, data, arms)
     for row, values in enumerate(data):
-        solution = solve([family.block(values)], arms)
+        solution = solve([family.build_block(values)], arms)
         assert many.order[row] == solution.order
         assert many.converged[row] == solution.converged
         n = solution.order
         assert many.sse[row] == pytest.approx(solution.sse, rel=1e-9)
         np.testing.assert_allclose(many.log_tau[row, :n], solution.log_tau, atol=1e-7)
         np.testing.assert_allclose(many.arms[row, :n], solution.arms[0], rtol=1e-6)
-        np.testing.assert_allclose(many.fixed[row], solution.fixed, rtol=1e-7)
+        np.testing.assert_allclose(many.fixed_coefficients[row], solution.fixed, rtol=1e-7)
 
 
 @pytest.mark.parametrize("name", ["step", "ramp and hold", "recorded"])
@@ -69,7 +69,7 @@ def test_batched_solver_has_the_optimum_of_doubtful_single_fits(
     data = records(family, seen, 10, seed=7, noise=noise)
     many = solve_many(family, data, arms)
     for row, values in enumerate(data):
-        solution = solve([family.block(values)], arms)
+        solution = solve([family.build_block(values)], arms)
         assert many.order[row] == solution.order
         assert many.sse[row] == pytest.approx(solution.sse, rel=1e-8)
 
@@ -84,7 +84,7 @@ def test_columns_in_the_space_of_a_sampling_are_those_at_its_nodes(name: str, ta
     np.testing.assert_allclose(space.basis.T @ space.basis, np.eye(count), atol=1e-12)
     for at_nodes, chosen in zip(
         family.template.evaluate(np.log([tau]))[2:],
-        space.chosen.evaluate(np.log([tau]))[2:],
+        space.node_columns.evaluate(np.log([tau]))[2:],
         strict=True,
     ):
         norm = np.linalg.norm(at_nodes)
@@ -101,8 +101,10 @@ def test_quiet_and_noisy_records_have_the_sse_of_every_sample(name: str, relativ
     many = solve_many(family, data, 2)
     assert relative == 0.1 or (many.order == 2).all()
     for row in np.flatnonzero(many.order == 2):
-        exact = family.block(data[row]).exact.evaluate(many.log_tau[row], False)
-        rest = exact.target - exact.fixed @ many.fixed[row] - exact.arms @ many.arms[row]
+        exact = family.build_block(data[row]).exact.evaluate(many.log_tau[row], False)
+        rest = (
+            exact.target - exact.fixed @ many.fixed_coefficients[row] - exact.arms @ many.arms[row]
+        )
         assert many.sse[row] == pytest.approx(rest @ rest, rel=1e-9)
 
 
@@ -116,7 +118,7 @@ def test_batched_solver_isolates_a_bad_record() -> None:
     data[3] = -data[3]
     data[4] = 1e300
     many = solve_many(family, data, 2)
-    assert many.finite.tolist() == [True, False, True, True, False, True]
+    assert many.is_finite.tolist() == [True, False, True, True, False, True]
     assert many.order[1] == -1
     assert np.isnan(many.log_tau[1]).all()
     assert np.isnan(many.sse[1])

@@ -247,7 +247,7 @@ def test_echo_at_the_foot_of_a_contact_is_not_counted(distance, later):
     contact = largest_contact(IndentationTest(t, y, "acceleration", BALL, units="SI"))
     assert contact.start == pytest.approx(8e-3, abs=1e-4)
     assert contact.duration == pytest.approx(1e-3, rel=0.1)
-    assert (contact.before, contact.after) == (0, later)
+    assert (contact.contacts_before, contact.contacts_after) == (0, later)
 
 
 def gap(test, starts):

@@ -1,12 +1,11 @@
 r"""Batched solver: least-squares fits of thousands of records with one sampling.
 
-What one record computes, a stack of them computes at once: compression is a matrix product, a start
-is the best of all sets of grid points (:class:`.GridSearch`), and every step of
-the descent is arithmetic on small matrices, one per record.
-Where a relaxation time is not known to 10 %, other peaks of the grid search are descended from too;
-whatever leaves another doubt (an arm at the edge of the window, a coefficient that is not positive)
-is solved again one by one, so that the result is that of
-:func:`dashpot.numerics.exponential_fit.solve`.
+The computation of one record, for a stack of records at once: compression is a matrix product, a
+start is the best of all sets of grid points (:class:`.GridSearch`), and every step of the descent
+is arithmetic on small matrices, one per record. Where a relaxation time is not known to 10 %, other
+peaks of the grid search are descended from too; whatever leaves another doubt (an arm at the edge
+of the window, a coefficient that is not positive) is solved again one by one, so that the result is
+that of :func:`dashpot.numerics.exponential_fit.solve`.
 """
 
 from __future__ import annotations
@@ -39,21 +38,21 @@ class ManySolutions(EqualByValue):
     ----------
     log_tau, arms : array, shape (R, N)
         Ascending in tau; NaN beyond `order`.
-    fixed : array, shape (R, q)
+    fixed_coefficients : array, shape (R, q)
     sse : array, shape (R,)
     order : int array, shape (R,)
         Arms found; -1 where nothing was fitted.
-    finite, converged, at_bound : bool array, shape (R,)
+    is_finite, converged, at_bound : bool array, shape (R,)
         Samples and the sum of their squares are finite; the gradient vanished inside the
         window; an arm sits at its edge.
     """
 
     log_tau: FloatArray
     arms: FloatArray
-    fixed: FloatArray
+    fixed_coefficients: FloatArray
     sse: FloatArray
     order: IndexArray
-    finite: BoolArray
+    is_finite: BoolArray
     converged: BoolArray
     at_bound: BoolArray
 
@@ -61,7 +60,7 @@ class ManySolutions(EqualByValue):
 def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySolutions:
     """Fit every row of `records`, shape (R, M), with up to `arms` exponentials.
 
-    Nothing is raised by a bad row: it comes back without a solution.
+    A bad row raises no error: it has no solution.
     """
     _refuse(family.template.samples, family.fixed_count, arms)
     count = len(records)
@@ -71,19 +70,19 @@ def solve_many(family: SharedSampling, records: FloatArray, arms: int) -> ManySo
         chunk = records[first : first + CHUNK]
         index = first + np.arange(len(chunk))
         if search is None:
-            solutions.finite[index] = _select_usable_records(chunk)
-            index = index[solutions.finite[index]]
+            solutions.is_finite[index] = _select_usable_records(chunk)
+            index = index[solutions.is_finite[index]]
         else:
             with np.errstate(over="ignore", invalid="ignore"):
                 reduced = family.reduce(chunk)
                 finite = np.isfinite(reduced.floor + reduced.energy)
-            solutions.finite[index] = finite
+            solutions.is_finite[index] = finite
             index = index[finite]
             if len(index):
-                is_certain = _solve_chunk(family, search, reduced.take(finite), index, solutions)
+                is_certain = _solve_chunk(family, search, reduced.select(finite), index, solutions)
                 index = index[~is_certain]
         for i in index:
-            _solve_record(family.block, records[i], arms, int(i), solutions)
+            _solve_record(family.build_block, records[i], arms, int(i), solutions)
     return solutions
 
 
@@ -93,8 +92,8 @@ def solve_separately(
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
     _refuse(records.shape[1], fixed_count, arms)
     solutions = _make_empty_solutions(len(records), arms, fixed_count)
-    solutions.finite[:] = _select_usable_records(records)
-    for i in np.flatnonzero(solutions.finite):
+    solutions.is_finite[:] = _select_usable_records(records)
+    for i in np.flatnonzero(solutions.is_finite):
         _solve_record(make, records[i], arms, int(i), solutions)
     return solutions
 
@@ -111,7 +110,7 @@ def _refuse(samples: int, fixed_count: int, arms: int) -> None:
 
 
 def _select_usable_records(records: FloatArray) -> BoolArray:
-    """Return which records hold finite samples whose squares can be summed."""
+    """Return which records have finite samples whose squares do not overflow."""
     with np.errstate(over="ignore", invalid="ignore"):
         return np.asarray(np.isfinite(np.einsum("ij,ij->i", records, records)))
 
@@ -120,10 +119,10 @@ def _make_empty_solutions(count: int, arms: int, fixed_count: int) -> ManySoluti
     return ManySolutions(
         log_tau=np.full((count, arms), np.nan),
         arms=np.full((count, arms), np.nan),
-        fixed=np.full((count, fixed_count), np.nan),
+        fixed_coefficients=np.full((count, fixed_count), np.nan),
         sse=np.full(count, np.nan),
         order=np.full(count, -1),
-        finite=np.zeros(count, dtype=bool),
+        is_finite=np.zeros(count, dtype=bool),
         converged=np.zeros(count, dtype=bool),
         at_bound=np.zeros(count, dtype=bool),
     )
@@ -144,7 +143,7 @@ def _solve_record(
     n = solution.order
     solutions.log_tau[row, :n] = solution.log_tau
     solutions.arms[row, :n] = solution.arms[0]
-    solutions.fixed[row] = solution.fixed
+    solutions.fixed_coefficients[row] = solution.fixed
     solutions.sse[row] = solution.sse
     solutions.order[row] = n
     solutions.converged[row] = solution.converged
@@ -164,25 +163,25 @@ def _solve_chunk(
     is_certain = converged & _is_interior_positive(family, point, reduced)
     weak_rows = np.flatnonzero(is_certain)
     weak_rows = weak_rows[
-        ~_is_well_determined(family, point.take(weak_rows), reduced.take(weak_rows))
+        ~_is_well_determined(family, point.take(weak_rows), reduced.select(weak_rows))
     ]
     if len(weak_rows):
         best, is_certain[weak_rows] = _compare_peak_descents(
-            family, search, gain[:, weak_rows], point.take(weak_rows), reduced.take(weak_rows)
+            family, search, gain[:, weak_rows], point.take(weak_rows), reduced.select(weak_rows)
         )
         point.put(weak_rows, best)
     q, (_, arms) = family.fixed_count, point.log_tau.shape
     small = np.flatnonzero(is_certain & (point.sse < MIN_REMAINDER_SHARE * reduced.energy))
     if len(small):
         point.put(
-            small, evaluate_trials(family, point.log_tau[small], reduced.take(small), exact=True)
+            small, evaluate_trials(family, point.log_tau[small], reduced.select(small), exact=True)
         )
     sse = reduced.floor + point.sse
     rows = index[is_certain]
     order = np.argsort(point.log_tau[is_certain], axis=1)
     solutions.log_tau[rows] = np.take_along_axis(point.log_tau[is_certain], order, axis=1)
     solutions.arms[rows] = np.take_along_axis(point.beta[is_certain, q:], order, axis=1)
-    solutions.fixed[rows] = point.beta[is_certain, :q]
+    solutions.fixed_coefficients[rows] = point.beta[is_certain, :q]
     solutions.sse[rows] = sse[is_certain]
     solutions.order[rows] = arms
     solutions.converged[rows] = True
@@ -195,10 +194,12 @@ def _is_interior_positive(
     """Return which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
     q, beta = family.fixed_count, point.beta
-    proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy
-    proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(axis=1)
-    proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
-    return proper
+    is_proper: BoolArray = point.sse > 100 * family.rounding_floor * reduced.energy
+    is_proper &= (beta[:, q:] > 0).all(axis=1) & (beta[:, :q] > 0)[:, family.nonnegative].all(
+        axis=1
+    )
+    is_proper &= ((point.log_tau > low) & (point.log_tau < high)).all(axis=1)
+    return is_proper
 
 
 def _is_well_determined(
@@ -226,12 +227,12 @@ def _compare_peak_descents(
     reduced: ReducedRecords,
 ) -> tuple[StackTrial, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
-    proper = np.ones(len(trial.sse), dtype=bool)
+    is_proper = np.ones(len(trial.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):
         other, converged = descend_together(family, start, started, reduced)
         better_rows = np.flatnonzero(other.sse < trial.sse * (1 - 1e-10))
-        proper[better_rows] = (converged & _is_interior_positive(family, other, reduced))[
+        is_proper[better_rows] = (converged & _is_interior_positive(family, other, reduced))[
             better_rows
         ]
         trial.put(better_rows, other.take(better_rows))
-    return trial, proper
+    return trial, is_proper

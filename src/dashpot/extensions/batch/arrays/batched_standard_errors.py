@@ -9,11 +9,11 @@ from dashpot.extensions.batch.arrays.batched_solver import ManySolutions
 from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.correlated_noise import autocovariance, geyer_cuts
 
-# about so many means stand for a record
+# approximate number of means per record
 MEANS = 1000
 # records done together: they stay in the cache
 _BATCH_SIZE = 16
-# a direction that says so much less than the sharpest says nothing
+# relative singular value below which a direction counts as undetermined
 _SINGULAR = 1e-13
 
 
@@ -22,10 +22,10 @@ def compute_standard_errors(
 ) -> FloatArray:
     r"""Return standard errors of k_inf, every k and every ln tau, shape (R, 1 + 2 N).
 
-    :math:`S\,(J'J)^{-1}`: the power S of the residuals, their variance times
-    :math:`\kappa = 1 + 2\sum_l \gamma_l/\gamma_0`, is that of means over a few samples, times their
-    number; and a mean of forces is the answer to the mean of motions. NaN where there is no arm,
-    infinite where the record says nothing.
+    :math:`S\,(J'J)^{-1}`: the power S of the residuals, their variance times :math:`\kappa = 1 +
+    2\sum_l \gamma_l/\gamma_0`, is that of means over a few samples, times their number; a mean of
+    forces is the response to the mean of motions. NaN for missing arms, infinite for undetermined
+    parameters.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def _compute_jacobians(
     time: FloatArray, x: FloatArray, solutions: ManySolutions, rows: IndexArray, order: int
 ) -> tuple[FloatArray, FloatArray]:
     """Jacobians (R, 1 + 2 N, n) by k_inf, k and ln tau, and the forces of the solids (R, n)."""
-    k, k_inf = solutions.arms[rows, :order], solutions.fixed[rows, :1]
+    k, k_inf = solutions.arms[rows, :order], solutions.fixed_coefficients[rows, :1]
     jacobian = np.empty((len(rows), 1 + 2 * order, len(x)))
     jacobian[:, 0] = x
     if not order:

@@ -29,7 +29,7 @@ from dashpot.extensions.batch.arrays.shared_sampling import (
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 
-# fewer records than this are done sooner one by one than what they share is made
+# number of records below which single fits are faster than a batched one
 _STACK = 4
 
 
@@ -37,8 +37,7 @@ _STACK = 4
 class BatchErrors(FrozenArrays):
     """Standard errors of many solids; NaN without an arm, infinite if undetermined.
 
-    Of the noise alone: what a machine may have done without a trace to a stack of arrays nobody
-    says.
+    Errors by noise alone, without unmeasured effects of the machine.
 
     Attributes
     ----------
@@ -67,7 +66,7 @@ class BatchFit(FrozenArrays):
         Sum of squared residuals, N^2.
     status : tuple of Status, length R
     errors : BatchErrors or None
-        Standard errors, where they were asked for.
+        Standard errors, where they were requested.
     """
 
     k_inf: FloatArray
@@ -95,7 +94,7 @@ def fit_many(
     r"""Fit every record of a stack that was taken on one clock under one displacement.
 
     The result of each is that of a single fit of the same record. Nothing is raised by one bad
-    record: it comes back as NaN with a status.
+    record: it is returned as NaN with a status.
 
     Parameters
     ----------
@@ -127,7 +126,7 @@ def fit_many(
     DataError
         If the shapes do not fit together, or the history is missing or given twice.
     FitError
-        If the records are too short for so many arms.
+        If the records are too short for that number of arms.
 
     Examples
     --------
@@ -162,7 +161,7 @@ def fit_many(
         history = _build_recorded_motion(clock, x, method=method)
     solutions = history.solve_records(records, arms)
     return BatchFit(
-        k_inf=solutions.fixed[:, 0],
+        k_inf=solutions.fixed_coefficients[:, 0],
         k=solutions.arms,
         tau=np.exp(solutions.log_tau),
         sse=solutions.sse,
@@ -172,34 +171,34 @@ def fit_many(
 
 
 class _SharedMotion(NamedTuple):
-    """The motion that all records answer to.
+    """The motion that all records share.
 
     Attributes
     ----------
     x : array, shape (M,)
         m, from zero on.
-    first : int
-        The first sample that is fitted.
+    first_sample : int
+        Index of the first fitted sample.
     samples : slice
-        The samples that `block` and `family` take.
-    block : callable
+        The samples that `build_block` and `build_sampling` take.
+    build_block : callable
         Makes the block of one record.
-    family : callable or None
-        Makes what a stack of records shares; None if nothing can be shared.
+    build_sampling : callable or None
+        Returns the common sampling of a stack of records; None if nothing can be shared.
     """
 
     x: FloatArray
-    first: int
+    first_sample: int
     samples: slice
-    block: Callable[[FloatArray], DataBlock]
-    family: Callable[[], SharedSampling] | None
+    build_block: Callable[[FloatArray], DataBlock]
+    build_sampling: Callable[[], SharedSampling] | None
 
     def solve_records(self, records: FloatArray, arms: int) -> ManySolutions:
-        """Fit every record, side by side where there are enough of them."""
+        """Fit every record, in parallel if there are enough of them."""
         values = records[:, self.samples]
-        if self.family is None or len(values) < _STACK:
-            return solve_separately(self.block, values, arms, fixed_count=1)
-        return solve_many(self.family(), values, arms)
+        if self.build_sampling is None or len(values) < _STACK:
+            return solve_separately(self.build_block, values, arms, fixed_count=1)
+        return solve_many(self.build_sampling(), values, arms)
 
 
 def _make_ideal_family(
@@ -208,18 +207,22 @@ def _make_ideal_family(
     depth, ramp_time = ramp
     if not (depth > 0 and ramp_time >= 0):
         raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
-    elapsed = clock - clock[0]
-    x = depth * np.minimum(elapsed / ramp_time, 1.0) if ramp_time else np.full(len(elapsed), depth)
+    elapsed_time = clock - clock[0]
+    x = (
+        depth * np.minimum(elapsed_time / ramp_time, 1.0)
+        if ramp_time
+        else np.full(len(elapsed_time), depth)
+    )
     if method == "full" and ramp_time > 0:
         return _SharedMotion(
             x,
             0,
             slice(None),
-            partial(build_hold_block, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
-            partial(make_hold_family, elapsed, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(build_hold_block, elapsed_time, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(make_hold_family, elapsed_time, depth=depth, ramp_time=ramp_time, ramp=True),
         )
-    first = int(np.searchsorted(elapsed, ramp_time))
-    hold_time = elapsed[first:] - ramp_time
+    first = int(np.searchsorted(elapsed_time, ramp_time))
+    hold_time = elapsed_time[first:] - ramp_time
     return _SharedMotion(
         x,
         first,
@@ -236,26 +239,26 @@ def _build_recorded_motion(clock: FloatArray, x: FloatArray, *, method: str) -> 
         raise DataError("the displacement is never positive; expected compression in m, > 0")
     first = int(np.argmax(x >= 0.99 * x.max())) if method == "hold" else 0
     window = slice(first, len(clock))
-    shared = shares_correlation(clock, x)
+    has_shared_correlation = shares_correlation(clock, x)
     return _SharedMotion(
         x,
         first,
         slice(None),
         partial(build_recorded_block, clock, x, window=window),
-        partial(make_recorded_family, clock, x, window=window) if shared else None,
+        partial(make_recorded_family, clock, x, window=window) if has_shared_correlation else None,
     )
 
 
 def _get_status(solutions: ManySolutions, row: int, arms: int) -> Status:
-    at_bound = solutions.at_bound[row]
+    is_at_bound = solutions.at_bound[row]
     return select_fit_status(
         (),
         {
-            Status.NO_DATA: not solutions.finite[row],
+            Status.NO_DATA: not solutions.is_finite[row],
             Status.NOT_CONVERGED: solutions.order[row] < 0
-            or not (solutions.converged[row] or at_bound),
+            or not (solutions.converged[row] or is_at_bound),
             Status.FEWER_ARMS: solutions.order[row] < arms,
-            Status.TAU_AT_BOUND: at_bound,
+            Status.TAU_AT_BOUND: is_at_bound,
         },
     )
 
@@ -263,7 +266,7 @@ def _get_status(solutions: ManySolutions, row: int, arms: int) -> Status:
 def _compute_errors(
     clock: FloatArray, records: FloatArray, history: _SharedMotion, solutions: ManySolutions
 ) -> BatchErrors:
-    error = compute_standard_errors(clock, history.x, records, history.first, solutions)
+    error = compute_standard_errors(clock, history.x, records, history.first_sample, solutions)
     arms = solutions.arms.shape[1]
     return BatchErrors(
         error[:, 0], error[:, 1 : 1 + arms], error[:, 1 + arms :] * np.exp(solutions.log_tau)

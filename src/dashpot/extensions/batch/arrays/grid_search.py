@@ -27,23 +27,23 @@ class GridSearch:
 
     def gains(self, reduced: ReducedRecords) -> FloatArray:
         """Return the explained sum of squares by set and record, (sets, R); 0 if not positive."""
-        gram, with_fixed, with_grid = self.family.moments(self.log_tau, reduced)
+        gram, products_with_fixed, products_with_grid = self.family.moments(self.log_tau, reduced)
         q = self.family.fixed_count
         coefficients = np.linalg.solve(gram[:q, :q], gram[:q, q:])
-        unexplained = gram[q:, q:] - gram[q:, :q] @ coefficients
-        length = np.sqrt(np.maximum(np.diagonal(unexplained), 1e-14 * np.diagonal(gram)[q:]))
-        moment = (with_grid - with_fixed @ coefficients) / length
+        residual_gram = gram[q:, q:] - gram[q:, :q] @ coefficients
+        length = np.sqrt(np.maximum(np.diagonal(residual_gram), 1e-14 * np.diagonal(gram)[q:]))
+        moment = (products_with_grid - products_with_fixed @ coefficients) / length
         if self.inverse is None:
-            cosine = unexplained / length / length[:, None]
+            cosine = residual_gram / length / length[:, None]
             parts = cosine[self.sets[:, :, None], self.sets[:, None, :]]
-            distinct = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
-            self.sets = self.sets[distinct]
-            self.inverse = np.linalg.inv(parts[distinct])
+            is_independent = np.linalg.eigvalsh(parts)[:, 0] > 1e-7
+            self.sets = self.sets[is_independent]
+            self.inverse = np.linalg.inv(parts[is_independent])
         # one row per set: whole rows of records are picked, added and compared
-        picked = [moment.T[column] for column in self.sets.T]
-        gain, positive = np.zeros(picked[0].shape), np.ones(picked[0].shape, dtype=bool)
-        for i, row in enumerate(picked):
-            beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(picked))
+        set_moments = [moment.T[column] for column in self.sets.T]
+        gain, positive = np.zeros(set_moments[0].shape), np.ones(set_moments[0].shape, dtype=bool)
+        for i, row in enumerate(set_moments):
+            beta = sum(self.inverse[:, i, j, None] * other for j, other in enumerate(set_moments))
             positive &= beta > 0
             gain += beta * row
         return gain * positive
@@ -65,7 +65,7 @@ class GridSearch:
 
     @cached_property
     def neighbour_sets(self) -> IndexArray:
-        """The sets next to each set, shape (sets, 3^N); itself where there is none."""
+        """The sets next to each set, shape (sets, 3^N); itself if there is none."""
         size = len(self.log_tau) + 2
         shape = (size,) * self.sets.shape[1]
         row = np.full(size ** len(shape), -1)

@@ -1,4 +1,4 @@
-"""Records with a shared sampling, reduced to what a batched fit needs."""
+"""Records with a shared sampling, compressed for a batched fit."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ RANK = 1e-14
 
 
 class ReducedRecords(NamedTuple):
-    """Records of a family, reduced to what a fit needs."""
+    """Records of a family, compressed for a fit."""
 
     data: tuple[FloatArray, ...]  # arrays whose first axis is the record
     floor: FloatArray  # (R,)
     energy: FloatArray  # (R,) sum of squares of what the rows hold
 
-    def take(self, index: IndexArray | BoolArray) -> ReducedRecords:
+    def select(self, index: IndexArray | BoolArray) -> ReducedRecords:
         """Return some of the records."""
         return ReducedRecords(
             tuple(part[index] for part in self.data), self.floor[index], self.energy[index]
@@ -54,15 +54,15 @@ class SharedSampling(ABC):
 
     Attributes
     ----------
-    block : callable
+    build_block : callable
         Makes the block of one record, shape (M,).
     template : DataBlock
-        That of a record of zeros.
+        Data block of a record of zeros.
     rounding_floor : float
         Relative sum of squares that is rounding.
     """
 
-    block: Callable[[FloatArray], DataBlock]
+    build_block: Callable[[FloatArray], DataBlock]
     template: DataBlock
     rounding_floor: ClassVar[float] = ROUNDING
 
@@ -91,7 +91,9 @@ class SharedSampling(ABC):
     def _reduce_records(self, values: FloatArray) -> ReducedRecords: ...
 
     @abstractmethod
-    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
+    def compute_triangular_factors(
+        self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool
+    ) -> FloatArray:
         """Triangular factors of [fixed, arms, slopes, y] at ln tau (R, N), one per record.
 
         `exact` asks for the factor that does not go through a Gram matrix, if there is one.
@@ -133,8 +135,8 @@ def make_recorded_family(
     if not shares_correlation(time, x):
         raise DataError("records share a correlation only on a uniform grid and from x = 0")
     make = partial(build_recorded_block, time, x, window=slice(start, stop))
-    shared = correlate_displacement(time, x, x[start:stop, None], start=start, stop=stop)
-    return RecordedFamily(make, make(np.zeros(len(time))), shared)
+    convolved_motion = correlate_displacement(time, x, x[start:stop, None], start=start, stop=stop)
+    return RecordedFamily(make, make(np.zeros(len(time))), convolved_motion)
 
 
 def shares_correlation(time: FloatArray, displacement: FloatArray) -> bool:
@@ -153,18 +155,18 @@ class ColumnSpace(NamedTuple):
     Attributes
     ----------
     basis : array, shape (n, q + r)
-    triangle : array, shape (q, q)
+    triangular_factor : array, shape (q, q)
         F.
     inverse : array, shape (q + r, q + r)
         The inverse of B_S.
-    chosen : DataBlock
+    node_columns : DataBlock
         The columns at the nodes S alone.
     """
 
     basis: FloatArray
-    triangle: FloatArray
+    triangular_factor: FloatArray
     inverse: FloatArray
-    chosen: DataBlock
+    node_columns: DataBlock
 
 
 def build_column_space(
@@ -231,26 +233,31 @@ class CompressedFamily(SharedSampling):
         z, remainder_sse = project_values(self.plans, values)
         projected = z @ self.space.basis
         remainder = z - projected @ self.space.basis.T
-        fixed_part, extra = projected[:, : self.fixed_count], projected[:, self.fixed_count :]
+        fixed_part, remaining_part = (
+            projected[:, : self.fixed_count],
+            projected[:, self.fixed_count :],
+        )
         return ReducedRecords(
-            (fixed_part, extra),
+            (fixed_part, remaining_part),
             remainder_sse + np.vecdot(remainder, remainder),
-            np.vecdot(extra, extra),
+            np.vecdot(remaining_part, remaining_part),
         )
 
-    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:
+    def compute_triangular_factors(
+        self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool
+    ) -> FloatArray:
         """Triangular factors, by a Gram matrix or `exact` by QR."""
-        fixed_part, extra = reduced.data
+        fixed_part, remaining_part = reduced.data
         count, arms = log_tau.shape
         q, size = self.fixed_count, 2 * arms + 1
-        stacked = np.empty((count, size, q + extra.shape[1]))
-        _, _, columns, slopes = self.space.chosen.evaluate(log_tau.ravel())
+        stacked = np.empty((count, size, q + remaining_part.shape[1]))
+        _, _, columns, slopes = self.space.node_columns.evaluate(log_tau.ravel())
         stacked[:, :arms] = (columns.T @ self.space.inverse.T).reshape(count, arms, -1)
         stacked[:, arms:-1] = (slopes.T @ self.space.inverse.T).reshape(count, arms, -1)
-        stacked[:, -1, :q], stacked[:, -1, q:] = fixed_part, extra
+        stacked[:, -1, :q], stacked[:, -1, q:] = fixed_part, remaining_part
         projected = stacked[:, :, q:]
         factors = np.zeros((count, q + size, q + size))
-        factors[:, :q, :q] = self.space.triangle
+        factors[:, :q, :q] = self.space.triangular_factor
         factors[:, :q, q:] = stacked[:, :, :q].transpose(0, 2, 1)
         if exact:
             factors[:, q:, q:] = np.linalg.qr(projected.transpose(0, 2, 1), mode="r")
@@ -262,10 +269,10 @@ class CompressedFamily(SharedSampling):
         self, log_tau: FloatArray, reduced: ReducedRecords
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the moments in the space of the columns."""
-        columns = self.space.inverse @ self.space.chosen.evaluate(log_tau, False).arms
+        columns = self.space.inverse @ self.space.node_columns.evaluate(log_tau, False).arms
         q = self.fixed_count
         fixed = np.zeros((len(columns), q))
-        fixed[:q] = self.space.triangle
+        fixed[:q] = self.space.triangular_factor
         all_columns = np.concatenate((fixed, columns), axis=1)
         projected = np.concatenate(reduced.data, axis=1) @ all_columns
         return all_columns.T @ all_columns, projected[:, :q], projected[:, q:]
@@ -282,7 +289,13 @@ class RecordedFamily(SharedSampling):
         force = Force.from_motion(self.motion, values[:, self.motion.start : self.motion.count])
         return ReducedRecords(force, np.zeros(len(values)), force.energy)
 
-    def factor(self, log_tau: FloatArray, reduced: ReducedRecords, *, exact: bool) -> FloatArray:  # noqa: ARG002
+    def compute_triangular_factors(
+        self,
+        log_tau: FloatArray,
+        reduced: ReducedRecords,
+        *,
+        exact: bool,  # noqa: ARG002
+    ) -> FloatArray:
         """Triangular factors by a Gram matrix: it is all that there is."""
         return upper_factor(
             self.motion.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)

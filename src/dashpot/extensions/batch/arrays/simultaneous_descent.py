@@ -26,7 +26,7 @@ def evaluate_trials(
     """
     q = family.fixed_count
     p = q + log_tau.shape[1]
-    factor = family.factor(log_tau, reduced, exact=exact)
+    factor = family.compute_triangular_factors(log_tau, reduced, exact=exact)
     r = factor[:, :p, :p]
     pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
     dependent = (pivot <= 1e-13 * length).any(axis=1)
@@ -52,7 +52,7 @@ def descend_together(
     rounding = family.rounding_floor * reduced.energy
     converged = np.zeros(len(start), dtype=bool)
     damping = np.full(len(start), 1e-6)
-    last = np.full(len(start), np.inf)
+    last_sse = np.full(len(start), np.inf)
     active = np.flatnonzero(started & np.isfinite(points.sse))
     for _ in range(limit):
         if not len(active):
@@ -63,27 +63,29 @@ def descend_together(
         change, expected_fall = np.abs(step).max(axis=1), np.abs(np.vecdot(current.gradient, step))
         sse = reduced.floor[active] + current.sse
         is_finished = (damping[active] < LINEAR_STEP) & has_converged(
-            change, last[active], expected_fall, sse
+            change, last_sse[active], expected_fall, sse
         )
         is_finished |= change <= FINAL_TOLERANCE
         previous_sse = current.sse
         if is_finished.any():
-            points.put(active[is_finished], current.take(is_finished).ahead(step[is_finished]))
+            points.put(active[is_finished], current.take(is_finished).step_ahead(step[is_finished]))
             converged[active[is_finished]] = True
             active, trial, change, previous_sse = (
                 x[~is_finished] for x in (active, trial, change, previous_sse)
             )
         if not len(active):
             break
-        new = evaluate_trials(family, trial, reduced.take(active))
+        new_trials = evaluate_trials(family, trial, reduced.select(active))
         is_tail, is_better = (
             change < TAIL_CHANGE,
-            is_step_acceptable(new.sse, previous_sse, change, rounding[active]),
+            is_step_acceptable(new_trials.sse, previous_sse, change, rounding[active]),
         )
-        improved = active[is_better]
-        last[improved] = change[is_better]
-        points.put(improved, new.take(is_better))
-        damping[improved] = np.where(is_tail[is_better], 0.0, 0.1 * damping[improved])
+        improved_indices = active[is_better]
+        last_sse[improved_indices] = change[is_better]
+        points.put(improved_indices, new_trials.take(is_better))
+        damping[improved_indices] = np.where(
+            is_tail[is_better], 0.0, 0.1 * damping[improved_indices]
+        )
         is_stuck = ~is_better & is_tail & (damping[active] == 0.0)
         converged[active[is_stuck]] = True
         refused_rows = active[~is_better]

@@ -101,13 +101,15 @@ def chart_individuals(values: FloatArray) -> tuple[Chart, Chart]:
     x = np.asarray(values, dtype=float)
     if len(x) < 2:
         raise DataError(f"a control chart of {len(x)} value: expected two or more")
-    moving = np.abs(np.diff(x, prepend=np.nan))
-    mean_range = float(np.nanmean(moving))
+    moving_ranges = np.abs(np.diff(x, prepend=np.nan))
+    mean_range = float(np.nanmean(moving_ranges))
     sigma = np.full(len(x), mean_range / D2)
     zero = np.zeros(len(x))
     return (
         _make_chart("individuals", x, float(x.mean()), sigma),
-        _make_scatter_chart("moving range", moving, mean_range, zero, zero + _D4 * mean_range),
+        _make_scatter_chart(
+            "moving range", moving_ranges, mean_range, zero, zero + _D4 * mean_range
+        ),
     )
 
 
@@ -192,7 +194,14 @@ def run_signals(z: FloatArray) -> Iterator[Signal]:
             yield Signal(i, SIDE)
         if abs(np.sign(np.diff(z[max(i - 5, 0) : i + 1])).sum()) == 5:
             yield Signal(i, TREND)
-        for rule, window, count, reach in ((TWO_OF_THREE, 3, 2, 2.0), (FOUR_OF_FIVE, 5, 4, 1.0)):
-            last = z[i - window + 1 : i + 1] * np.sign(value)
-            if i >= window - 1 and abs(value) > reach and np.count_nonzero(last > reach) >= count:
+        for rule, window, count, min_distance in (
+            (TWO_OF_THREE, 3, 2, 2.0),
+            (FOUR_OF_FIVE, 5, 4, 1.0),
+        ):
+            recent_values = z[i - window + 1 : i + 1] * np.sign(value)
+            if (
+                i >= window - 1
+                and abs(value) > min_distance
+                and np.count_nonzero(recent_values > min_distance) >= count
+            ):
                 yield Signal(i, rule)

@@ -104,9 +104,9 @@ _Variances: TypeAlias = dict[str, FloatArray]
 class _Squares:
     """Mean squares with their degrees of freedom, and the variances that they mean."""
 
-    square: FloatArray
-    freedom: FloatArray
-    solved: Callable[[FloatArray], _Variances]
+    mean_squares: FloatArray
+    dof: FloatArray
+    solve_variances: Callable[[FloatArray], _Variances]
 
 
 def gauge(
@@ -129,7 +129,7 @@ def gauge(
     values : array, shape (n,)
     parts : sequence of str, n
     operators : sequence of str, n, optional
-        Who, or which rig, tested. Parts that not every operator tested are left out, and tests
+        Operator or rig of each test. Parts that not every operator tested are omitted, and tests
         beyond the fewest of any operator and part; without operators no test is.
     level : float
 
@@ -150,7 +150,7 @@ def gauge(
         count, value_count = table.shape[0], table.size
     else:
         squares, count, value_count = _compute_repeat_squares(x, part)
-    entries, intervals = squares.solved(squares.square), _draw_variances(squares)
+    entries, intervals = squares.solve_variances(squares.mean_squares), _draw_variances(squares)
     tails = [(1 - level) / 2, (1 + level) / 2]
 
     def compute_interval(draws: FloatArray) -> tuple[float, float]:
@@ -247,12 +247,12 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 
     p, o, r = table.shape
     mean, cell = table.mean(), table.mean(axis=2)
-    of_part, of_operator = cell.mean(axis=1), cell.mean(axis=0)
+    part_means, operator_means = cell.mean(axis=1), cell.mean(axis=0)
     sums = np.array([
         np.sum((table - cell[:, :, None]) ** 2),
-        r * np.sum((cell - of_part[:, None] - of_operator + mean) ** 2),
-        p * r * np.sum((of_operator - mean) ** 2),
-        o * r * np.sum((of_part - mean) ** 2),
+        r * np.sum((cell - part_means[:, None] - operator_means + mean) ** 2),
+        p * r * np.sum((operator_means - mean) ** 2),
+        o * r * np.sum((part_means - mean) ** 2),
     ])  # fmt: skip
     freedom = np.array([p * o * (r - 1), (p - 1) * (o - 1), o - 1, p - 1])
     square = sums / freedom
@@ -271,13 +271,13 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
         ), p_value
 
     def solve_variances(square: FloatArray) -> _Variances:
-        error, crossed, operators, parts = square
+        error, interaction, operators, parts = square
         variances = {
             "repeatability": error,
-            "operator": (operators - crossed) / (p * r),
-            "interaction": (crossed - error) / r,
+            "operator": (operators - interaction) / (p * r),
+            "interaction": (interaction - error) / r,
         }
-        return _add_variance_totals(variances, (parts - crossed) / (o * r))
+        return _add_variance_totals(variances, (parts - interaction) / (o * r))
 
     return _Squares(square, freedom, solve_variances), p_value
 
@@ -285,13 +285,17 @@ def _compute_crossed_squares(table: FloatArray) -> tuple[_Squares, float]:
 def _add_variance_totals(variances: _Variances, part: FloatArray) -> _Variances:
     """Return the variances, at least 0, with those of the gauge and in total."""
     entries = {name: np.maximum(values, 0.0) for name, values in variances.items()}
-    of_parts, of_gauge = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
-    return entries | {"gauge": of_gauge, "part": of_parts, "total": of_gauge + of_parts}
+    part_variance, gauge_variance = np.maximum(part, 0.0), np.asarray(sum(entries.values()))
+    return entries | {
+        "gauge": gauge_variance,
+        "part": part_variance,
+        "total": gauge_variance + part_variance,
+    }
 
 
 def _draw_variances(squares: _Squares) -> _Variances:
     """Variances that could have given these mean squares."""
     chi_square = np.random.default_rng(_SEED).chisquare(
-        squares.freedom, (_DRAWS, len(squares.square))
+        squares.dof, (_DRAWS, len(squares.mean_squares))
     )
-    return squares.solved((squares.square * squares.freedom / chi_square).T)
+    return squares.solve_variances((squares.mean_squares * squares.dof / chi_square).T)

@@ -31,9 +31,9 @@ class Capability:
     mean, deviation : float
         Mean of the values, and their standard deviation.
     lower, upper : float or None
-        The limits asked for.
+        The limits requested.
     cp, cpk : float or None
-        None where the values do not scatter; ``cp`` also where there is one limit.
+        None without scatter of the values; ``cp`` also where there is one limit.
     cp_interval, cpk_interval : (float, float) or None
         95 %, of normal values.
     outside : int
@@ -59,7 +59,7 @@ class Capability:
 
     @property
     def cells(self) -> tuple[str, str, str]:
-        """Cpk and both ends of its interval; empty where it is not known."""
+        """Cpk and both ends of its interval; empty if unknown."""
         if self.cpk is None or self.cpk_interval is None:
             return "", "", ""
         return f"{self.cpk:.2f}", f"{self.cpk_interval[0]:.2f}", f"{self.cpk_interval[1]:.2f}"
@@ -130,15 +130,15 @@ def _compute_indices(
     values = [half_width for half_width in halves if math.isfinite(half_width)]
     low = min(_find_true_index(value, n, 1 - tail_probability) for value in values)
     high = min(_find_true_index(value, n, tail_probability / len(values)) for value in values)
-    of_cpk = min(values), (low, high)
+    cpk_interval = min(values), (low, high)
     if len(values) < len(halves):
-        return (None, None), of_cpk
+        return (None, None), cpk_interval
     cp = (upper - lower) / (6 * deviation)
     lower_bound, upper_bound = (
         cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1))
         for p in (tail_probability, 1 - tail_probability)
     )
-    return (cp, (lower_bound, upper_bound)), of_cpk
+    return (cp, (lower_bound, upper_bound)), cpk_interval
 
 
 def _find_true_index(index: float, n: int, tail_probability: float) -> float:

@@ -32,7 +32,7 @@ class Difference:
     freedom : float
         Degrees of freedom, by Welch and Satterthwaite.
     detectable : float
-        The difference that such a test finds in four of five trials.
+        The difference that such a test detects with a power of 80 %.
     alike_within : float
         The smallest margin within which two one-sided tests, 5 % each, show the means equal.
     """
@@ -58,10 +58,10 @@ def difference(first: FloatArray, second: FloatArray, *, questions: int = 1) -> 
 
     .. math:: t = \frac{\bar y - \bar x}{\sqrt{s_x^2/n_x + s_y^2/n_y}}
 
-    with the degrees of freedom of Welch and Satterthwaite. A repeat says nothing of its lot that
-    its seal does not: were repeats the values, the interval would be too short. The detectable
-    difference is that of the noncentral t distribution with the scatter that was found. Equivalence
-    is two one-sided tests (Schuirmann, 1987): the ends of the 90 % interval.
+    with the degrees of freedom of Welch and Satterthwaite. A repeat has no information on its lot
+    beyond that of its seal: were repeats the values, the interval would be too short. The
+    detectable difference follows from the noncentral t distribution with the observed scatter.
+    Equivalence is two one-sided tests (Schuirmann, 1987): the ends of the 90 % interval.
 
     Of several `questions` asked at once each has its part of the 5 % (Bonferroni), in the test as
     in the intervals: with p-values that fall step by step (Holm) an interval could hold 0 beside a

@@ -22,15 +22,15 @@ STANDS_OUT = 3.5
 _EFFICIENCY = 0.5
 """Degrees of freedom of a median absolute deviation, for each value but one; a little careful."""
 NOT_NORMAL = 0.25
-"""Probability by Shapiro and Wilk below which values are not taken for normal ones: few show it."""
+"""P-value of the Shapiro-Wilk test below which values count as not normal."""
 _MIN_COUNT = 6
-"""Values whose kurtosis is asked."""
+"""Smallest number of values for a kurtosis."""
 _OF_THREE = 2 / 3
-"""Degrees of freedom of a value where each mean is of three."""
+"""Degrees of freedom per value for means of three."""
 SHORT_HOLD = 0.95
 """Shortest hold, as a share of the median hold."""
 _PER_MAD = 1.482602218505602
-"""Standard deviations of a normal distribution in its median absolute deviation."""
+"""Standard deviation of a normal distribution over its median absolute deviation."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,8 @@ class Component:
     share : float
         Share of the sum of all variances.
     normal : float or None
-        Probability of such values if they were normal (Shapiro and Wilk 1965); None of fewer than
-        six, of pairs, or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.
+        p-value of a normal distribution (Shapiro and Wilk 1965); None of fewer than six, of pairs,
+        or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.
     """
 
     source: str
@@ -63,7 +63,7 @@ class Component:
 
     @property
     def is_corrected_for_kurtosis(self) -> bool:
-        """Whether its interval is that of values that are not normal."""
+        """Whether its interval is that for non-normal values."""
         return self.normal is not None and self.normal < NOT_NORMAL
 
 
@@ -72,20 +72,20 @@ class _Stratum:
     """Mean square at one level, and in its expectation what this level and those inside count."""
 
     source: str
-    square: float
-    freedom: int
-    expects: tuple[float, ...]
-    away: FloatArray  # of each value from its own mean
+    mean_square: float
+    dof: int
+    variance_coefficients: tuple[float, ...]
+    deviations: FloatArray  # of each value from its own mean
 
     def normal(self) -> float | None:
         """P-value of a test for normality; None if there are too few values."""
         from scipy.stats import shapiro  # few need it, and it costs time to import
 
         # what is left of pairs is symmetric, whatever they are
-        single = self.freedom < _OF_THREE * len(self.away)
-        if single or len(self.away) < _MIN_COUNT or not np.ptp(self.away) > 0:
+        single = self.dof < _OF_THREE * len(self.deviations)
+        if single or len(self.deviations) < _MIN_COUNT or not np.ptp(self.deviations) > 0:
             return None
-        return float(shapiro(self.away).pvalue)
+        return float(shapiro(self.deviations).pvalue)
 
     def limits(self, level: float) -> tuple[float, float]:
         r"""Return both ends of the interval of the mean square, as parts of it.
@@ -102,17 +102,15 @@ class _Stratum:
             from scipy.stats import chi2
 
             tail_probability = (1 - level) / 2
-            upper, lower = (
-                chi2.ppf(p, self.freedom) for p in (1 - tail_probability, tail_probability)
-            )
-            return float(self.freedom / upper), float(self.freedom / lower)
-        d, count = self.away, len(self.away)
+            upper, lower = (chi2.ppf(p, self.dof) for p in (1 - tail_probability, tail_probability))
+            return float(self.dof / upper), float(self.dof / lower)
+        d, count = self.deviations, len(self.deviations)
         z = NormalDist().inv_cdf((1 + level) / 2)
         trimmed_count = int(count / (2 * np.sqrt(count - 4)))
         mean_value = float(np.sort(d)[trimmed_count : count - trimmed_count].mean())
         kurtosis = count * float(np.sum((d - mean_value) ** 4)) / float(np.sum(d**2)) ** 2
         c = count / (count - z)
-        half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
+        half_width = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.dof)
         return float(c * np.exp(-half_width)), float(c * np.exp(half_width))
 
 
@@ -126,20 +124,20 @@ def components(
 ) -> tuple[Component, ...]:
     r"""Return the components of variance of a nested design, the outermost first.
 
-    The analysis of variance of the nested classification; where it is unbalanced, by the mean
-    squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
-    Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
-    named `innermost_name`, is what is left inside the innermost level, less the mean
-    square of the fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
-    its mean square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are
-    those of Ting et al. (1990) for a difference of mean squares with such limits.
+    The analysis of variance of the nested classification; unbalanced data use the mean squares of
+    unweighted means: each lot counts as one, each seal as one of its lot (Burdick and Graybill,
+    Confidence Intervals on Variance Components, 1992, chapter 5). The last component, named
+    `innermost_name`, is what is left inside the innermost level, less the mean square of the fits'
+    own errors, ``"fit"``, if those are given. The innermost interval is that of its mean square, of
+    :math:`\chi^2`, or of Bonett where the values are not normal; the others are those of Ting et
+    al. (1990) for a difference of mean squares with such limits.
 
     Parameters
     ----------
     values : array, shape (n,)
     levels : sequence of (str, sequence of str)
-        Name of each level and the label of every value in it, outermost first; a label inside
-        another is that of another thing.
+        Name of each level and the label of every value in it, outermost first; the same label in
+        another group is another specimen.
     innermost_name : str
     errors : array, shape (n,), optional
         Standard errors of the values.
@@ -201,17 +199,17 @@ def _solve_variances(strata: list[_Stratum], level: float) -> list[Component]:
     estimates: list[float] = []  # of the levels inside, as they came out
     for index in range(len(strata) - 1, -1, -1):
         stratum = strata[index]
-        value, *inner_coefficients = stratum.expects
+        value, *inner_coefficients = stratum.variance_coefficients
         inner_sum = sum(c * v for c, v in zip(inner_coefficients, estimates, strict=True))
-        variance = (stratum.square - inner_sum) / value
+        variance = (stratum.mean_square - inner_sum) / value
         if index == len(strata) - 1:
             low, high = stratum.limits(level)
-            interval = low * stratum.square, high * stratum.square
+            interval = low * stratum.mean_square, high * stratum.mean_square
         else:
             interval = _compute_difference_limits(
                 stratum, strata[index + 1], inner_sum, value, level
             )
-        pair = max(variance, 0.0), interval, stratum.freedom, 0.0, stratum.normal()
+        pair = max(variance, 0.0), interval, stratum.dof, 0.0, stratum.normal()
         components.insert(0, Component(stratum.source, *pair))
         estimates.insert(0, variance)
     return components
@@ -223,10 +221,10 @@ def _compute_difference_limits(
     """Modified large-sample limits of (outer mean square - below) / own."""
     from scipy.stats import f
 
-    tail_probability, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
+    tail_probability, n1, n2 = (1 - level) / 2, outer.dof, inner.dof
     m2 = max(inner_sum, 0.0) / value
     # an estimate below 0 is known no better than one of 0
-    m1 = max(outer.square / value, m2)
+    m1 = max(outer.mean_square / value, m2)
     (low1, high1), (low2, high2) = outer.limits(level), inner.limits(level)
     g1, h1, g2, h2 = 1 - low1, high1 - 1, 1 - low2, high2 - 1
     high, low = f.ppf(1 - tail_probability, n1, n2), f.ppf(tail_probability, n1, n2)
@@ -243,7 +241,7 @@ def _compute_difference_limits(
 
 
 def _split(component: Component, fit: float) -> tuple[Component, Component]:
-    """Return the variance between repeats beyond that of their fits, and the latter."""
+    """Return the variance between repeats less that of their fits, and the latter."""
     assert component.interval is not None  # noqa: S101
     low, high = (max(end - fit, 0.0) for end in component.interval)
     remainder = max(component.variance - fit, 0.0)
@@ -267,7 +265,7 @@ def robust_distance(values: FloatArray) -> FloatArray:
 
 
 def find_outlier_distances(values: FloatArray) -> FloatArray:
-    """Return the robust distances that are too large for chance, and 0 for the others.
+    """Return the significant robust distances, and 0 for the others.
 
     The limit is 3.5 for many values, and for few the quantile of Student's t that is as rare: the
     deviation is then known badly, and 3.5 would accuse one of 20 of five good values.

@@ -21,19 +21,19 @@ if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
 
 
-# of the travel, before the load: k_inf is then about half as wrong
+# largest motion before the load, relative to the travel; k_inf is off by about half of it
 MAX_STIR = 0.01
-# of a held load; a controller that hunts by more moves the part with it
+# largest relative change of a held load
 MAX_LOAD_CHANGE = 0.02
-# of the displacement at rest that the hold did not show
+# largest share of the final displacement after the end of the hold
 MAX_TO_COME = 0.05
 # a difference of BIC below which two solids are as good
 MIN_BIC_DIFFERENCE = 10.0
-# a displacement missed by so many times its noise is not followed
+# ratios of residual and noise above which the fit does not follow the displacement
 MAX_MISFIT_RATIO, GROSS_MISFIT_RATIO = 2.0, 10.0
-# of the displacement at the end of a hold: a flow of less may be a slow retardation
+# share of the displacement at the end of the hold below which flow may be slow retardation
 MIN_FLOW_SHARE = 0.5
-# times what a channel usually drifts
+# ratio to the usual drift of a channel
 MAX_DRIFT_RATIO = 2.0
 # of the travel: a misfit below it does not matter
 NEGLIGIBLE_MISFIT = 1e-3
@@ -49,10 +49,10 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
     zero = f"{samples_before} samples before the load give the zero of the displacement"
     third_length = samples_before // 3
     # under a load that is on record the part may move
-    unloaded = (
+    unloaded_samples = (
         samples_before and float(np.ptp(test.load[:samples_before])) < MAX_PRELOAD * test.level
     )
-    if samples_before >= MIN_BASELINE and unloaded:
+    if samples_before >= MIN_BASELINE and unloaded_samples:
         first, last = (
             test.displacement[:third_length],
             test.displacement[samples_before - third_length : samples_before],
@@ -82,8 +82,8 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
 def displacement_samples_not_repeated(test: LoadHold, displacement: FloatArray) -> Finding:
     """The displacement is a new reading in each row while the load is held.
 
-    Of a load that is held nothing else is expected than that it stands. `displacement` is of the
-    same samples as it stands in the file.
+    A held load is expected to be constant. `displacement` is of the same samples as it stands in
+    the file.
     """
     x, time = displacement[test.hold], test.time[test.hold]
     sign = 1.0 if (x - x.mean()) @ test.displacement[test.hold] >= 0 else -1.0
@@ -154,22 +154,25 @@ def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
 
 
 @criterion("difference of BIC", ">=", MIN_BIC_DIFFERENCE, "our choice: 1 to 150 in likelihood")
-def flow_distinguished(flows: bool, difference: float, se_of_flow: float | None) -> Finding:
+def flow_distinguished(has_flow: bool, difference: float, se_of_flow: float | None) -> Finding:
     """The data distinguish a part that comes to rest from one that flows."""
-    word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
+    description, alternative = (
+        ("flows", "comes to rest") if has_flow else ("comes to rest", "flows")
+    )
     error_text = (
         "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
     )
     if np.isinf(difference):
         return Finding(
-            f"A part that {other} explains no more than one that {word}", always_passes=True
+            f"A part that {alternative} explains no more than one that {description}",
+            always_passes=True,
         )
     return Finding(
-        f"A part that {word} explains the record better than one that {other}, by {difference:.3g} "
-        f"in BIC{error_text}",
+        f"A part that {description} explains the record better than one that {alternative}, by "
+        f"{difference:.3g} in BIC{error_text}",
         difference,
         failure=f"The record hardly separates a part that comes to rest from one that flows "
-        f"(BIC {difference:.3g}). One that {word} was taken; k_inf may be 0",
+        f"(BIC {difference:.3g}). One that {description} was taken; k_inf may be 0",
         remedy="Hold longer, or record a recovery.",
     )
 
@@ -197,10 +200,12 @@ def flow_exceeds_slow_retardation(creep: CreepSpectrum, hold: float) -> Finding:
 @criterion(
     "drift / usual drift of a channel", "<=", MAX_DRIFT_RATIO, "our choice; two standard deviations"
 )
-def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported: bool) -> Finding:
+def drift_distinguished_from_flow(
+    drift: float, usual_drift: float, *, is_reported: bool
+) -> Finding:
     """The fitted drift of the displacement is too small to be flow of the part.
 
-    Both in m/s; `reported` if the samples before the load show the drift.
+    Both in m/s; `is_reported` if the samples before the load show the drift.
     """
     return Finding(
         f"The displacement drifts {drift / usual_drift:.2g} times as far as load cell and encoder "
@@ -208,7 +213,7 @@ def drift_distinguished_from_flow(drift: float, usual_drift: float, *, reported:
         abs(drift) / usual_drift,
         "A part that flows slowly, or is not at rest yet, looks the same; k_inf is then too high",
         "Record longer before the load.",
-        always_passes=reported,
+        always_passes=is_reported,
     )
 
 

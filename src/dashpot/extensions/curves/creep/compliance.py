@@ -25,7 +25,7 @@ _OF_THE_RAMP = 1.0
 
 
 def fitted_displacement(fit: Fit, data: LoadHold) -> FloatArray:
-    """The displacement that the fit says at every sample, m, with its offset, drift and delay."""
+    """The fitted displacement at every sample, m, with its offset, drift and delay."""
     time = data.time - data.time[0]
     displacement = fit.solid.displacement(time, data.load)
     terms = {
@@ -50,7 +50,7 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
     .. math:: J(t_i) = J_\mathrm{fit}(t_i) + \overline{(x - x_\mathrm{fit})}_i / F
 
     in means over even steps of log t through the hold, t counted from the middle of the ramp. A
-    drift of the reading that the time before the load does not show is left in: one test cannot
+    drift of the reading that is not visible before the load is not removed: one test cannot
     distinguish it from slow creep, several temperatures can.
 
     Parameters

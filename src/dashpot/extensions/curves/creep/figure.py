@@ -28,9 +28,9 @@ def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Pic
     ----------
     fit : Fit
     data : LoadHold or CreepCompliance
-        What it was fitted to.
+        Fitted record.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
     """
     panels = (
         _make_curve(fit, data)
@@ -72,7 +72,7 @@ def _make_test_panels(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     rms = round_to_error(residual_scale * fit.estimate.residual.rms)
     lower = Panel(
         horizontal, Scale(f"residual, {unit}", compute_padded_limits(y, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), Line(x, y, FIT)),
+        (Rule(0.0, REF, is_horizontal=True), Line(x, y, FIT)),
         height=90, note=f"rms {rms} {unit}",
     )  # fmt: skip
     return upper, lower

@@ -96,17 +96,17 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # retardations of the first solution, which gives the velocity
 _FIRST_ORDER = 2
 _MIN_COUNT = 5
-# retardations faster than so many times what the load resolves are none
+# smallest retardation time over the time resolution of the load
 _RESOLUTION_RATIO = 4.0
 # a load is in step to this part of a sample; it is moved so often, and by so many sd at most
 _IN_STEP, _MAX_SHIFTS, _MAX_SHIFT_SD = 0.1, 4, 4.0
 #: largest angle, omega times the step of the clock, at which a creep test shows the loss
 MAX_SAMPLING_ANGLE = 0.1
-# so many sd of a delay before the load the displacement is sure to rest
+# margin before the load, in sd of the delay, before which the displacement is at rest
 _REST_SD = 2.0
 # a drift is known from the samples before the load where its sd is below this part of the usual
 _KNOWN_DRIFT = 0.7
-# loads this far apart, in parts of the highest, are two levels
+# relative difference above which loads are different levels
 _LEVEL_DISTANCE = 0.2
 
 
@@ -120,10 +120,9 @@ def fit_creep(
     r"""Fit a generalized Maxwell solid to a creep test, or to a creep compliance.
 
     The recorded force, freed of its noise, is the input, whatever it does: ramps, overshoot, a
-    controller that hunts, several levels, a recovery. Offset (the position before the load),
-    drift of the displacement and a delay are nuisance terms, bound by what the record shows
-    before the load. Whether the part comes to rest or flows, BIC decides. No starting guess is
-    needed.
+    controller that hunts, several levels, a recovery. Offset (the position before the load), drift
+    of the displacement and a delay are nuisance terms, bound by what the record shows before the
+    load. BIC decides whether the part comes to rest or flows. No starting guess is needed.
 
     Parameters
     ----------
@@ -167,7 +166,7 @@ def fit_creep(
 
 
 def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retarded]:
-    r"""The record with its load as early as the displacement answers it, and what is found there.
+    r"""The record with its load shifted by the fitted delay, and the result of the fit.
 
     A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
     by half of the next power, which looks like a fast retardation. So the load is moved by what
@@ -190,7 +189,7 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
 def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
     """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
-        select_order(_build_data(record, flows=flows), candidate_options)
+        select_order(_build_data(record, has_flow=flows), candidate_options)
         for flows, candidate_options in _list_candidates(options)
     ]
     return _choose_by_bic([_add_load_errors(record, selection) for selection in selections])
@@ -207,11 +206,11 @@ def _list_candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
 # -- a test ---------------------------------------------------------------------------------------
 
 
-def _build_data(record: LoadHold, *, flows: bool) -> FitData:
-    """The displacement as an answer to the load, with what is known of its zero before it."""
+def _build_data(record: LoadHold, *, has_flow: bool) -> FitData:
+    """The displacement as a response to the load, with priors from the samples before it."""
     baseline = estimate_preload_baseline(record)
     time = regularise_clock(record.time - record.time[0])
-    window = slice(baseline.first, None)
+    window = slice(baseline.first_sample, None)
     block = make_retardation_block(
         build_recorded_block(
             time, record.load, record.displacement, window=window,
@@ -219,7 +218,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
         ),
         GLASS,
     )  # fmt: skip
-    if flows:
+    if has_flow:
         block = block.with_column(FLOW, _integrate_load(time, record.load)[window])
     rough_solution = solve(
         [block, *_limit_parameters(block, baseline)],
@@ -231,7 +230,7 @@ def _build_data(record: LoadHold, *, flows: bool) -> FitData:
     block = replace(block, window=(max(shortest, _RESOLUTION_RATIO * record.resolution), longest))
     return FitData(
         [block], [block.exact], in_time=True,
-        bind=partial(_limit_parameters, block, baseline),
+        build_priors=partial(_limit_parameters, block, baseline),
     )  # fmt: skip
 
 
@@ -239,30 +238,30 @@ class _PreloadBaseline(NamedTuple):
     """Samples before the load, SI units, and the first sample that the fit may use."""
 
     offset: Prior
-    at: float
+    offset_time: float
     drift: Prior
     delay: Prior
-    first: int
+    first_sample: int
     noise: float
-    least: float
+    least_error: float
     default_drift: float
 
     @property
     def terms(self) -> NuisanceTerms:
         """Return the nuisance terms of the columns, which count from the first sample."""
         priors = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
-        return NuisanceTerms(priors, -self.at, self.least)
+        return NuisanceTerms(priors, -self.offset_time, self.least_error)
 
     @property
     def has_measured_drift(self) -> bool:
-        """Whether these samples, and not what is usual, determine the drift."""
+        """Whether these samples determine the drift, and not the default prior."""
         return self.drift.sd < _KNOWN_DRIFT * self.default_drift
 
 
 def estimate_preload_baseline(record: LoadHold, *, for_limits: bool = False) -> _PreloadBaseline:
-    """Return what the samples before the load say of its zero, its drift and its clock.
+    """Return the priors of zero, drift and delay from the samples before the load.
 
-    `for_limits` for limits, which bear all that a rig may drift without a trace.
+    `for_limits` for limits, which include every undetected drift of a rig.
     """
     time, x = record.time - record.time[0], record.displacement
     delay_prior = build_delay_prior(record)
@@ -317,9 +316,11 @@ def _compute_response(block: DataBlock, solution: Solution) -> FloatArray:
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
-def _compute_delay_column(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
+def _compute_delay_column(
+    block: DataBlock, first_solution: Solution, time: FloatArray
+) -> FloatArray:
     """Return the column of a force that is recorded late: the velocity of the answer, m/s."""
-    return np.gradient(_compute_response(block, rough), time)
+    return np.gradient(_compute_response(block, first_solution), time)
 
 
 # -- a kind of part ------------------------------------------------------------------------------
@@ -354,7 +355,7 @@ def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
 
 
 def _is_flow_significant(selection: SelectedModel) -> bool:
-    """False if there is a flow and it is not significant, whatever BIC says."""
+    """False if there is an insignificant flow, regardless of BIC."""
     if FLOW not in selection.solution.fixed_names:
         return True
     error = selection.estimate.standard_error(FLOW)
@@ -364,21 +365,21 @@ def _is_flow_significant(selection: SelectedModel) -> bool:
 def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["auto"]) -> Fit:
     residual = retardation.estimate.residuals[0]
     creep = retardation.spectrum
-    at_rest_or_end = creep.compliance(record.hold_time).item()
+    final_compliance = creep.compliance(record.hold_time).item()
     band = find_informed_band(
-        [record], retardation.data.rows, stiffness=at_rest_or_end,
-        noise=max(retardation.estimate.spread, 1e-6 * retardation.data.peak, 1e-300),
+        [record], retardation.data.rows, stiffness=final_compliance,
+        noise=max(retardation.estimate.residual_sd, 1e-6 * retardation.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing shows the loss there
-    resolved = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
-    band = (band[0], max(min(band[1], resolved), band[0]))
+    shortest_time = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
+    band = (band[0], max(min(band[1], shortest_time), band[0]))
     end, band, error = _limit_end_of_test(record, retardation, band)
-    word = "m" if record.unit == "N/m" else "1"
-    nuisance = _list_nuisances(record, retardation, word)
+    motion_unit = "m" if record.unit == "N/m" else "1"
+    nuisance = _list_nuisances(record, retardation, motion_unit)
     all_checks = (
         retardation.convergence_check,
-        *_run_checks(retardation, record.unit, window, "the record", word),
+        *_run_checks(retardation, record.unit, window, "the record", motion_unit),
         *_run_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time),
         *_run_plateau_checks(creep, end, record.unit),
@@ -391,7 +392,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
         clocks_agree([_find_delay(nuisance)]),
     )
     return build_fit(
-        retardation.make_solid_estimate(replace(retardation.residual, unit=word), nuisance),
+        retardation.make_solid_estimate(replace(retardation.residual, unit=motion_unit), nuisance),
         Evidence(
             band,
             retardation.orders,
@@ -416,7 +417,7 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
 
 
 def _list_nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuisance, ...]:
-    """Offset, drift and delay, which is what the load was moved by and what was found beside it."""
+    """Offset, drift and delay: the shift of the load plus the fitted rest."""
     lead = {"delay": record.lead}
     return retardation.nuisances(
         lambda name: retardation.solution.coefficient(name) + lead.get(name, 0.0),
@@ -432,7 +433,7 @@ def _find_delay(nuisance: Sequence[Nuisance]) -> tuple[float, float, float]:
 
 
 def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
-    """Return what was done to the load."""
+    """Return the processing steps of the load."""
     if not record.lead:
         return ()
     direction = "earlier" if record.lead > 0 else "later"
@@ -444,7 +445,7 @@ def _make_lead_steps(record: LoadHold) -> tuple[Step, ...]:
 
 
 def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedModel:
-    """Return the choice with what the noise of the load leaves unknown in its errors.
+    """Return the choice with the noise of the load included in its errors.
 
     Where the number was left to the rules, a retardation that is not significant beside that
     error, too, is not taken.
@@ -460,7 +461,7 @@ def _add_load_errors(record: LoadHold, selection: SelectedModel) -> SelectedMode
             break
         order -= 1
     if choice is not None and order < choice.arms:
-        choice = choice._replace(arms=order, by_significance=order, capped=False)
+        choice = choice._replace(arms=order, by_significance=order, is_largest_tried=False)
     return replace(selection, estimate=estimate, choice=choice)
 
 
@@ -486,14 +487,16 @@ def _run_checks(
     """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
     model, estimate = retardation.model, retardation.estimate
     final_checks = []
-    if retardation.alternative is not None:
+    if retardation.alternative_bic_difference is not None:
         ratio = (
             retardation.creep.standard_error(FLOW) / retardation.spectrum.flow
             if retardation.flows
             else None
         )
         final_checks.append(
-            checks.flow_distinguished(retardation.flows, retardation.alternative, ratio)
+            checks.flow_distinguished(
+                retardation.flows, retardation.alternative_bic_difference, ratio
+            )
         )
     return (
         arms_distinct(model),
@@ -512,20 +515,20 @@ def _run_flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
 
 
 def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
-    """Return whether a drift may be a flow, where none was taken."""
+    """Return whether a drift may be a flow, if the solid has none."""
     if retardation.flows:
         return []
     baseline = estimate_preload_baseline(record)
     drift = retardation.solution.coefficient("drift")
     return [
         checks.drift_distinguished_from_flow(
-            drift, baseline.default_drift, reported=baseline.has_measured_drift
+            drift, baseline.default_drift, is_reported=baseline.has_measured_drift
         )
     ]
 
 
 def _run_plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
-    """Return whether a part that is said to come to rest has done so, where that was asked."""
+    """Return whether a part stated to come to rest has done so; None if not checked."""
     return [] if end is None or creep.flow > 0 else [plateau_determined(end, unit)]
 
 
@@ -534,7 +537,7 @@ def _limit_end_of_test(
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of the hold, and the valid band of the solid.
 
-    Its rig drifts as one that is not described may, and gives under the load.
+    Its rig has the default drift and compliance.
     """
     block, residual = retardation.data.blocks[0], retardation.estimate.residuals[0]
     if FLOW not in block.fixed_names:
@@ -620,13 +623,13 @@ def _fit_curve(
     origin: Superposition | UnshiftedCurve,
     options: FitOptions,
 ) -> Fit:
-    """Return the fit of a compliance after a unit step, relative to what is expected of it."""
+    """Return the fit of a compliance after a unit step, with relative residuals."""
     is_positive_time = curve.time > 0
     t, values = curve.time[is_positive_time], curve.compliance[is_positive_time]
-    rises = checks.compliance_rises(values)
-    if rises.failed:
+    rise_check = checks.compliance_rises(values)
+    if rise_check.failed:
         raise DataError(
-            f"this is no creep compliance: {decapitalise_sentence(rises.message_with_remedy)}"
+            f"this is no creep compliance: {decapitalise_sentence(rise_check.message_with_remedy)}"
         )
     bad_indices = np.flatnonzero(values <= 0)
     if bad_indices.size:
@@ -641,14 +644,15 @@ def _fit_curve(
         raise FitError(f"{len(t)} values of a compliance after the step; expected at least 4")
     weight = 1 / values
     first = solve(
-        [_make_curve_block(t, values, weight, window, flows=True)], min(max_arm_count, len(t) // 3)
+        [_make_curve_block(t, values, weight, window, has_flow=True)],
+        min(max_arm_count, len(t) // 3),
     )
     expected = get_spectrum(first).compliance(t)
     # the size of noisy data is a biased weight: low values would count most
     weight = 1 / np.maximum(expected, MIN_FITTED_SHARE * values)
     selections = []
     for flows, item in _list_candidates(options):
-        block = _make_curve_block(t, values, weight, window, flows=flows)
+        block = _make_curve_block(t, values, weight, window, has_flow=flows)
         data = FitData([block], [block])
         selections.append(select_order(data, item))
     best = _choose_by_bic(selections)
@@ -656,7 +660,7 @@ def _fit_curve(
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     end, error = None, None
     if len(t) >= MIN_FREE_POINTS:
-        flowing = _make_curve_block(t, values, weight, window, flows=True)
+        flowing = _make_curve_block(t, values, weight, window, has_flow=True)
         curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
         end, band, error = _limit_end_and_band(
             curve_with_flow, float(t[-1]), best.model, creep.lam, band, origin=origin
@@ -720,8 +724,8 @@ def _make_curve_block(
     weight: FloatArray,
     window: tuple[float, float],
     *,
-    flows: bool,
+    has_flow: bool,
 ) -> DataBlock:
     block = build_hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
     block = make_retardation_block(replace(block, window=(window[0], 10 * window[1])), GLASS)
-    return block.with_column(FLOW, weight * t) if flows else block
+    return block.with_column(FLOW, weight * t) if has_flow else block

@@ -31,7 +31,7 @@ _MIN_READINGS, _QUARTERS = 8, 4
 OF_A_COUNT = 12**-0.5
 # a load with less noise than this part of it is taken as it is
 _EXACT = 1e-7
-# directions of a load whose squares are below this part of the largest are none
+# relative size below which directions of a load are negligible
 _SINGULAR = 1e-12
 
 
@@ -43,37 +43,37 @@ class _HeldLoad(NamedTuple):
     hold_end: float
     level: float
     preload: float
-    turn: int
+    sign: int
 
 
 def load_hold(test: CreepTest, machine: Machine | None = None) -> LoadHold:
-    """Find the load and its hold, turn both signals so that they rise; change nothing else.
+    """Find the load and its hold, and give both signals a rising sign; change nothing else.
 
-    The load is read from the force alone. A record that begins under load is a step at its first
-    sample. What follows the hold, such as a recovery, stays part of the record: the recorded
+    The load is read from the force alone. A record that begins under load is treated as a step at
+    its first sample. Samples after the hold, such as a recovery, remain in the record: the recorded
     force is the input of the fit, whatever it does.
 
     Parameters
     ----------
     test : CreepTest
     machine : Machine, optional
-        What is known of the machine: of a creep test its `sync`.
+        Known properties of the machine: of a creep test its `sync`.
 
     Raises
     ------
     DataError
-        If no force is held, the displacement does not follow it, or something else is said of
-        the machine.
+        If no force is held, the displacement does not follow it, or a property of the machine is
+        stated that creep does not use.
     """
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="a creep test")
     file_name = test.source.file if test.source is not None else "the record"
     force = remove_spikes(test.time, test.force)
     held_load = _find_longest_hold(test.time, force, file_name)
-    preload_force = held_load.turn * test.force - held_load.preload
+    preload_force = held_load.sign * test.force - held_load.preload
     noise = _estimate_force_noise(test.time, test.force, held_load)
     load, corners, heights = _remove_load_noise(
-        test.time, held_load.turn * force - held_load.preload, noise
+        test.time, held_load.sign * force - held_load.preload, noise
     )
     if held_load.ramp_end > test.time[0]:
         load, heights = load - load[0], heights - load[0]
@@ -116,7 +116,7 @@ def _find_longest_hold(time: FloatArray, force: FloatArray, file_name: str) -> _
     longest_holds = [_find_cycle(time, sign * force, sign) for sign in (1, -1)]
     loads = [hold for hold in longest_holds if hold is not None]
     if loads:
-        return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.turn))
+        return max(loads, key=lambda hold: (hold.hold_end - hold.ramp_end, hold.sign))
     level = median(force)
     sign = 1 if level > 0 else -1
     if not abs(level) > 4 * float(np.std(force)):
@@ -164,7 +164,7 @@ def _get_displacement_sign(test: CreepTest, held_load: _HeldLoad, file_name: str
 
 
 def _estimate_force_noise(time: FloatArray, force: FloatArray, held_load: _HeldLoad) -> float:
-    """The scatter of the force late in its hold, where no curve of the load looks like one."""
+    """The scatter of the force late in its hold, where the load is constant."""
     second_half = (time >= (held_load.ramp_end + held_load.hold_end) / 2) & (
         time <= held_load.hold_end
     )
@@ -197,9 +197,12 @@ def make_load_error_products(record: LoadHold) -> Callable[[FloatArray], FloatAr
 
     gram = _compute_gram(time, corners)
     if corner_shift_columns is not None:
-        crossed = _project_columns(time, corners, corner_shift_columns)
+        corner_products = _project_columns(time, corners, corner_shift_columns)
         gram = np.block(
-            [[gram, crossed], [crossed.T, corner_shift_columns.T @ corner_shift_columns]]
+            [
+                [gram, corner_products],
+                [corner_products.T, corner_shift_columns.T @ corner_shift_columns],
+            ]
         )
     value, eigenvectors = np.linalg.eigh(gram)
     reference = value > _SINGULAR * value[-1]
@@ -273,8 +276,8 @@ def _insert_corners(
         remainder = f - line @ np.linalg.lstsq(line, f, rcond=None)[0]
         if _is_noise(remainder, noise, _UNLIKELY_SD):
             if (low, high) not in original_spans:
-                pieces = min(_QUARTERS, len(t) // _MIN_READINGS)
-                arrays.append(np.linspace(low, high, pieces + 1))
+                piece_count = min(_QUARTERS, len(t) // _MIN_READINGS)
+                arrays.append(np.linspace(low, high, piece_count + 1))
             continue
         midpoint = (low + high) / 2
         stack += [(midpoint, high), (low, midpoint)]
@@ -284,11 +287,11 @@ def _insert_corners(
 
 def _fit_corner_heights(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:
     """Return the heights of corners whose straight lines are nearest to a force."""
-    onto = _project_columns(time, corners, force[:, None])[:, 0]
+    force_projection = _project_columns(time, corners, force[:, None])[:, 0]
     gram = _compute_gram(time, corners)
     # a corner between which and its neighbours no reading lies has no height of its own
     gram[np.diag_indices_from(gram)] += _SINGULAR * float(np.diag(gram).max())
-    return np.asarray(np.linalg.solve(gram, onto))
+    return np.asarray(np.linalg.solve(gram, force_projection))
 
 
 def _locate_readings(time: FloatArray, corners: FloatArray) -> tuple[IndexArray, FloatArray]:
@@ -347,15 +350,15 @@ def _is_noise(residual: FloatArray, noise: float, chance: float) -> bool:
 
 
 def _make_step(held_load: _HeldLoad, sign: int, unit: str) -> Step:
-    word = "N" if unit == "N/m" else "Pa"
+    unit_name = "N" if unit == "N/m" else "Pa"
     start_text = (
-        f"the load of {held_load.level:.4g} {word} rises from {held_load.onset:.5g} s "
+        f"the load of {held_load.level:.4g} {unit_name} rises from {held_load.onset:.5g} s "
         "and is held from "
     )
     message = (
         f"{start_text}{held_load.ramp_end:.5g} to {held_load.hold_end:.5g} s, after "
-        f"{held_load.preload:.3g} {word} of "
+        f"{held_load.preload:.3g} {unit_name} of "
         "preload; the recorded force, freed of its noise, is what the fit answers"
     )
-    options = (("force turned", str(held_load.turn)), ("displacement turned", str(sign)))
+    options = (("force turned", str(held_load.sign)), ("displacement turned", str(sign)))
     return Step("load_hold", options, message)

@@ -91,13 +91,13 @@ def read_creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComp
         )
 
     values, notes = load_signals(file, channels_chosen)
-    time, displacement, pushed = (values[role] for role in role_names)
+    time, displacement, load = (values[role] for role in role_names)
     if role_names is _PART_ROLES:
         notes += _refuse_sizes(file, channels_chosen, values)
     else:
-        refuse_creep_sizes(file, channels_chosen, displacement, pushed)
+        refuse_creep_sizes(file, channels_chosen, displacement, load)
     unit = "Pa" if role_names is _MATERIAL else "N/m"
-    return CreepTest(time, displacement, pushed, unit, specimen, source(notes), units="SI")
+    return CreepTest(time, displacement, load, unit, specimen, source(notes), units="SI")
 
 
 def _refuse_sizes(

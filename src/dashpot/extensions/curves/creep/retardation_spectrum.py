@@ -20,7 +20,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock:
-    r"""Return the block with each arm turned into a retardation: what a force has yet to move.
+    r"""Return the block with each arm as a retardation: the displacement that a force still causes.
 
     An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
 
@@ -44,13 +44,13 @@ def make_retardation_block(block: DataBlock, equilibrium_name: str) -> DataBlock
         block,
         rows=rows,
         sampling=None,
-        full=None
-        if block.full is None
+        build_full=None
+        if block.build_full is None
         else lambda: make_retardation_block(block.exact, equilibrium_name),
-        widen=lambda name, column: make_retardation_block(
+        add_fixed_column=lambda name, column: make_retardation_block(
             block.with_column(name, column), equilibrium_name
         ),
-        delayed=None,
+        add_delayed_column=None,
     )
 
 
@@ -87,21 +87,21 @@ def compute_relaxation_sensitivity(creep: CreepSpectrum, tau: Sequence[float]) -
     ratio = value / first[:, None]
     log_k = -ratio / rho[:, None] - (slope - second[:, None] * ratio) / first[:, None]
     k = -1 / (rho * first)
-    at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
+    value_at_rest = np.concatenate(([1.0], np.ones(n), np.zeros(n + 1)))
     viscous = np.concatenate(([0.0], x, -weight, [1.0]))
     k_inf = 0.0 if creep.flow > 0 else 1 / creep.equilibrium
     b = 0.0 if creep.glass > 0 else 1 / (creep.flow + float(weight.sum()))
     return np.vstack(
-        (-(k_inf**2) * at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
+        (-(k_inf**2) * value_at_rest, k[:, None] * log_k, -ratio / rho[:, None], -(b**2) * viscous)
     )
 
 
 GLASS, FLOW = "glass", "flow"
-"""Names of the columns of what a part gives at once, and of its flow."""
+"""Names of the columns of instantaneous compliance and flow."""
 
 
 def get_spectrum(solution: Solution) -> CreepSpectrum:
-    """Return the compliances of a solution; a retardation that it does not show is left out."""
+    """Return the compliances of a solution; a retardation that it does not show is omitted."""
     d = solution.arms[0] if solution.order else np.zeros(0)
     flow = solution.coefficient(FLOW) if FLOW in solution.fixed_names else 0.0
     return CreepSpectrum(
@@ -125,12 +125,11 @@ class Retarded(SelectedModel):
 
     Attributes
     ----------
-    alternative : float or None
-        How much higher the BIC of the other kind of part is: of one that flows, or of one that
-        comes to rest.
+    alternative_bic_difference : float or None
+        BIC of the alternative (a part that flows, or one that comes to rest) less that of this one.
     """
 
-    alternative: float | None = None
+    alternative_bic_difference: float | None = None
 
     @cached_property
     def spectrum(self) -> CreepSpectrum:
@@ -173,7 +172,7 @@ class Retarded(SelectedModel):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the solid's parameters; k_inf is none of a part that flows."""
+        """Names of the solid's parameters; a part that flows has no k_inf."""
         return tuple(self._gradient)
 
     @cached_property

@@ -58,7 +58,7 @@ def simulate_creep(
     seed: int = 0,
     climate: Climate | None = None,
 ) -> SimulatedCreep:
-    r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if asked for.
+    r"""A load reached in `ramp_time`, held for `hold_time`, and taken off as fast if requested.
 
     The force follows its command as a loop of second order with the natural frequency and the
     damping of the rig's axis; the seal answers by its creep, exactly.
@@ -72,7 +72,7 @@ def simulate_creep(
     ramp_time, hold_time : float
         s.
     recovery_time : float
-        How long the record goes on after the load was taken off, s; 0 leaves it on.
+        Time of the record after unloading, s; 0 leaves it on.
     rig : Rig, optional
         ``Rig()`` if not given.
     seed : int
@@ -106,8 +106,11 @@ def simulate_creep(
     position = rig.gap + model.displacement(time, force)
     random = np.random.default_rng(seed)
     measured = position + rig.position_noise * random.standard_normal(len(time))
-    displacement, read = round_to_quantum(measured, rig.encoder), rig.read(time, force, random)
-    test = CreepTest(time, displacement, read, specimen=specimen, units="SI")
+    displacement, recorded_force = (
+        round_to_quantum(measured, rig.encoder),
+        rig.read(time, force, random),
+    )
+    test = CreepTest(time, displacement, recorded_force, specimen=specimen, units="SI")
     truth = CreepTruth(
         load, ramp_time, hold_time, recovery_time, model=model, rig=rig, seed=seed,
         displacement=position, force=force, climate=climate,

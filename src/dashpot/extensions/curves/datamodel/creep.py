@@ -35,7 +35,7 @@ from dashpot.extensions.curves.datamodel.sample_temperatures import (
 )
 
 MAX_CORNERS = 16
-"""Corners of a load that is ramps and holds, at most."""
+"""Largest number of corners of a load of ramps and holds."""
 COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 _ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
 """Units of displacement and force, by the unit of the stiffness."""
@@ -60,7 +60,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -101,8 +101,8 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
-        text, pushed = _ARE[self.unit]
-        return collect_arrays(self, time="s", displacement=text, force=pushed)
+        motion_quantity, load_quantity = _ARE[self.unit]
+        return collect_arrays(self, time="s", displacement=motion_quantity, force=load_quantity)
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -131,7 +131,7 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
     temperature : array, shape (n,), or None
         K, where the curve was measured at several; to be shifted together.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -177,12 +177,12 @@ class CreepCompliance(EqualByValue, HasSummary, Serialisable):
 
     @property
     def several_temperatures(self) -> bool:
-        """Whether the samples are too far apart in temperature to be of one solid."""
+        """Whether the samples differ too much in temperature for one solid."""
         return has_several_temperatures(self.temperature)
 
     @property
     def stiffness_unit(self) -> str:
-        """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
+        """Unit of the inverse: ``"Pa"`` or ``"N/m"``."""
         return next(
             stiffness for stiffness, compliance in COMPLIANCES.items() if compliance == self.unit
         )
@@ -232,7 +232,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     heights : tuple of float
         The load at the corners, N.
     machine : Machine
-        What is known of the machine that made the test.
+        Known properties of the testing machine.
     lead : float
         By how much `load` comes before `force`, s: 0 as recorded.
     """
@@ -273,8 +273,10 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """Displacement and force over time, and the load without noise."""
-        text, pushed = _ARE[self.unit]
-        return collect_arrays(self, time="s", displacement=text, force=pushed, load=pushed)
+        motion_quantity, load_quantity = _ARE[self.unit]
+        return collect_arrays(
+            self, time="s", displacement=motion_quantity, force=load_quantity, load=load_quantity
+        )
 
     @property
     def step(self) -> float:
@@ -351,15 +353,15 @@ Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 """Record of creep that can be fitted."""
 
 
-def _determine_stiffness_unit(text: Dimension, pushed: Dimension) -> str:
-    """Return the unit of a stiffness, by what moves and what pushes."""
+def _determine_stiffness_unit(motion_dimension: Dimension, load_dimension: Dimension) -> str:
+    """Return the unit of a stiffness from those of motion and force."""
     pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
-    if (text, pushed) not in pairs:
+    if (motion_dimension, load_dimension) not in pairs:
         raise DataError(
-            f"CreepTest: a {text} under a {pushed} is of neither a part nor a material. Give a "
-            "displacement and a force, or a strain and a stress"
+            f"CreepTest: a {motion_dimension} under a {load_dimension} is of neither a part nor a "
+            "material. Give a displacement and a force, or a strain and a stress"
         )
-    return pairs[text, pushed]
+    return pairs[motion_dimension, load_dimension]
 
 
 def _require_unit(unit: str, names: Iterable[str]) -> None:

@@ -50,7 +50,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
     specimen : Specimen
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -139,7 +139,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
 
     @property
     def several_temperatures(self) -> bool:
-        """Whether the sweeps are too far apart in temperature to be of one solid."""
+        """Whether the sweeps differ too much in temperature for one solid."""
         return has_several_temperatures(self.temperature)
 
     @property

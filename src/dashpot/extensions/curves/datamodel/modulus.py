@@ -41,7 +41,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -87,7 +87,7 @@ class RelaxationModulus(EqualByValue, HasSummary):
 
     @property
     def several_temperatures(self) -> bool:
-        """Whether the samples are too far apart in temperature to be of one solid."""
+        """Whether the samples differ too much in temperature for one solid."""
         return has_several_temperatures(self.temperature)
 
     @property

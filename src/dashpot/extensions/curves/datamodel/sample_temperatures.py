@@ -15,7 +15,7 @@ from dashpot.datamodel.shift_factors import Shift
 from dashpot.datamodel.specimen import tested_at
 
 ONE_TEMPERATURE = 2.0
-"""Samples of a sweep this far apart in temperature are not one solid, K."""
+"""Largest range of temperatures of one sweep, K."""
 
 
 def make_shifts(
@@ -54,7 +54,7 @@ def find_near_samples(temperature: FloatArray | None, kelvin: float) -> BoolArra
 
 
 def has_several_temperatures(temperature: FloatArray | None) -> bool:
-    """Return whether samples are too far apart in temperature, K, to be of one solid."""
+    """Return whether samples differ too much in temperature, K, for one solid."""
     values = np.zeros(0) if temperature is None else np.asarray(temperature)
     return bool(values.size and np.ptp(values) > ONE_TEMPERATURE)
 
@@ -107,7 +107,7 @@ def select_temperature(curve: Curve, value: str, kelvin: float) -> Curve:
 
 
 def describe_step_response(curve: Any, value: str) -> tuple[str, ...]:
-    """Return which curve it is, and what it covers."""
+    """Return the kind and the range of the curve."""
     time, values = curve.time, getattr(curve, value)
     return (
         describe_record_source(curve.source, len(time)),

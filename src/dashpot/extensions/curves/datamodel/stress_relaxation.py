@@ -19,7 +19,7 @@ from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 
 UNIT_LENGTH, UNIT_AREA = 1e-3, 1e-6
-"""Length, m, and area, m^2, of the unit specimen as whose test strain and stress are fitted."""
+"""Length, m, and area, m^2, of the unit specimen that represents strain and stress in a fit."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,7 +37,7 @@ class StressRelaxationTest(EqualByValue, HasSummary, Serialisable):
     specimen : Specimen
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, %, MPa"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------

@@ -41,7 +41,7 @@ class Superposition(EqualByValue, Plottable):
     solid : GeneralizedMaxwell
         The positive spectrum of all temperatures at the reference; its single arms mean nothing.
     rms : float
-        What that leaves, relative to the size of the modulus.
+        Its rms residual, relative to the magnitude of the modulus.
     checks : tuple of Check
     sources : tuple of Source
     steps : tuple of Step

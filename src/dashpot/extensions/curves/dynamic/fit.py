@@ -129,9 +129,9 @@ BY_SWEEPS = "a sweep to higher frequencies or a colder one"
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
-# an arm so much faster than a sweep is a dashpot to it
+# ratio above which a faster arm acts as a dashpot in a sweep
 _DASHPOT_RATIO = 30.0
-# and so much slower one still adds a loss to its lowest lines
+# ratio up to which a slower arm still adds loss at the lowest lines
 _SLOW_ARM_RATIO = 1000.0
 # weights of one temperature, and of several
 _USUAL_WEIGHTS: tuple[Weights, Weights] = ("relative", "modulus")
@@ -229,7 +229,7 @@ def fit_dynamic(
         end = _limit_end(data, curve, selection, tau)
         band, band_error = find_band(selection.solid, tau)
     other = family_choice.alternative(band, BY_SWEEPS)
-    of_data = (
+    data_checks = (
         kramers_kronig(compute_passive_misfit(data)),
         loss_positive(data),
         instrument_stiff(data),
@@ -256,10 +256,10 @@ def fit_dynamic(
             selection.certificate,
             checks=(
                 selection.convergence_check,
-                *of_data,
+                *data_checks,
                 *check_temperature(data.specimen),
                 *_run_checks(
-                    selection, data, records, end, [n for item in sets for n in item.freedom]
+                    selection, data, records, end, [n for item in sets for n in item.record_dof]
                 ),
                 *family_choice.checks(other),
                 *overlap_check,
@@ -281,7 +281,7 @@ def fit_dynamic(
     if records or arms != "auto" or dashpot or fit_with_few_arms.family != "maxwell":
         return fit_with_few_arms
     return dense_spectrum_if_needed(
-        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), of_data,
+        fit_with_few_arms, error, origin, lambda: dynamic_master_curve(data), data_checks,
         find_band=lambda model: find_band(model, model.tau),
     )  # fmt: skip
 
@@ -319,18 +319,18 @@ def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Resid
 class _Set(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record.
 
-    And the degrees of freedom that its own fit left of each.
+    And the degrees of freedom of each after its own fit.
     """
 
     block: DataBlock
-    rows: tuple[DataBlock, ...]
-    freedom: tuple[float, ...]
+    record_blocks: tuple[DataBlock, ...]
+    record_dof: tuple[float, ...]
 
 
 def _select_one_temperature(
     data: DynamicTest | Superposition, temperature: float | None
 ) -> tuple[DynamicTest, Superposition | UnshiftedCurve]:
-    """Return what is fitted, in order of frequency, and where it comes from."""
+    """Return the fitted data in order of frequency, and their source."""
     if isinstance(data, DynamicTest) and temperature is None and data.several_temperatures:
         data = superpose(data)
     if isinstance(data, Superposition):
@@ -347,7 +347,7 @@ def _select_one_temperature(
 
 
 def _validate_temperature_options(family: str, records: Sequence[RampHold]) -> None:
-    """Refuse what goes with a sweep of one temperature alone."""
+    """Refuse options that apply only to a sweep at one temperature."""
     require_maxwell_family(family)
     if records:
         raise FitError(
@@ -373,7 +373,9 @@ def _build_records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[R
 
 
 def _stack_parts(sets: Sequence[_Set]) -> FitData:
-    return FitData([item.block for item in sets], [row for item in sets for row in item.rows])
+    return FitData(
+        [item.block for item in sets], [row for item in sets for row in item.record_blocks]
+    )
 
 
 def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int) -> _Set:
@@ -385,7 +387,7 @@ def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: in
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     block = _build_sweep_block(data, scale, dashpot=dashpot)
-    return _Set(block, _split_storage_and_loss(block, n), best.freedom)
+    return _Set(block, _split_storage_and_loss(block, n), best.record_dof)
 
 
 def _build_sweep_block(
@@ -440,7 +442,9 @@ def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     for block in blocks:
         fit = fit_single_test([block], [block.exact], max_arms)
         factor = 1 / fit.scatter[0]
-        sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.freedom))
+        sets.append(
+            _Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.record_dof)
+        )
     return sets
 
 
@@ -515,7 +519,7 @@ def _run_checks(
     if records:
         shortest = min(shortest, *(2 * float(np.diff(record.time).min()) for record in records))
         longest = max(longest, *(record.hold_time for record in records))
-    of_arms = (
+    arm_checks = (
         []
         if isinstance(selection, FractionalFit)
         else [
@@ -529,11 +533,11 @@ def _run_checks(
         ]
     )
     fastest = float(model.complex_stiffness(omega=data.omega.max()).real)
-    extra = "Sweep to lower frequencies."
+    sweep_advice = "Sweep to lower frequencies."
     all_checks = [
-        *of_arms,
+        *arm_checks,
         *run_plateau_checks(
-            model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra
+            model, float(error[0]), end, unit=data.unit, first=fastest, extra=sweep_advice
         ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
@@ -552,7 +556,7 @@ def _run_checks(
 def _find_band(
     data: DynamicTest, records: Sequence[RampHold], sets: Sequence[_Set], k_0: float
 ) -> tuple[tuple[float, float], tuple[Check, ...]]:
-    """Return the frequencies that the tests inform, and whether they leave a gap."""
+    """Return the frequencies of the tests' valid bands, and whether there is a gap."""
     sweep = (float(data.frequency.min()), float(data.frequency.max()))
     if not records:
         return sweep, ()

@@ -32,7 +32,7 @@ def read_dynamic(
     """Return the dynamic (DMA) test in a file, in SI units.
 
     Storage and loss are moduli or stiffnesses; where there is no loss, it is storage times the
-    loss factor (tan delta). Rows that lack a number are left out with a note.
+    loss factor (tan delta). Rows that lack a number are omitted with a note.
 
     Raises
     ------

@@ -106,7 +106,7 @@ def fit_modulus(
     Raises
     ------
     DataError
-        If the arrays are not what they should be.
+        If the arrays are invalid.
     FitError
         If an option makes no sense, or there are fewer samples than parameters.
     """
@@ -226,8 +226,8 @@ def _find_band(
     """
     if curve is None:
         return band, None
-    early = BeforeCurve(curve, float(t[t > 0][0]), model)
-    spectra = find_admissible_spectra(early, time=_get_window(t)[1], extra=model.tau)
+    extended_curve = BeforeCurve(curve, float(t[t > 0][0]), model)
+    spectra = find_admissible_spectra(extended_curve, time=_get_window(t)[1], extra=model.tau)
     band, error = find_band_with_shift_errors(spectra, model, band, origin=origin)
     if error is not None:
         # a curve shows its modulus alone
@@ -249,7 +249,7 @@ def _compute_misfit_in_band(
 def _select_one_temperature(
     data: RelaxationModulus | Superposition,
 ) -> tuple[RelaxationModulus, Superposition | UnshiftedCurve]:
-    """Return what is fitted, and where it comes from."""
+    """Return the fitted data, and their source."""
     if isinstance(data, RelaxationModulus):
         if data.temperature is None:
             return data, UnshiftedCurve(list_sources([data]))

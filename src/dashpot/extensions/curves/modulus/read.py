@@ -50,7 +50,7 @@ def read_modulus(
 ) -> RelaxationModulus | StressRelaxationTest:
     """Return the relaxation modulus E(t) in a file, or strain and stress, in SI units.
 
-    Rows that lack a number are left out with a note. Where there is a column of temperature, and
+    Rows that lack a number are omitted with a note. Where there is a column of temperature, and
     it says several, the times may start again at each.
 
     Raises

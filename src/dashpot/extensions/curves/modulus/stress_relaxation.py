@@ -29,7 +29,7 @@ _WORDS = {"displacement": "strain", "force": "stress", "stiffness": "modulus"}
 _QUANTITIES = re.compile(rf"\b({'|'.join(_WORDS)})\b")
 
 
-def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any) -> Fit:
+def fit_stress_relaxation(test: StressRelaxationTest, time_limits: Any, **choices: Any) -> Fit:
     r"""Fit a generalized Maxwell model to strain and stress over time.
 
     .. math:: \sigma(t) = E_\infty \varepsilon(t)
@@ -41,8 +41,8 @@ def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any)
     Parameters
     ----------
     test : StressRelaxationTest
-    cuts : mapping
-        What `prepare` takes: filter, machine, onset, hold end, cycle.
+    time_limits : mapping
+        Arguments of `prepare`: filter, machine, onset, hold end, cycle.
     choices
         Of :func:`~dashpot.fitting.relaxation.fit`.
 
@@ -51,7 +51,7 @@ def fit_stress_relaxation(test: StressRelaxationTest, cuts: Any, **choices: Any)
     DataError, FitError
         As that of a relaxation test.
     """
-    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **cuts), **choices)
+    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **time_limits), **choices)
     return convert_to_material(fit)
 
 
@@ -62,14 +62,14 @@ def convert_to_material(fit: Fit) -> Fit:
         (("length_m", repr(UNIT_LENGTH)), ("area_m2", repr(UNIT_AREA))),
         "strain and stress fitted as the test of a specimen of 1 mm by 1 mm²: MPa are its N/mm",
     )
-    scaled = scale_stiffness(fit, UNIT_LENGTH / UNIT_AREA, step)
+    material_fit = scale_stiffness(fit, UNIT_LENGTH / UNIT_AREA, step)
     residual = fit.estimate.residual
     return replace(
-        scaled,
+        material_fit,
         unit="Pa",
         elastic_law=None,
         estimate=replace(
-            scaled.estimate,
+            material_fit.estimate,
             residual=replace(
                 residual, sse=residual.sse / UNIT_AREA**2, rms=residual.rms / UNIT_AREA, unit="Pa"
             ),
@@ -81,8 +81,8 @@ def convert_to_material(fit: Fit) -> Fit:
             orders=tuple(
                 replace(order, sse=order.sse / UNIT_AREA**2) for order in fit.evidence.orders
             ),
-            end_of_hold=scaled.evidence.end_of_hold,
-            alternative=scaled.evidence.alternative,
+            end_of_hold=material_fit.evidence.end_of_hold,
+            alternative=material_fit.evidence.alternative,
         ),
     )
 
@@ -102,7 +102,7 @@ def _convert_nuisance(nuisance: Nuisance) -> Nuisance:
 
 
 def _convert_check(check: Check) -> Check:
-    """Return a check whose sentences speak of strain and stress, and name no force of a machine."""
+    """Return a check with sentences on strain and stress instead of a machine's force."""
     remedy = check.remedy
     if remedy and remedy.option == _MACHINE:
         remedy = Remedy(remedy.words)

@@ -43,7 +43,7 @@ def isotherms_overlap(
     """Neighbouring temperatures share a range of relaxation times after the shift.
 
     `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,); `overlap_decades`
-    is what they must share.
+    is their smallest overlap.
     """
     i = int(np.argmin(shared))
     return Finding(
@@ -263,7 +263,7 @@ def collect_shift_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of each shift against that of the next temperature, and of the law.
 
-    `covariance` begins with that of the shifts; `is_requested` if none but they were asked for.
+    `covariance` begins with that of the shifts; `is_requested` if none but they were requested.
     """
     n = len(temperature)
     difference_matrix = np.diff(np.eye(n), axis=0)

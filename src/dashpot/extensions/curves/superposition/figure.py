@@ -40,7 +40,7 @@ from dashpot.solids.maxwell import Solid
 
 _DOT = 4.5
 _THIN_PEN = Pen("measured", 1.3)
-"""The fit beneath the samples, whose colours say more."""
+"""The fit is drawn below the samples, whose colours show the temperature."""
 
 
 def draw_fit(fit: Fit, data: Superposition) -> Picture:
@@ -60,7 +60,7 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
     fit : Fit, optional
         Drawn as a line; by default the spectrum that all temperatures share.
     stamp : str
-        What the figure says of its origin; by default files, specimen and date.
+        Origin of the data, printed below the figure; by default files, specimen and date.
     """
     if isinstance(data.curve, DynamicTest):
         panels = _make_sweep_panels(data, data.curve, fit)
@@ -132,7 +132,7 @@ def _make_curve_panels(
     )  # fmt: skip
     lower = Panel(
         horizontal, Scale("residual, %", compute_padded_limits(residual, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), *_make_dots(data, curve.time, residual)), height=220,
+        (Rule(0.0, REF, is_horizontal=True), *_make_dots(data, curve.time, residual)), height=220,
     )  # fmt: skip
     return upper, lower
 
@@ -199,5 +199,5 @@ def _make_temperature_tags(dots: list[Dots]) -> list[Tag]:
 
 
 def _make_line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
-    """Return which solid is drawn, and what it is called."""
+    """Return the solid to be drawn, and its label."""
     return (data.solid, "spectrum of all temperatures") if fit is None else (fit.solid, "fit")

@@ -57,7 +57,7 @@ class Isotherm:
     value : array, shape (m,)
         Storage, then loss (m = 2 n), or the modulus or compliance (m = n), over `size`.
     size : array, shape (m,)
-        What errors are relative to, in the unit of the data.
+        Reference values of relative errors, in the unit of the data.
     """
 
     temperature: float
@@ -114,7 +114,7 @@ class Isotherm:
 def join_tests(data: Measured | Sequence[Measured]) -> tuple[Measured, tuple[Source, ...]]:
     """Return several tests as the samples of one, each at its specimen's temperature if need be.
 
-    Rows that repeat another to the last digit are left out.
+    Rows that repeat another to the last digit are omitted.
 
     Raises
     ------

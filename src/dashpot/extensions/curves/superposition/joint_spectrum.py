@@ -254,7 +254,7 @@ def refine_shifts(
     noise: float = 0.0,
     free_b: bool = False,
 ) -> ShiftedSpectrum:
-    """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
+    """Return the shifts from those found, on a finer grid; with `free_b`, ln b is free as well."""
     fine_grid = make_grid(isotherms, spectrum.ln_a, per_decade=FINE_POINTS)
     free = _select_free_shifts(len(isotherms), reference, with_vertical=free_b)
     return ShiftSearch(

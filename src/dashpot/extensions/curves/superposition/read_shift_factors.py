@@ -80,7 +80,7 @@ def _find_column(names: list[str], pattern: re.Pattern[str]) -> tuple[int, str] 
 
 
 def _take_decadic_logarithm(values: FloatArray, logarithm: str) -> FloatArray:
-    """Return the decadic logarithm of a factor, or of what its logarithm is."""
+    """Return the decadic logarithm of a factor or of its stated logarithm."""
     if logarithm:
         return np.asarray(values / np.log(10.0) if logarithm == "ln" else values)
     if (values <= 0).any():

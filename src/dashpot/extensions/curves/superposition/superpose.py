@@ -156,7 +156,7 @@ class _SeparateSpectra(NamedTuple):
         return self.sse / max(self.dof, 1)
 
     def compare_with_joint(self, best: ShiftedSpectrum) -> tuple[float | None, float]:
-        """Return mean square of the joint fit over this, and what that reaches by chance."""
+        """Return mean square of the joint fit over this, and its upper limit by chance."""
         if self.dof < _MIN_DOF or self.sse <= 0:
             return None, 1.0
         extra_parameters = best.values - best.parameters - self.dof
@@ -189,7 +189,7 @@ def _reference(t: FloatArray, target: float | None) -> int:
 def _search_shifts(
     isotherms: Sequence[Isotherm], reference_index: int, vertical: VerticalAsked, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
-    """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
+    """Return the shifts by the vertical rule that was requested, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
     log_b_by_rule = {"1": np.zeros(len(t)), "T/T_r": np.log(t / t[reference_index])}
     vertical_rules = {"auto": ("1", "T/T_r"), "free": ("1",)}.get(vertical, (vertical,))
@@ -319,7 +319,7 @@ def _solid(
 def _master(
     test: Measured, isotherms: Sequence[Isotherm], best: ShiftedSpectrum, reference: float
 ) -> tuple[Measured, FloatArray]:
-    """Return every sample where it lies at the reference, and where it was measured, K."""
+    """Return every sample shifted to the reference temperature, and its measured temperature, K."""
     counts = [len(isotherm.at) for isotherm in isotherms]
     temperature = np.repeat([isotherm.temperature for isotherm in isotherms], counts)
     a, b = np.repeat(np.exp(best.ln_a), counts), np.repeat(np.exp(best.ln_b), counts)

@@ -52,7 +52,7 @@ def format_stiffness_left_out(shifts: TemperatureShifts) -> list[str]:
 
 
 def _format_stiffness_shift(shifts: TemperatureShifts) -> str:
-    """Return how every stiffness follows the temperature; nothing if it does not."""
+    """Return the temperature dependence of the stiffnesses as text; empty if there is none."""
     low, high = (shifts.b_t(value) for value in shifts.tested_range)
     if max(abs(low - 1), abs(high - 1)) < _SAME_STIFFNESS:
         return ""

@@ -32,7 +32,7 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
     tests : sequence of RampHold
         What it was fitted to.
     stamp : str
-        What the figure says of its origin; by default the fit's files, specimen and date.
+        Origin of the data, printed below the figure; by default the fit's files, specimen and date.
 
     Raises
     ------

@@ -150,7 +150,7 @@ def _fit_single_test(
         [block],
         [block.exact],
         in_time=True,
-        bind=partial(build_prior_rows, [record], [block], FitSetup("full")),
+        build_priors=partial(build_prior_rows, [record], [block], FitSetup("full")),
     )
     return SingleTemperatureTest.from_first_fit(
         record, kelvin, fit_all_orders(hold_data, _MAX_TEST_ARMS), ramp_law.law

@@ -181,7 +181,7 @@ def compute_joint_covariance(
         other_columns=residual_parts,
     )
     changes = [
-        information.turn @ (columns.matrix.T @ row)
+        information.parameter_directions @ (columns.matrix.T @ row)
         for columns, row in zip(information.columns, unmeasured, strict=False)
     ]
     arrays, base = (

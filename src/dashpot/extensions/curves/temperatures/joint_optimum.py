@@ -37,7 +37,7 @@ class ThermalOptimum(NamedTuple):
     joint : JointTests
     candidates : tuple of OrderCandidate
     choice : Choice or None
-        None if the number of arms was asked for.
+        None if the number of arms was requested.
     point : ShiftedSolid
         Relaxation times ascending.
     thorough : bool
@@ -57,7 +57,7 @@ def optimum(
     options: FitOptions,
     reference: int,
 ) -> ThermalOptimum:
-    """Return the optimum over all tests, the number of arms chosen if none is asked for.
+    """Return the optimum over all tests, the number of arms chosen if none is requested.
 
     Parameters are those of
     :func:`~dashpot.extensions.curves.temperatures.fit_temperatures.fit_thermal`.

@@ -24,9 +24,9 @@ MAX_TENSION = 0.01
     MAX_PRELOAD,
     "our choice: less may be the load cell's own zero",
 )
-def zero_recorded(preload: float, *, air: bool) -> Finding:
+def zero_recorded(preload: float, *, comes_through_air: bool) -> Finding:
     """The record shows the force at zero compression."""
-    if air:
+    if comes_through_air:
         return Finding("The plate comes through air, so compression and force have their zero", 0.0)
     return Finding(
         "The record begins in contact. Compression counts from its first sample",
@@ -163,13 +163,13 @@ def no_adhesion_on_release(tensile_force: float | None) -> Finding:
 
 
 @criterion(grade="note")
-def unloading_recorded(*, recorded: bool) -> Finding:
+def unloading_recorded(*, is_recorded: bool) -> Finding:
     """The unloading was recorded."""
     return Finding(
         "Loading and unloading were recorded",
         failure="The unloading was not recorded, so hysteresis and returned energy are not known",
         remedy="Record the unloading.",
-        always_fails=not recorded,
+        always_fails=not is_recorded,
     )
 
 
@@ -196,14 +196,16 @@ MIN_BIC_GAIN = 10.0
 @criterion(
     "part of the energy", "|x| <=", MAX_UNEXPLAINED, "our choice: a tenth of a usual hysteresis"
 )
-def relaxation_explains_hysteresis(raw: float | None, remainder: float | None) -> Finding:
+def relaxation_explains_hysteresis(
+    measured_loss: float | None, remaining_loss: float | None
+) -> Finding:
     """With the relaxation removed, loading and unloading are one curve."""
-    if raw is None or remainder is None:
+    if measured_loss is None or remaining_loss is None:
         return Finding("Without the unloading the relaxation function cannot be checked")
     return Finding(
-        f"The cycle loses {100 * raw:.3g} % of its energy; without relaxation it "
-        f"loses {100 * remainder:+.2g} %",
-        remainder,
+        f"The cycle loses {100 * measured_loss:.3g} % of its energy; without relaxation it "
+        f"loses {100 * remaining_loss:+.2g} %",
+        remaining_loss,
         "The seal has friction or softens within the cycle, or the relaxation test is of another "
         "seal",
         "Give the fit of a relaxation test of the same specimen.",

@@ -54,7 +54,7 @@ class CLDTest(EqualByValue, HasSummary):
     source : Source or None
         The file it came from; None for arrays made in memory.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -141,8 +141,8 @@ class Cycle(EqualByValue, Serialisable):
     speed : float or None
         Speed of the loading, m/s; None without a clock.
     contact : float or None
-        Compression at which the loading met the seal again, m: the set that is left of the cycles
-        before it. 0 of the first cycle; None where no air was crossed.
+        Compression at which the loading met the seal again, m: the set by the earlier cycles. 0 of
+        the first cycle; None if the plate never moved through air.
     peak : float
         Force at `depth`, N.
     common : float
@@ -187,7 +187,7 @@ class Cycle(EqualByValue, Serialisable):
 
     @property
     def hysteresis(self) -> float | None:
-        """Part of the energy that was not given back."""
+        """Fraction of the energy that was dissipated."""
         returned = self.recovered_energy
         return None if returned is None else 1 - returned / self.energy
 
@@ -276,7 +276,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     ----------
     cycles : tuple of Cycle
     index : int
-        Index of the cycle that the figures are of, in `cycles`.
+        Index in `cycles` of the evaluated cycle.
     contact, contact_se : float
         Where the plate first met the seal, on the scale of the record, and its standard error, m.
     zero_se : float
@@ -284,14 +284,14 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     preload : float
         Force at the first sample where the record begins in contact under a load, N; else 0.
     drift : float
-        Change of the load cell's zero over the record, N, taken off; 0 where no air shows it.
+        Change of the load cell's zero over the record, N, taken off; 0 if it is not visible in air.
     noise : float
         Scatter of the force from sample to sample, N.
     common : float
         Compression at which cycles are compared, m.
     nominal : AtCompression
     least, most : AtCompression or None
-        At the ends of the tolerance, where they are asked for and reached.
+        At the limits of the tolerance, where requested and reached.
     time : array, shape (n,), or None
         Duration of the whole record, s; None without a clock.
     compression, force : array, shape (n,)
@@ -345,7 +345,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def cycle(self) -> Cycle:
-        """The cycle that the figures are of."""
+        """The evaluated cycle."""
         return self.cycles[self.index]
 
     @property
@@ -385,7 +385,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def per(self) -> float:
-        """Factor from a force, N, to N per 100 mm; 1 where no length is known."""
+        """Factor from a force, N, to N per 100 mm; 1 if no length is known."""
         return 1.0 if self.specimen.length is None else PER / self.specimen.length
 
     @property
@@ -418,7 +418,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
-        """The verdict, the force at the nominal compression, and the cycle that it is of."""
+        """The verdict, the force at the nominal compression, and the evaluated cycle."""
         point, cycle = self.nominal, self.cycle
         loss_ratio = cycle.hysteresis
         return (
@@ -453,14 +453,14 @@ class RelaxedLaw(Serialisable):
         The relaxation function that was removed, with k_inf = 1: its k are parts of the relaxed
         force.
     residual : float
-        Rms of what relaxed loading and unloading leave of the law, N.
+        Rms residual of the relaxed loading and unloading, N.
     hysteresis, left : float
         Part of the energy that the cycle lost, and that its relaxed forces still lose: friction.
     softening : float
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
     others : tuple of ElasticLaw
-        The elastic law where one of its inputs is one standard error off: the relaxation function,
+        The elastic law with one of its inputs changed by a standard error: the relaxation function,
         along each axis of its covariance, first contact, and the zero of the force.
     """
 
@@ -526,10 +526,10 @@ class RateLaw(EqualByValue, Serialisable):
     k, tau, k_se, ln_tau_se : tuple of float
         Stiffnesses, relaxation times and standard errors of the arms, N/m and s.
     residual : float
-        Rms of what it leaves, N.
+        Rms residual, N.
     bic : float
-        Over that of one elastic law with one relaxation function, for the same records: below 0
-        this model explains them better.
+        Difference from the BIC of one elastic law with one relaxation function for the same
+        records: below 0 this model is better.
     checks : tuple of Check
     """
 
@@ -590,7 +590,7 @@ class ProcessCapability(Protocol):
     lower, upper : float or None
         The limits.
     cpk : float or None
-        None where the forces do not scatter.
+        None without scatter of the forces.
     cpk_interval : (float, float) or None
         95 %.
     summary : str

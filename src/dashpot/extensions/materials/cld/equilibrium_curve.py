@@ -33,7 +33,7 @@ from dashpot.solids.elastic import ElasticLaw
 
 KNOTS = (2, 3, 5, 9, 13, 17)
 _AS_WELL = 1.05
-"""A law on fewer knots is taken if it leaves no more than this times what the finest leaves."""
+"""Largest residual of a law on fewer knots, relative to the finest law."""
 _CONTACT_SD = 5.0
 """Standard deviations of the force above which the plate is on the seal."""
 
@@ -63,7 +63,7 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     cycle = cld.cycle
     rows = find_loaded_samples(cld)
     law, residual = fit_law_through(cld.compression[rows], e[rows], depth=cycle.depth)
-    raw = cycle.hysteresis
+    measured_hysteresis = cycle.hysteresis
     fraction = None if cycle.unloading is None else _compute_loss_fraction(cld, cycle.unloading, e)
     first, last = (_compute_common_force(cld, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
@@ -83,11 +83,11 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         _add_ratio_errors(law, variant_laws),
         relaxation,
         residual,
-        raw,
+        measured_hysteresis,
         fraction,
         1 - last / first,
         (
-            checks.relaxation_explains_hysteresis(raw, fraction),
+            checks.relaxation_explains_hysteresis(measured_hysteresis, fraction),
             checks.stroke_within_relaxation_times(stroke, fit.band),
             *(check for fit in fits for check in _check_relaxed_force(cld, law, fit)),
             *(
@@ -101,7 +101,7 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
 
 
 def find_nearest_fit(cld: CLD, fits: Sequence[Fit]) -> Fit:
-    """Return the fit whose test was held nearest to the nominal compression."""
+    """Return the fit of the test held nearest to the nominal compression."""
     if not fits:
         raise FitError("no fit of a relaxation test was given: its relaxation function is needed")
     return min(fits, key=lambda fit: abs(get_depth(fit) - cld.nominal.compression))
@@ -128,7 +128,7 @@ def _compare_relaxations(fits: Sequence[Fit], stroke: float | None) -> float | N
 
 
 def get_length_ratio(cld: CLD, fit: Fit) -> float:
-    """Return the length of the specimen over that of the fit's; 1 where one is not known."""
+    """Return the length of the specimen over that of the fit's; 1 if one is unknown."""
     lengths = cld.specimen.length, fit.specimen.length
     return lengths[0] / lengths[1] if lengths[0] and lengths[1] else 1.0
 
@@ -220,9 +220,11 @@ def average_slope(slope: FloatArray, knots: FloatArray) -> float:
 def _compute_loss_fraction(cld: CLD, unloading: Branch, e: FloatArray) -> float:
     """Return the part of the energy that relaxed forces lose over the chosen cycle in contact."""
     rows = find_loaded_samples(cld)
-    released = rows >= unloading.first
+    is_unloading = rows >= unloading.first
     x = cld.compression
-    common_compression = max(float(x[rows[~released]].min()), float(x[rows[released]].min()))
+    common_compression = max(
+        float(x[rows[~is_unloading]].min()), float(x[rows[is_unloading]].min())
+    )
     work_in, work_out = (
         float(np.trapezoid(e[branch.samples], np.maximum(branch.compression, common_compression)))
         for branch in (cld.loading, unloading)

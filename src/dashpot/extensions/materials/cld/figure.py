@@ -45,7 +45,7 @@ def cld(
     limits : (float or None, float or None), optional
         Asked of the force at the nominal compression, N, as `CLD.per` gives it.
     stamp : str
-        What the figure says of its origin; by default files, specimen and date.
+        Origin of the data, printed below the figure; by default files, specimen and date.
     """
     specimens = (results,) if isinstance(results, CLD) else tuple(results)
     first, single = specimens[0], len(specimens) == 1
@@ -147,7 +147,7 @@ def _make_tolerance_mark(result: CLD) -> list[Mark]:
 
 
 def _draw_force_limits(result: CLD, limits: Sequence[float]) -> list[Mark]:
-    """Return what is asked of the force at the nominal compression, as a bar there."""
+    """Return the limits of the force at the nominal compression, as a bar there."""
     nominal = convert_to_unit(result.nominal.compression, "mm")
     limits_text = " to ".join(f"{end:.3g}" for end in limits)
     return [
@@ -184,7 +184,7 @@ def _make_line(result: CLD, branch: Branch, pen: Pen, label: str) -> Line:
         x, y = x[::-1], y[::-1]
     # bins need a rising x: noise makes a few readings fall
     order = np.argsort(x, kind="stable")
-    thinned: tuple[FloatArray, FloatArray] = downsample_to_extremes(
+    downsampled_line: tuple[FloatArray, FloatArray] = downsample_to_extremes(
         convert_to_unit(x[order], "mm"), result.per * y[order], bins=300
     )
-    return Line(*thinned, pen, label)
+    return Line(*downsampled_line, pen, label)

@@ -52,9 +52,9 @@ def apply_elastic_law(
 ) -> Fit:
     """Return the fit with the shape of another measured elastic law.
 
-    Its stiffnesses stay what they are at the depth that was held; the solid is then the secant
-    one at the law's deepest compression. With `stiffness`, N/m, the relaxed secant one there,
-    the fit is of the part that the law is of, and only its memory is taken.
+    Its stiffnesses do not change at the held depth; the solid is then the secant one at the law's
+    deepest compression. With `stiffness`, N/m, the relaxed secant one there, the fit is of the part
+    that the law is of, and only its memory is taken.
 
     Raises
     ------
@@ -78,11 +78,11 @@ def apply_elastic_law(
         f"elastic law of compression load deflection to {format_quantity(law.depth, 'mm')}: "
         f"stiffnesses there {factor:.4g} times the secant of fit {fit._identity}",
     )
-    scaled = scale_stiffness(fit, factor, step)
+    scaled_fit = scale_stiffness(fit, factor, step)
     return replace(
-        scaled,
-        elastic_law=replace(law, stiffness=scaled.model.k_inf),
-        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks), end_of_hold=None),
+        scaled_fit,
+        elastic_law=replace(law, stiffness=scaled_fit.model.k_inf),
+        evidence=replace(scaled_fit.evidence, checks=(*fit.checks, *checks), end_of_hold=None),
     )
 
 
@@ -120,8 +120,8 @@ class SpecimenStatistics:
             half_width = t_quantile(0.95, self.count - 1) * self.deviation / math.sqrt(self.count)
         interval = self.mean - half_width, self.mean + half_width
         unit = self.unit or "1"
-        read = "" if self.unit else "%"
-        return ReportedValue(self.name, self.mean, *interval, unit, read=read)
+        display_unit = "" if self.unit else "%"
+        return ReportedValue(self.name, self.mean, *interval, unit, read=display_unit)
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,11 +137,11 @@ class CLDResult(HasChecks, HasVerdict, Serialisable):
     capability : ProcessCapability or None
         Capability of the force at the nominal compression between its limits.
     checks : tuple of Check
-        Those of every specimen, each at its worst, and of the specimens together.
+        The worst check of each name over the specimens, and checks of the specimens together.
     relaxed : RelaxedLaw or None
         The elastic law of the first specimen, where a relaxation test determined its arms.
     fit : Fit or None
-        That of the relaxation test with this law; or, of records at several speeds, theirs.
+        Fit of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
         For records at several speeds: a spring and a dashpot that depend on compression.
 
@@ -253,9 +253,9 @@ def cld_files(
     specimen : Specimen, optional
         Data that all specimens share, such as their length.
     machine : Machine, optional
-        What is known of the machine: its `sync`.
+        Known properties of the machine: its `sync`.
     options : ReadOptions, optional
-        What the user said of the files; `cycle` is the cycle that the figures are of.
+        Reading options of the files; `cycle` is the cycle that the figures are of.
 
     Raises
     ------

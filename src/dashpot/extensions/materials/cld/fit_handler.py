@@ -20,7 +20,7 @@ def run(request: FitRequest) -> CommandResult:
         relaxation=[workflow.read_fit(path) for path in request["relaxation"]],
         specimen=request.specimen,
         options=request.reading,
-        **request.some("machine"),
+        **request.select_options("machine"),
     )
     next_command = ""
     if request.result_path and result.fit is not None:

@@ -61,7 +61,7 @@ def evaluate_cycle(
 ) -> AtCompression | None:
     """Return the stiffness of a cycle at a compression, m; None if it is not reached.
 
-    The error of the force holds those of the two zeros.
+    The error of the force includes the errors of the two zeros.
     """
     half_width = WINDOW * cycle.depth
     way_in = fit_local_slope(cycle.loading, compression, half_width=half_width, excess=excess)
@@ -88,7 +88,7 @@ def evaluate_cycle(
 
 
 def _combine_force_errors(slope: LocalSlope, *, contact_se: float, force_se: float) -> float:
-    """Return standard error of a force, N: its own, and those of the two zeros."""
+    """Return the standard error of a force, N, including the errors of the two zeros."""
     return float(np.linalg.norm([slope.force_se, slope.slope * contact_se, force_se]))
 
 
@@ -106,5 +106,5 @@ def measure_speed(clock: FloatArray, x: FloatArray) -> tuple[float, float]:
 
 
 def delay_channel(time: FloatArray, values: FloatArray, delay: float) -> FloatArray:
-    """Return a channel as it reads if it comes so much later, s; its ends rest."""
+    """Return a channel delayed by a time, s, with constant ends."""
     return np.asarray(np.interp(time - delay, time, values))

@@ -46,7 +46,7 @@ KNOTS = 13
 MAX_ARMS = 3
 _PER_STROKE = 120
 _MAX_RESIDUAL_RATIO = 0.98
-"""Part of the residual above which a further arm, and any after it, is not worth trying."""
+"""Ratio of residuals above which no further arm is tried."""
 DECISIVE = 10.0
 """Decrease of BIC that a further arm needs."""
 _SIGNIFICANT_DELAY = 3.0
@@ -63,8 +63,8 @@ class DownsampledRecord(NamedTuple):
     velocity: FloatArray
     force: FloatArray
     is_in_contact: BoolArray
-    first: int
-    hats: FloatArray
+    first_sample: int
+    hat_functions: FloatArray
 
 
 def fit_speeds(specimens: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -> Fit:
@@ -136,8 +136,12 @@ def _delay_record(
     record: DownsampledRecord, cld: CLD, knots: FloatArray, delay: float
 ) -> DownsampledRecord:
     """Return a record with its force delayed, s, and its first contact deeper accordingly."""
-    hat_columns = downsample_record(cld, knots, offset=-delay * (cld.cycle.speed or 0.0)).hats
-    return record._replace(force=delay_channel(record.time, record.force, delay), hats=hat_columns)
+    hat_columns = downsample_record(
+        cld, knots, offset=-delay * (cld.cycle.speed or 0.0)
+    ).hat_functions
+    return record._replace(
+        force=delay_channel(record.time, record.force, delay), hat_functions=hat_columns
+    )
 
 
 def _compute_row_change(
@@ -224,8 +228,8 @@ def _has_determined_arms(
 
 def downsample_record(cld: CLD, knots: FloatArray, *, offset: float = 0.0) -> DownsampledRecord:
     """Return means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
-    last = cld.unloading or cld.loading
-    stop = last.samples.stop
+    last_stroke = cld.unloading or cld.loading
+    stop = last_stroke.samples.stop
     rows = np.zeros(len(cld.force), dtype=bool)
     rows[find_loaded_samples(cld)] = True
     rows &= cld.compression <= 1.005 * knots[-1]
@@ -248,7 +252,7 @@ def _build_relaxation(theta: FloatArray) -> GeneralizedMaxwell:
 
 def _split_rows(records: Sequence[DownsampledRecord]) -> list[int]:
     """Return rows of each record."""
-    return [int(record.is_in_contact[record.first :].sum()) for record in records]
+    return [int(record.is_in_contact[record.first_sample :].sum()) for record in records]
 
 
 def _compute_rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Rows:
@@ -260,9 +264,9 @@ def _compute_rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Ro
         free_compression = np.where(
             record.is_in_contact, 0.0, relaxation.displacement(record.time, record.force)
         )
-        answer, hat_columns = free_compression.copy(), record.hats.copy()
-        steps = np.diff(record.hats, axis=0)
-        step = np.diff(record.time[record.first :])[:, None, None]
+        answer, hat_columns = free_compression.copy(), record.hat_functions.copy()
+        steps = np.diff(record.hat_functions, axis=0)
+        step = np.diff(record.time[record.first_sample :])[:, None, None]
         g, tau = np.asarray(relaxation.k), np.asarray(relaxation.tau)
         if len(tau):
             answer += (
@@ -271,12 +275,12 @@ def _compute_rows(records: Sequence[DownsampledRecord], theta: FloatArray) -> Ro
             # every hat under every arm side by side
             z = step / tau[:, None]
             decay_less_one = np.expm1(-z)
-            first = np.tile(record.hats[0], (len(tau), 1))
+            first = np.tile(record.hat_functions[0], (len(tau), 1))
             arms = recursion(1 + decay_less_one, -decay_less_one / z * steps[:, None], first)
             hat_columns += np.einsum("nap,a->np", arms, g)
-        is_in_contact = record.is_in_contact[record.first :]
+        is_in_contact = record.is_in_contact[record.first_sample :]
         columns.append(hat_columns[is_in_contact])
-        targets.append((record.force - answer)[record.first :][is_in_contact])
+        targets.append((record.force - answer)[record.first_sample :][is_in_contact])
     return Rows(np.concatenate(targets), np.concatenate(columns))
 
 
@@ -286,7 +290,7 @@ def _fit_next_arm(
     window: tuple[float, float],
     previous_arms: FloatArray | None,
 ) -> Optimum:
-    """Return the best fit of so many arms, from that of one fewer and one arm at three places."""
+    """Return the best fit with one arm more, started with that arm at three times."""
     low, high = np.log(window).tolist()
     problem = Problem(
         partial(_compute_rows, records),

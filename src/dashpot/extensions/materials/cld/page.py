@@ -61,7 +61,7 @@ def page(result: CLDResult) -> KindPage:
         )
         if specimen_count > 1 else KindPage.note,
         sources=sources,
-        folds=(
+        collapsible_sections=(
             CollapsibleSection(
                 "Each specimen and cycle",
                 "force, slope, hysteresis, set; one row a cycle",

@@ -50,13 +50,13 @@ _MIN_COMPLETE_SHARE = 0.9
 
 
 class _RecordCycles(NamedTuple):
-    """The cycles of a record, before one is chosen; a compression may exceed them by `excess`."""
+    """Cycles of a record; a compression may exceed them by `max_extrapolation`."""
 
     cycles: tuple[Cycle, ...]
     zero: Zero
-    excess: float
-    common: float
-    uneven: tuple[float | None, ...]
+    max_extrapolation: float
+    common_depth: float
+    speed_variations: tuple[float | None, ...]
     compression: FloatArray
     force: FloatArray
 
@@ -71,9 +71,9 @@ def cld(
 ) -> CLD:
     """Find the cycles of a compression load deflection test, and the figures of one of them.
 
-    Compression is counted from first contact of the first cycle; the load cell's zero is what it
-    reads in air, wherever the plate is there. What a delay of the force makes of a figure, which
-    no cycle distinguishes from loss, is in its error.
+    Compression is counted from first contact of the first cycle; the load cell's zero is its
+    reading in air, if the plate comes through air. The effect of a delay of the force,
+    indistinguishable from loss, is in the error of each value.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def cld(
     cycle : int, optional
         Which cycle, from 1; by default the last that was unloaded and reaches `at`.
     machine : Machine, optional
-        What is known of the machine: its `sync`.
+        Known properties of the machine: its `sync`.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def cld(
     Raises
     ------
     DataError
-        If nothing was pressed, there is no such cycle, or none reaches `at`.
+        If there is no compression, no such cycle, or no cycle reaches `at`.
     """
     machine = machine or Machine()
     machine.refuse_unused("sync", subject="load deflection")
@@ -135,7 +135,7 @@ def cld(
         zero.preload,
         zero.drift,
         zero.noise,
-        cycles.common,
+        cycles.common_depth,
         middle,
         mark_below,
         mark_above,
@@ -150,7 +150,7 @@ def cld(
 
 
 _Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | None]
-"""What a cycle shows at the least, the nominal and the greatest compression."""
+"""Values of a cycle at the smallest, the nominal and the largest compression."""
 
 
 def get_sample_clock(test: CLDTest) -> FloatArray:
@@ -211,8 +211,8 @@ def _with_delay(
             for point, (loading, unloading, slope) in zip(points, at.reshape(-1, 3), strict=True)
         ]
     )
-    widened = tuple(None if mark is None else next(new_points) for mark in marks)
-    return new_cycles._replace(cycles=cycles), widened  # type: ignore[return-value]  # the same three
+    shifted_marks = tuple(None if mark is None else next(new_points) for mark in marks)
+    return new_cycles._replace(cycles=cycles), shifted_marks  # type: ignore[return-value]  # the same three
 
 
 def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
@@ -221,8 +221,8 @@ def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
     steps = np.concatenate([np.diff(np.maximum(branch.compression, 0.0)) for branch in branches])
     scatter = zero.noise * float(np.linalg.norm(steps))
     # a zero that is off adds as much to both works
-    shared = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
-    return float(np.hypot(scatter, shared)) / cycle.energy
+    zero_error_term = zero.force_se * cycle.depth * float(cycle.hysteresis or 0.0)
+    return float(np.hypot(scatter, zero_error_term)) / cycle.energy
 
 
 def _evaluate_record_cycle(
@@ -233,7 +233,7 @@ def _evaluate_record_cycle(
     return evaluate_cycle(
         cycle,
         nominal,
-        excess=cycles.excess,
+        excess=cycles.max_extrapolation,
         contact_se=cycles.zero.contact_se,
         force_se=cycles.zero.force_se,
     )
@@ -249,23 +249,25 @@ def _find_cycles(test: CLDTest) -> _RecordCycles:
     zero = find_zero(clock, x, force, pairs[0][0], resolution=resolution)
     x, force = x - zero.contact, force - zero.force
     depths = [float(x[stroke.last]) for stroke, _ in pairs]
-    if not zero.air:
+    if not zero.comes_through_air:
         _refuse_loops(float(-x.min()), max(depths), rated=test.time is not None)
-    excess = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
+    max_extrapolation = max(resolution, 3 * zero.contact_se, _MAX_EXTRAPOLATION * max(depths))
     if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _MIN_COMPLETE_SHARE * max(depths):
         pairs, depths = pairs[:-1], depths[:-1]
     common = _COMMON_DEPTH_SHARE * min(depths)
-    cycles, uneven = [], []
+    cycles, speed_variations = [], []
     for number, (loading, unloading) in enumerate(pairs, start=1):
         speed = relative_variation = None
         if test.time is not None:
             speed, relative_variation = measure_speed(clock[loading.samples], x[loading.samples])
         cycles.append(
-            _make_cycle(x, force, number, loading, unloading, zero=zero, common=common,
-                   excess=excess, speed=speed)
+            _make_cycle(x, force, number, loading, unloading, zero=zero, common_depth=common,
+                   max_extrapolation=max_extrapolation, speed=speed)
         )  # fmt: skip
-        uneven.append(relative_variation)
-    return _RecordCycles(tuple(cycles), zero, excess, common, tuple(uneven), x, force)
+        speed_variations.append(relative_variation)
+    return _RecordCycles(
+        tuple(cycles), zero, max_extrapolation, common, tuple(speed_variations), x, force
+    )
 
 
 def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
@@ -281,7 +283,7 @@ def _refuse_loops(return_distance: float, depth: float, *, rated: bool) -> None:
 
 
 def _pair_strokes(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
-    """Return every way in, with the way back after it where it was recorded."""
+    """Return every loading, with the unloading after it if recorded."""
     stroke_pairs = zip(strokes, [*strokes[1:], None], strict=True)
     pairs = [
         (stroke, following_stroke) for stroke, following_stroke in stroke_pairs if stroke.inward
@@ -302,8 +304,8 @@ def _make_cycle(
     unloading: Stroke | None,
     *,
     zero: Zero,
-    common: float,
-    excess: float,
+    common_depth: float,
+    max_extrapolation: float,
     speed: float | None,
 ) -> Cycle:
     way_in = _make_branch(x, force, loading)
@@ -313,8 +315,10 @@ def _make_cycle(
         next_contact = find_later_contact(way_in.compression, way_in.force, noise=zero.noise)
         contact = np.nan if next_contact is None else next_contact
     depth = float(x[loading.last])
-    local_slope = fit_local_slope(way_in, common, half_width=WINDOW * depth, excess=excess)
-    peak = fit_local_slope(way_in, depth, half_width=WINDOW * depth, excess=excess)
+    local_slope = fit_local_slope(
+        way_in, common_depth, half_width=WINDOW * depth, excess=max_extrapolation
+    )
+    peak = fit_local_slope(way_in, depth, half_width=WINDOW * depth, excess=max_extrapolation)
     if local_slope is None or peak is None:
         raise DataError(
             f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
@@ -344,7 +348,7 @@ def _choose_cycle(
     reaching_cycles = [
         i
         for i, cycle in enumerate(cycles)
-        if nominal is None or cycle.depth >= nominal - new_cycles.excess
+        if nominal is None or cycle.depth >= nominal - new_cycles.max_extrapolation
     ]
     complete_cycles = [i for i in reaching_cycles if cycles[i].unloading is not None]
     return (complete_cycles or reaching_cycles or [len(cycles) - 1])[-1]
@@ -353,7 +357,7 @@ def _choose_cycle(
 def _measure_pull(cycle: Cycle, zero: Zero) -> float | None:
     """The greatest pull of a release, over the greatest force; less than noise makes is none."""
     unloading = cycle.unloading
-    if unloading is None or not zero.air or len(unloading.force) < _SMOOTHED:
+    if unloading is None or not zero.comes_through_air or len(unloading.force) < _SMOOTHED:
         return None
     means = np.convolve(unloading.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
     chance = _SIGNIFICANT_SD * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
@@ -367,7 +371,7 @@ def _run_checks(
     chosen_cycle, earlier_cycles = cycles[index], cycles[:index]
     drift = zero.drift / chosen_cycle.peak if zero.drift else None
     return (
-        checks.zero_recorded(zero.begins, air=zero.air),
+        checks.zero_recorded(zero.initial_force_ratio, comes_through_air=zero.comes_through_air),
         *check_machine(list_sources([test]), chosen_cycle.peak / chosen_cycle.depth),
         checks.specimen_conditioned(
             chosen_cycle.common / earlier_cycles[-1].common - 1 if earlier_cycles else None,
@@ -380,11 +384,11 @@ def _run_checks(
             else None,
             chosen_cycle.number,
         ),
-        checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.excess),
+        checks.compressions_reached(largest, chosen_cycle.depth + new_cycles.max_extrapolation),
         checks.load_cell_steady(drift),
-        checks.plate_speed_constant(new_cycles.uneven[index]),
+        checks.plate_speed_constant(new_cycles.speed_variations[index]),
         checks.no_energy_gained(chosen_cycle.hysteresis),
         checks.no_adhesion_on_release(_measure_pull(chosen_cycle, zero)),
-        checks.unloading_recorded(recorded=chosen_cycle.unloading is not None),
+        checks.unloading_recorded(is_recorded=chosen_cycle.unloading is not None),
         checks.length_given(is_given=test.specimen.length is not None),
     )

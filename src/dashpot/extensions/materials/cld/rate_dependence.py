@@ -42,8 +42,8 @@ class _Data(NamedTuple):
     """Records, the knots of c and of the law, the depth, m, and the noise, N."""
 
     records: Sequence[DownsampledRecord]
-    knots: FloatArray
-    fine: FloatArray
+    damping_knots: FloatArray
+    law_knots: FloatArray
     depth: float
     noise: float
 
@@ -107,8 +107,10 @@ def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
         x, v = record.compression[is_moving] + contact_shift, record.velocity[is_moving]
         compression = np.maximum(record.compression + contact_shift, 0.0)
         q, _ = compute_arm_columns(record.time, compression, np.exp(ln_tau), derivative=False)
-        damping = _make_hat_weights(x, data.knots) * v[:, None]
-        parts.append(np.concatenate((integrate_hats(x, data.fine), damping, q[is_moving]), axis=1))
+        damping = _make_hat_weights(x, data.damping_knots) * v[:, None]
+        parts.append(
+            np.concatenate((integrate_hats(x, data.law_knots), damping, q[is_moving]), axis=1)
+        )
         targets.append(record.force[is_moving])
     A = np.concatenate((*parts, np.zeros((len(offsets), parts[0].shape[1]))))
     return Rows(np.concatenate((*targets, -data.noise * offsets)), A)
@@ -117,9 +119,9 @@ def _compute_rows(data: _Data, theta: FloatArray) -> Rows:
 def _select_moving_samples(record: DownsampledRecord) -> BoolArray:
     """Return the samples of the chosen cycle in contact, but for those beside a turning point."""
     direction = np.sign(record.velocity)
-    steady = (direction == np.roll(direction, 1)) & (direction == np.roll(direction, -1))
-    values = np.asarray(record.is_in_contact & steady)
-    values[: record.first] = False
+    is_steady = (direction == np.roll(direction, 1)) & (direction == np.roll(direction, -1))
+    values = np.asarray(record.is_in_contact & is_steady)
+    values[: record.first_sample] = False
     return values
 
 
@@ -139,8 +141,8 @@ def _fit_next_arm(data: _Data, previous_arms: FloatArray, window: FloatArray | N
 
 
 def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optimum) -> RateLaw:
-    first = len(data.fine)
-    count, arms = first + len(data.knots), len(best.theta) - len(data.records)
+    first = len(data.law_knots)
+    count, arms = first + len(data.damping_knots), len(best.theta) - len(data.records)
     is_arm_parameter = np.zeros(count + arms, dtype=bool)
     is_arm_parameter[first:count] = True  # of a damping of 0 the error is its bound
     uncertainty = estimate(
@@ -161,8 +163,8 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
         fit.estimate.residual.sse, effective=n / kappa, parameters=first + 2 * fit.model.arms
     )
     return RateLaw(
-        make_law(uncertainty, data.fine, slice(len(best.theta), len(best.theta) + first)),
-        tuple(data.knots.tolist()),
+        make_law(uncertainty, data.law_knots, slice(len(best.theta), len(best.theta) + first)),
+        tuple(data.damping_knots.tolist()),
         tuple(c.tolist()),
         tuple(error[first:count].tolist()),
         tuple(k[arm_indices].tolist()),

@@ -33,14 +33,14 @@ def read_cld(
         Displacement and force of a seal that is pressed and released, once or in cycles; with a
         column of time, or evenly sampled at ``options.rate``, or without a clock.
     options : ReadOptions
-        Answers to what the file leaves open.
+        Reading options of the file.
     specimen : Specimen or None
-        What was tested; its length makes forces those of 100 mm.
+        Tested specimen; its length makes forces those of 100 mm.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         return read_cld_in(file, specimen or Specimen())

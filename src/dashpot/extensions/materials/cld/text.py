@@ -42,9 +42,9 @@ def cld(result: CLDResult) -> Text:
         ]
     lines += _format_capability(result.capability)
     if result.fit is not None and result.relaxed is None:
-        fitted = results.render_fit(result.fit)
-        lines = [*_format_overview(result), *fitted.lines]
-        details += fitted.details
+        fit_text = results.render_fit(result.fit)
+        lines = [*_format_overview(result), *fit_text.lines]
+        details += fit_text.details
     if result.rate is not None:
         lines += [_format_choice(result.rate)]
         # of a law that explains the speeds worse the numbers are for who asks

@@ -13,14 +13,14 @@ from dashpot.preprocessing.contact import find_contact, find_first_contact
 from dashpot.signals.noise import estimate_robust_scatter
 
 _MIN_REST_SAMPLES = 5
-"""Samples that make a mean worth taking off."""
+"""Smallest number of samples for a mean that is subtracted."""
 _DRIFT_TOLERANCE = 1e-3
 """Error of a mean of the force in air, as a part of the peak, with which it shows a drift."""
 _PARABOLA = 1e-3
 """Part of the depth by which first contact is off where the rise is no parabola, as of a seal that
 relaxes while it is met: over 240 records with 1 mN of noise, up to this."""
 _SIGNIFICANT_AIR = 5.0
-"""Standard errors of first contact by which air shows: a seal under load bends, too."""
+"""Distance of first contact from the start, in standard errors, that shows an air gap."""
 MAX_PRELOAD = 0.05
 """Force at the first sample, as a part of the rise, that may be the load cell's own zero."""
 
@@ -32,30 +32,30 @@ class Zero(NamedTuple):
     ----------
     contact, contact_se : float
         Compression of first contact on the scale of the record, and its standard error, m.
-    air : bool
-        Whether the plate was seen to come through air.
+    comes_through_air : bool
+        Whether the record shows the plate in air before contact.
     force : array, shape (n,)
-        What is to be taken off the force, N.
+        Offset to subtract from the force, N.
     force_se : float
         Standard error of that, N.
     drift : float
         Change of the zero over the record, N.
     preload : float
-        Force that the first samples carry and that is left, N.
-    begins : float
-        Force at the first samples over the rise, where no air was crossed.
+        Preload of the first samples, which is not removed, N.
+    initial_force_ratio : float
+        Force at the first samples over the rise, without a motion through air.
     noise : float
         N.
     """
 
     contact: float
     contact_se: float
-    air: bool
+    comes_through_air: bool
     force: FloatArray
     force_se: float
     drift: float
     preload: float
-    begins: float
+    initial_force_ratio: float
     noise: float
 
 
@@ -66,10 +66,10 @@ def find_zero(
 
     The zero is a line through its means from one stay in air to the next. A record that begins in
     contact has its zero at its first samples, unless they carry more than a twentieth of the rise:
-    that is a preload, and is left.
+    this is a preload, which is not removed.
     """
     noise = max(estimate_robust_scatter(clock, force), find_quantum(force) / 12**0.5)
-    rested = first.first + 1 >= _MIN_REST_SAMPLES
+    has_rest = first.first + 1 >= _MIN_REST_SAMPLES
     start = slice(0, first.first + 1)
     level, rest_position, top = (
         median(force[start]),
@@ -84,7 +84,7 @@ def find_zero(
         rest_position=rest_position,
         level=top,
         least_gap=max(2 * resolution, 1e-3 * (top - rest_position)),
-        rested=rested,
+        is_rested=has_rest,
     )
     if first_contact.gap > _SIGNIFICANT_AIR * first_contact.standard_error:
         margin = max(3 * first_contact.standard_error, resolution)

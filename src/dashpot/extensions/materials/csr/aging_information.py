@@ -43,19 +43,19 @@ _OVEN_PARAMETERS = 4
 
 @dataclass(frozen=True)
 class AgingTest:
-    """Properties of a planned test, whatever its ovens and numbers of specimens.
+    """Properties of a planned test except its ovens and numbers of specimens.
 
     Attributes
     ----------
     law : AgingLaw
-        The one that is supposed.
+        The assumed law.
     scatter : float
         Standard deviation of a reading, in parts of F0.
     oven_sd : float
         Standard deviation of the temperature of an oven, K.
     drift : float
         Standard deviation of the drift of the load cell, in parts of F0 in 1000 h.
-    longest : float
+    last_reading_time : float
         Time of the last reading, s.
     """
 
@@ -63,13 +63,15 @@ class AgingTest:
     scatter: float
     oven_sd: float
     drift: float
-    longest: float
+    last_reading_time: float
 
     @property
     def times(self) -> FloatArray:
         """Usual times of readings up to the longest, s."""
-        reading_times = [HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.longest]
-        return np.array([*reading_times, self.longest])
+        reading_times = [
+            HOUR * value for value in _HOURS if HOUR * value < 0.999 * self.last_reading_time
+        ]
+        return np.array([*reading_times, self.last_reading_time])
 
     def compute_specimen_information(self, temperature: float) -> FloatArray:
         """Return the information of a specimen on loss, ln tau, ln exponent and drift, (4, 4)."""
@@ -91,12 +93,12 @@ class AgingTest:
         G -= np.outer(f, f @ G) / (f @ f)
         return np.asarray(G.T @ G / self.scatter**2)
 
-    def compute_life_gradient(self, temperature: float, retained: float) -> FloatArray:
+    def compute_life_gradient(self, temperature: float, fraction: float) -> FloatArray:
         """Return the derivatives of the ln life by loss, ln tau, Ea in 10 kJ/mol, ln exponent."""
         law = self.law
 
         def log_life(**other: Any) -> float:
-            return replace(law, **other).compute_log_life(temperature, retained)
+            return replace(law, **other).compute_log_life(temperature, fraction)
 
         steps = {"physical": 1e-4, "chemical": 1e-4, "activation": 10.0}
         gradient = [

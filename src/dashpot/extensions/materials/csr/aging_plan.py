@@ -43,7 +43,7 @@ USUAL_LAW = AgingLaw(
 )  # fmt: skip
 """Supposed where no fit is given: 3 % a decade, 2500 h at 125 degC, 90 kJ/mol."""
 USUAL_SCATTER = 0.01
-"""Scatter of a reading, in parts of F0, where none is given."""
+"""Default scatter of a reading, as a fraction of F0."""
 _MIN_SPECIMENS, _MAX_SPECIMENS = 2, 60
 """Specimens in an oven, and in all ovens, of a plan."""
 _TEMPERATURE_STEP, _MIN_DISTANCE = 5.0, 10.0
@@ -79,7 +79,7 @@ class AgingAlternative(Serialisable):
     Attributes
     ----------
     change : str
-        In what it differs.
+        The changed quantity.
     specimens : int
         In all its ovens.
     life_sd : float
@@ -94,7 +94,7 @@ class AgingAlternative(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class AgingPlan(HasChecks, Serialisable):
-    """Planned compression stress relaxation test, and how well it will know a life.
+    """Planned compression stress relaxation test, with the expected error of a life.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class AgingPlan(HasChecks, Serialisable):
     part : float
         F/F0 at the end of the life.
     life : float
-        By the law that is supposed, s.
+        By the assumed law, s.
     life_sd : float
         Expected standard deviation of the ln life.
     target_sd : float
@@ -159,7 +159,7 @@ class AgingPlan(HasChecks, Serialisable):
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
-        """The supposed life, with the interval that the test will give on average."""
+        """The assumed life, with the expected interval of the test."""
         life_value = ReportedValue.from_error(
             "life", self.life, self.life_sd, NORMAL, of_log=True, unit="s", read="h",
             words=f"time until F/F0 is {format_quantity(self.part, '%', 'g')} at "
@@ -202,7 +202,7 @@ def plan_aging(
     machine: Machine | None = None,
     within: float = 1.5,
 ) -> AgingPlan:
-    """Choose ovens and specimens that give a life at a temperature as well as wanted, with fewest.
+    """Choose ovens and the fewest specimens that determine a life at a temperature.
 
     Temperatures are compared each 5 K, and specimens are added where each lowers the variance of
     the ln life most (the c-optimal allocation, one at a time), at least two in an oven.
@@ -212,8 +212,8 @@ def plan_aging(
     use_at : float or str
         Temperature of use, K or ``"70degC"``.
     aging : Aging, optional
-        A fit whose law and scatter are supposed; by default 3 % a decade, 2500 h at 125 degC,
-        90 kJ/mol and a scatter of 1 % of F0.
+        A fit whose law and scatter are assumed; by default 3 % a decade, 2500 h at 125 degC, 90
+        kJ/mol and a scatter of 1 % of F0.
     longest, hottest : float or str
         Last reading, s, and hottest oven, K; by default that of the fit, or 150 degC.
     ovens : int
@@ -223,15 +223,15 @@ def plan_aging(
     scatter : float or str, optional
         Standard deviation of a reading in parts of F0, 0.01 or ``"1%"``.
     machine : Machine, optional
-        How well the temperature of an oven is known, and no drift or one in N/s of a force that is
-        supposed to be 40 N; by default 1 K, and 3 % of F0 in 1000 h.
+        Error of the temperature of an oven, and drift in N/s of a force of about 40 N; by default 1
+        K, and 3 % of F0 in 1000 h.
     within : float
-        Factor from the life to either end of its 95 % interval that would do.
+        Sufficient factor from the life to either end of its 95 % interval.
 
     Raises
     ------
     DataError
-        If a number makes no sense, or the law that is supposed says nothing of the life.
+        If a number is invalid, or the assumed law does not determine the life.
     """
     kelvin = _read_temperature("use_at", use_at)
     law = USUAL_LAW if aging is None else aging.law
@@ -303,7 +303,7 @@ def plan_aging(
 
 
 _USUAL_FORCE = 40.0
-"""Usual force of a specimen, N, which a drift in newtons is a part of."""
+"""Usual force of a specimen, N, for the relative drift."""
 
 
 class _Design(NamedTuple):
@@ -332,20 +332,20 @@ def _read_scatter(scatter: float | str | None, aging: Aging | None) -> float:
     return value
 
 
-def _list_oven_sets(kelvin: float, hot: float, count: int) -> Iterator[tuple[float, ...]]:
-    """Iterate over temperatures of ovens: the hottest is given, the coldest near that of use."""
-    furthest = max(checks.MAX_EXTRAPOLATION, 0.25 * (hot - kelvin))
-    inner = np.arange(hot - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
+def _list_oven_sets(kelvin: float, hottest: float, count: int) -> Iterator[tuple[float, ...]]:
+    """Iterate over oven temperatures: the hottest is given, the coldest is near service."""
+    max_distance = max(checks.MAX_EXTRAPOLATION, 0.25 * (hottest - kelvin))
+    inner = np.arange(hottest - _MIN_DISTANCE, kelvin - 1e-6, -_TEMPERATURE_STEP)[::-1].tolist()
     for cooler in combinations(inner, count - 1):
-        is_near = cooler[0] - kelvin <= furthest
-        if is_near and all(np.diff((*cooler, hot)) >= _MIN_DISTANCE - 1e-6):
-            yield (*cooler, hot)
+        is_near = cooler[0] - kelvin <= max_distance
+        if is_near and all(np.diff((*cooler, hottest)) >= _MIN_DISTANCE - 1e-6):
+            yield (*cooler, hottest)
 
 
 def _allocate(
     ovens: PlannedOvens, gradient: FloatArray, target: float, max_specimens: int
 ) -> _Design:
-    """Return the specimens added one by one, each where it lowers the variance most."""
+    """Return the specimens added one by one, each in the oven that lowers the variance most."""
     specimens = [_MIN_SPECIMENS] * len(ovens.temperatures)
     sd = ovens.compute_life_sd(specimens, gradient)
     while sd > target and sum(specimens) < max_specimens:
@@ -358,17 +358,21 @@ def _allocate(
 
 
 def _choose_design(
-    test: AgingTest, use: tuple[float, float], hot: float, count: int, target: float
+    test: AgingTest,
+    temperature_and_fraction: tuple[float, float],
+    hottest: float,
+    count: int,
+    target: float,
 ) -> _Design:
     """Return the ovens that meet the target with the fewest specimens, or come nearest to it.
 
-    Of ovens in which chemical aging shows, where there are any; those of which a lower activation
-    energy in the cold changes the life by less than its interval may need twice as many.
+    Only ovens that show chemical aging count, if there are any. Designs that are robust to a lower
+    activation energy in the cold may need twice as many specimens.
     """
-    kelvin, part = use
+    kelvin, part = temperature_and_fraction
     gradient = test.compute_life_gradient(kelvin, part)
-    ranked = []
-    for temperatures in _list_oven_sets(kelvin, hot, count):
+    ranked_designs = []
+    for temperatures in _list_oven_sets(kelvin, hottest, count):
         ovens = PlannedOvens(test, temperatures)
         design = _allocate(ovens, gradient, target, _MAX_SPECIMENS)
         significance = ovens.compute_oven_significance(design.specimens)
@@ -380,41 +384,43 @@ def _choose_design(
         is_sensitive = checks.robust_to_lower_activation_energy(
             change, LOWER, temperatures[0]
         ).failed
-        ranked.append((rank, is_sensitive, design._replace(significance=significance)))
-    if not ranked:
+        ranked_designs.append((rank, is_sensitive, design._replace(significance=significance)))
+    if not ranked_designs:
         raise DataError("no ovens fit between the temperature of use and the hottest oven")
-    rank, _, best = min(ranked)
+    rank, _, best = min(ranked_designs)
     robust = [
         (other, design)
-        for other, is_sensitive, design in ranked
+        for other, is_sensitive, design in ranked_designs
         if not is_sensitive and other[:2] == rank[:2] and other[3] <= _ROBUST_COST * rank[3]
     ]
     return min(robust)[1] if robust else best
 
 
 def _list_alternatives(
-    test: AgingTest, kelvin: float, part: float, hot: float, best: _Design
+    test: AgingTest, kelvin: float, part: float, hottest: float, best: _Design
 ) -> Iterator[AgingAlternative]:
-    """Iterate over what another test with the same number of specimens would give."""
+    """Iterate over the results of alternative tests with the same number of specimens."""
 
     def compare(change: str, other: AgingTest, design: _Design = best) -> AgingAlternative:
         gradient = other.compute_life_gradient(kelvin, part)
         sd = PlannedOvens(other, design.temperatures).compute_life_sd(design.specimens, gradient)
         return AgingAlternative(change, sum(design.specimens), sd)
 
-    doubled = best._replace(specimens=tuple(2 * n for n in best.specimens))
-    yield compare("twice as many specimens", test, doubled)
-    longer_test = replace(test, longest=2 * test.longest)
-    yield compare(f"{format_quantity(longer_test.longest, 'h', '.4g')} in the ovens", longer_test)
-    shorter = replace(test, longest=test.longest / 2)
-    yield compare(f"{format_quantity(shorter.longest, 'h', '.4g')} in the ovens", shorter)
+    doubled_design = best._replace(specimens=tuple(2 * n for n in best.specimens))
+    yield compare("twice as many specimens", test, doubled_design)
+    longer_test = replace(test, last_reading_time=2 * test.last_reading_time)
+    yield compare(
+        f"{format_quantity(longer_test.last_reading_time, 'h', '.4g')} in the ovens", longer_test
+    )
+    shorter = replace(test, last_reading_time=test.last_reading_time / 2)
+    yield compare(f"{format_quantity(shorter.last_reading_time, 'h', '.4g')} in the ovens", shorter)
     if test.oven_sd:
         better_oven = replace(test, oven_sd=test.oven_sd / 2)
         yield compare(f"ovens known to {better_oven.oven_sd:.2g} K", better_oven)
     if test.drift:
         yield compare("a load cell without drift", replace(test, drift=0.0))
     total, count = sum(best.specimens), len(best.temperatures)
-    even_temperatures = np.linspace(best.temperatures[0], hot, count)
+    even_temperatures = np.linspace(best.temperatures[0], hottest, count)
     equal_specimens = tuple(total // count + (k < total % count) for k in range(count))
     yield compare(
         f"ovens evenly from {celsius(float(even_temperatures[0]))} on, as many in each",

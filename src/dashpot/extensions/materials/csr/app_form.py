@@ -14,7 +14,7 @@ from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
     FormField("use_at", "Temperature of use", "degC", "--use-at"),
-    FormField("oven", "Ovens known to", "K", "--machine", before="oven="),
+    FormField("oven", "Ovens known to", "K", "--machine", prefix="oven="),
 )
 
 

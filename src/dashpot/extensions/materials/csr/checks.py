@@ -51,7 +51,7 @@ def run_checks(
 
 
 def _estimate_drift(estimate: Estimate, drift: float) -> tuple[float | None, float]:
-    """Return the drift that the readings show, None of a held one, and its standard error."""
+    """Return the drift of the readings, None if it is fixed, and its standard error."""
     if not drift:
         return None, drift
     last = len(estimate.optimum.theta) - 1

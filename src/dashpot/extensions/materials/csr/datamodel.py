@@ -45,13 +45,13 @@ class CSRTest(EqualByValue, HasSummary):
         ``"A"``, read in the oven, ``"B"``, read cold, or ``""`` (ISO 3384-1).
     source : Source or None
     units : str
-        Units of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Within they are in SI.
+        Units of time, force and temperature: ``"h, N, degC"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
     DataError
-        If the arrays differ in length, a time or a force is not above 0, or a temperature is none
-        of an oven.
+        If the arrays differ in length, a time or a force is not above 0, or a temperature is
+        impossible for an oven.
 
     Examples
     --------

@@ -50,7 +50,7 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
     ----------
     aging : Aging
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     time = np.geomspace(F0_TIME, aging.longest, 200)
     hours = convert_to_unit(time, "h")
@@ -75,7 +75,7 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     ----------
     prediction : Aged
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     law, kelvin = prediction.aging.law, prediction.temperature
     law = law.lower_limit() if law.bound_alone else law
@@ -102,20 +102,20 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)
 
 
-def draw_life(aged: Aged, *, stamp: str = "") -> Picture:
+def draw_life(prediction: Aged, *, stamp: str = "") -> Picture:
     """Return the life over 1/T above the predicted force over time at the temperature of use.
 
     Parameters
     ----------
-    aged : Aged
-        Where it was asked for a time alone, or of one oven, only the second is drawn.
+    prediction : Aged
+        For a prediction of times only, or from one oven, only the second panel is drawn.
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
-    force, part = draw_aged_force(aged, stamp=stamp), aged.first_part
-    if part is None or not has_arrhenius_line(aged.aging):
+    force, part = draw_aged_force(prediction, stamp=stamp), prediction.first_part
+    if part is None or not has_arrhenius_line(prediction.aging):
         return force
-    chart = draw_life_chart(aged.aging, part, aged.temperature)
+    chart = draw_life_chart(prediction.aging, part, prediction.temperature)
     return put_chart_first(chart, force)
 
 
@@ -154,7 +154,7 @@ def draw_life_chart(
     temperature : float, optional
         Temperature of use, K, whose life is marked.
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
     kelvin_range = (coldest - 40.0, hottest, *(() if temperature is None else (temperature,)))
@@ -224,7 +224,7 @@ def _compute_life_band(
     """Return the life at temperatures and both ends of its 95 % interval, h."""
     life = np.array([min(law.life(value, part), MAX_LIFETIME) for value in kelvin.tolist()]) / HOUR
     errors = np.array([
-        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained=part))
+        law.error_of(partial(AgingLaw.compute_log_life, temperature=value, retained_fraction=part))
         for value in kelvin.tolist()
     ])  # fmt: skip
     half_width = law.quantile * errors

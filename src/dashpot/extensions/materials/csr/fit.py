@@ -70,33 +70,33 @@ def fit_aging(records: Sequence[CSRTest], *, machine: Machine | None = None) -> 
             f"an oven's temperature is said to be known to {machine.oven:.4g} K; expected 0 to "
             f"{WORST_OVEN:g} K. Write it in K: --machine oven=1K"
         )
-    read, sd = collect_readings(records), USUAL_OVEN if machine.oven is None else machine.oven
+    readings, sd = collect_readings(records), USUAL_OVEN if machine.oven is None else machine.oven
     mean_force = float(np.mean(np.concatenate([record.force for record in records])))
     drift = USUAL_DRIFT if machine.drift is None else machine.drift * THOUSAND_HOURS / mean_force
-    uncertainty = _fit_oven_rates(read, drift)
-    ovens = read.ovens(uncertainty)
+    uncertainty = _fit_oven_rates(readings, drift)
+    ovens = readings.ovens(uncertainty)
     orders: dict[str, float] = {}
     law, strain = _limit_rate(uncertainty, ovens[-1]), None
     if ovens[-1].significance >= checks.MIN_SIGNIFICANCE:
         is_oven_stated = machine.oven is not None
         law, orders, strain = _fit_arrhenius(
-            read, uncertainty, ovens, (sd, drift), is_oven_stated=is_oven_stated
+            readings, uncertainty, ovens, (sd, drift), is_oven_stated=is_oven_stated
         )
         if machine.drift is None and strain is not None:  # which a drift nobody saw may hide
-            fit_without_drift = _fit_oven_rates(read, 0.0)
+            fit_without_drift = _fit_oven_rates(readings, 0.0)
             curvature = _fit_arrhenius(
-                read,
+                readings,
                 fit_without_drift,
-                read.ovens(fit_without_drift),
+                readings.ovens(fit_without_drift),
                 (sd, 0.0),
                 is_oven_stated=is_oven_stated,
             )[2]
             strain = max(strain, curvature or 0.0)
     aging = Aging(
-        law, ovens, float(read.time.max()), tuple(orders.items()),
+        law, ovens, float(readings.time.max()), tuple(orders.items()),
         float(np.sqrt(uncertainty.noises[0].power)), sd, (), list_sources(records),
     )  # fmt: skip
-    checked_checks = checks.run_checks(aging, read, uncertainty, strain, drift=drift)
+    checked_checks = checks.run_checks(aging, readings, uncertainty, strain, drift=drift)
     return replace(aging, checks=(*checked_checks, *caution_checks(aging.sources)))
 
 
@@ -115,7 +115,7 @@ def _build_problem(
     values = [sd for sd in prior_sds if sd > 0]
     specimen_columns = np.eye(readings.specimens)[readings.specimen_number]
     derivative = np.zeros((len(values), readings.specimens))
-    drift_force = readings.time / THOUSAND_HOURS * readings.weak * prior_sds[-1]
+    drift_force = readings.time / THOUSAND_HOURS * readings.force_scale * prior_sds[-1]
 
     def model(theta: FloatArray) -> Rows:
         rate, exponent = rates(theta)
@@ -148,7 +148,7 @@ def _fit_oven_rates(readings: Readings, drift: float) -> Estimate:
         problem = _build_problem(
             readings,
             parameters,
-            lambda theta: (theta[1 : 1 + ovens] / readings.longest, 1.0),
+            lambda theta: (theta[1 : 1 + ovens] / readings.last_reading_time, 1.0),
             [drift],
             scatter,
         )

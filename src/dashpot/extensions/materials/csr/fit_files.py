@@ -35,7 +35,7 @@ def csr_files(
     use_at : float or str, optional
         Temperature of use, K or ``"40degC"``: the result is the life there.
     options : ReadOptions, optional
-        What the user said of the files.
+        Reading options of the files.
 
     Raises
     ------

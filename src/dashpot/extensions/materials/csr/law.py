@@ -62,11 +62,11 @@ class AgingLaw(EqualByValue):
     reference : float
         K.
     covariance : array, shape (4, 4)
-        Covariance of physical, chemical, activation and ln exponent; infinite of what is not known.
+        Covariance of physical, chemical, activation and ln exponent; infinite if unknown.
     quantile : float
         Standard errors to either end of a 95 % interval.
     bound_alone : bool
-        No chemistry was seen: tau is what it is at least, up to the reference.
+        No chemical relaxation was detected: tau is a lower limit, valid up to the reference.
     """
 
     physical: float
@@ -105,9 +105,9 @@ class AgingLaw(EqualByValue):
             low, high = (midpoint, high) if is_above else (low, midpoint)
         return float(np.exp((low + high) / 2))
 
-    def compute_log_life(self, temperature: float, retained: float) -> float:
+    def compute_log_life(self, temperature: float, retained_fraction: float) -> float:
         """Return the ln of the life to a part of F0, s, or of `MAX_LIFETIME` where that is less."""
-        return math.log(min(self.life(temperature, retained), MAX_LIFETIME))
+        return math.log(min(self.life(temperature, retained_fraction), MAX_LIFETIME))
 
     def apply_activation(self, activation: float, reference: float) -> AgingLaw:
         """Return the law with another activation energy, J/mol, about a temperature, K."""

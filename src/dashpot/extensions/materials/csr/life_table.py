@@ -49,8 +49,8 @@ def has_arrhenius_line(aging: Aging) -> bool:
 def list_lives(aging: Aging, part: float, temperatures: Sequence[float] = ()) -> tuple[Life, ...]:
     """Return lives to a part of F0 at temperatures, K, each judged by the checks of its prediction.
 
-    Without temperatures, each 10 K about the coldest oven, from 60 K below it; those whose life is
-    beyond what is computed are left out.
+    Without temperatures, each 10 K about the coldest oven, from 60 K below it; temperatures whose
+    life exceeds the computed range are omitted.
     """
     zero_celsius = parse_quantity("0degC", "temperature")
     coldest = aging.ovens[0].temperature - zero_celsius

@@ -35,7 +35,7 @@ LOWER = 65e3
 """Activation energy at low temperature, J/mol (EPDM, Gillen et al. 2003)."""
 _ROBUST = "robust_to_lower_activation_energy"
 _EXTRAPOLATION = {"temperature_near_ovens", _ROBUST, "time_near_readings"}
-"""Checks of how far an answer lies from what was read."""
+"""Checks of the extrapolation."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,9 +48,9 @@ class Aged(HasVerdict, Serialisable):
     temperature : float
         K.
     until : tuple of str
-        The parts of F0 and the times that were asked.
+        The requested fractions of F0 and times.
     furthest : float
-        The latest time that was asked, or found, s.
+        The latest requested or computed time, s.
     checks : tuple of Check
     """
 
@@ -75,7 +75,7 @@ class Aged(HasVerdict, Serialisable):
 
     @property
     def first_part(self) -> float | None:
-        """The first part of F0 that was asked; None where only times were."""
+        """The first requested fraction of F0; None if only times were requested."""
         parts = (part for part, _ in map(_parse_end, self.until) if not math.isnan(part))
         return next(parts, None)
 
@@ -132,7 +132,7 @@ def predict_aging(
     Raises
     ------
     DataError
-        If no temperature is given, or the ovens say nothing of it.
+        If no temperature is given, or the ovens do not determine the result there.
     """
     if temperature is None:
         raise DataError(
@@ -153,7 +153,7 @@ def predict_aging(
             "more ovens together with it, or ask for the temperature of the oven"
         )
     questions = _parse_questions(until) or ("50%",)
-    furthest = max(
+    latest_time = max(
         _compute_question_time(law, temperature, *_parse_end(question)) for question in questions
     )
     changes = [
@@ -164,15 +164,15 @@ def predict_aging(
         robust_to_lower_activation_energy(
             max((change for change in changes if change is not None), default=None), LOWER, coldest
         ),
-        time_near_readings(math.log10(furthest / aging.longest), aging.longest),
+        time_near_readings(math.log10(latest_time / aging.longest), aging.longest),
         end_point_reached(*count_ovens_at_end_point(aging, questions)),
         aging_answer_known(_find_widest(aging, temperature, questions)),
     )
-    return Aged(aging, temperature, questions, furthest, (*checks, *aging.checks))
+    return Aged(aging, temperature, questions, latest_time, (*checks, *aging.checks))
 
 
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
-    """Return the largest standard error of the answers, relative; None without errors."""
+    """Return the largest relative standard error of the results; None without errors."""
     errors = [
         reported_value.error / reported_value.value
         for question in questions
@@ -183,9 +183,9 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
 
 
 def make_life_interval(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
-    """Return the life with a lower end that holds a lower activation energy, and what narrows it.
+    """Return the life with the limit of a smaller activation energy, and how to narrow it.
 
-    None where another value is asked, and where the life is robust to the lower energy.
+    None for other values, and where the life is robust to the lower energy.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def fit_life(
     Raises
     ------
     DataError, FitError
-        As there, and if the ovens say nothing of the temperature.
+        As there, and if the ovens do not determine the result at the temperature.
     """
     if use_at is not None:
         use_at = convert_to_si(use_at, "temperature")
@@ -254,7 +254,7 @@ def predict_aged(
     Raises
     ------
     DataError
-        As there, and if of a seal not one time is asked.
+        As there, and if not exactly one time is given for a seal.
     """
     if new is None:
         return predict_aging(aging, temperature=temperature, until=until)
@@ -281,7 +281,7 @@ def age_fit(aging: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) ->
     Raises
     ------
     DataError
-        If the ovens say nothing of it, or only what is left at least.
+        If the ovens do not determine it, or give only a lower limit.
     """
     seconds = convert_to_si(time, "time")
     prediction = predict_aging(aging, temperature=temperature, until=f"{seconds!r}s")
@@ -300,12 +300,12 @@ def _parse_questions(ends: str | Sequence[str] | float) -> tuple[str, ...]:
 
 
 def _parse_end(text: str) -> tuple[float, float]:
-    """Return the part of F0 that an end names, or else the time, s; the other is nan.
+    """Return the fraction of F0 or the time, s, that a text states; the other is nan.
 
     Raises
     ------
     DataError
-        If it is neither, or out of range.
+        If the text is neither, or out of range.
     """
     if text.strip().endswith("%"):
         try:
@@ -385,7 +385,7 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
 
 
 def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[int | None, float]:
-    """Return in how many ovens the mean force fell to the least part asked, and the part."""
+    """Return how many ovens reached the smallest requested fraction of F0, and the fraction."""
     parts = [part for part, _ in map(_parse_end, questions) if not math.isnan(part)]
     if not parts or aging.law.bound_alone:
         return None, math.nan
@@ -470,16 +470,16 @@ def scale_for_aging(
     Parameters
     ----------
     factor : ReportedValue
-        The part that is left after aging, and its standard error.
+        The retained fraction after aging, and its standard error.
     condition : str
-        After what.
+        Duration of aging as text.
     checks : sequence of Check
         Checks of the factor.
 
     Raises
     ------
     DataError
-        If the part is not known, or only what it is at least.
+        If the fraction is not known, or only its lower limit.
     """
     error = factor.error or 0.0
     if factor.is_lower_bound or not np.isfinite(error):
@@ -492,20 +492,20 @@ def scale_for_aging(
         (("left", repr(factor.value)), ("of", fit._identity)),
         f"{factor.value:.4g} of fit {fit._identity} is left {condition}",
     )
-    scaled = scale_stiffness(fit, factor.value, step)
+    scaled_fit = scale_stiffness(fit, factor.value, step)
     values = {item.name: item.value for item in fit.estimate.list_values(fit.solid, fit.unit)}
     k = np.array([values.get(name, 0.0) for name in fit.estimate.parameters])
-    estimate, factor_covariance = scaled.estimate, error**2 * np.outer(k, k)
+    estimate, factor_covariance = scaled_fit.estimate, error**2 * np.outer(k, k)
     noise_covariance = (
         None if estimate.noise_covariance is None else estimate.noise_covariance + factor_covariance
     )
     return replace(
-        scaled,
+        scaled_fit,
         estimate=replace(
             estimate,
             covariance=estimate.covariance + factor_covariance,
             noise_covariance=noise_covariance,
             profiles=(),
         ),
-        evidence=replace(scaled.evidence, checks=(*fit.checks, *checks)),
+        evidence=replace(scaled_fit.evidence, checks=(*fit.checks, *checks)),
     )

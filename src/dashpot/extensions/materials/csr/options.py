@@ -15,7 +15,7 @@ class AgingPredictionOptions:
     until : tuple of str
         Each a part of F0 that is left, ``"50%"``, or a time, ``"1000h"``; by default half of it.
     new : str
-        The fit of a new seal, which is then that of the seal after the time.
+        Path of the fit of a new seal, which is converted to the aged seal.
     """
 
     until: tuple[str, ...] = option(

@@ -36,7 +36,7 @@ from dashpot.report.result_page import (
 from dashpot.report.tables import TextTable
 
 USUAL_RETAINED_FORCE = 0.5
-"""F/F0 at the end of a life where nobody says another."""
+"""Default F/F0 at the end of life."""
 _ROWS = 20.0
 """Distance of the temperatures in the first table, K: those of every second row."""
 _OVENS = Topic(
@@ -76,34 +76,36 @@ def page(aging: Aging) -> KindPage:
         table_title="The aging law",
         groups=(group("", aging.facts), *_make_life_groups(life_rows[::2], USUAL_RETAINED_FORCE)),
         sources=aging.sources,
-        folds=(*_make_life_sections(aging, life_rows, USUAL_RETAINED_FORCE),
+        collapsible_sections=(*_make_life_sections(aging, life_rows, USUAL_RETAINED_FORCE),
         make_law_ranking(aging.orders)),
     )  # fmt: skip
 
 
-def lay_out_aged(aged: Aged) -> KindPage:
+def lay_out_aged(prediction: Aged) -> KindPage:
     """Return the page of the life at a temperature of use, or of the force after a time."""
-    aging, part = aged.aging, aged.first_part
+    aging, part = prediction.aging, prediction.first_part
     has_life_chart = part is not None and has_arrhenius_line(aging)
     life_rows = list_lives(aging, part) if has_life_chart and part is not None else ()
     return KindPage(
         subject="compression stress relaxation",
         summary_line=(
-            ("Temperature of use", format_temperature(aged.temperature)),
+            ("Temperature of use", format_temperature(prediction.temperature)),
             *_format_strip(aging),
         ),
-        indicators=make_indicators(aged.checks, Topic("Readings"), _OVENS, _CHEMISTRY, _REACH),
+        indicators=make_indicators(
+            prediction.checks, Topic("Readings"), _OVENS, _CHEMISTRY, _REACH
+        ),
         figure_title="How long it seals" if has_life_chart else "What is left of the force",
-        picture=draw_life(aged),
-        table_title=f"At {format_temperature(aged.temperature)}",
+        picture=draw_life(prediction),
+        table_title=f"At {format_temperature(prediction.temperature)}",
         groups=(
-            group("", [_read_in_life_unit(reported_value) for reported_value in aged.facts]),
+            group("", [_read_in_life_unit(reported_value) for reported_value in prediction.facts]),
             group("The aging law", aging.facts),
         ),
         sources=aging.sources,
-        note=f"{KindPage.note} {aged.interval_note}".rstrip(),
-        folds=_make_life_sections(aging, life_rows, part or USUAL_RETAINED_FORCE),
-        name="aged" if aged._saved_result is aged else "csr",
+        note=f"{KindPage.note} {prediction.interval_note}".rstrip(),
+        collapsible_sections=_make_life_sections(aging, life_rows, part or USUAL_RETAINED_FORCE),
+        name="aged" if prediction._saved_result is prediction else "csr",
     )
 
 

@@ -102,7 +102,7 @@ def plan_test(
         raise DataError(
             f"{aging} is no fit of an aging test. Fit one: dashpot fit ovens.csv -o csr.json"
         )
-    planned = plan_aging(
+    plan = plan_aging(
         use_at=use_at,
         aging=law,
         longest=longest,
@@ -113,11 +113,11 @@ def plan_test(
         within=within,
         machine=machine,
     )
-    return CommandResult.from_result(planned)
+    return CommandResult.from_result(plan)
 
 
 def format_plan(plan: AgingPlan) -> Text:
-    """Return the ovens of a plan, the expected life and what another test would give."""
+    """Return the ovens of a plan, the expected life and the gain of another test."""
     rows = [("oven", "specimens", "F/F0 at the end", "chemistry shows by")]
     rows += [
         (

@@ -22,7 +22,7 @@ _MIN_COUNT = 3
 
 
 class Readings(NamedTuple):
-    """Readings of every specimen, one after another.
+    """Readings of all specimens, concatenated.
 
     Attributes
     ----------
@@ -32,8 +32,8 @@ class Readings(NamedTuple):
         The number of each.
     temperature : array, shape (ovens,)
         K, rising.
-    weak : array, shape (n,)
-        Mean of the first forces over that of the specimen: what a newton is to each.
+    force_scale : array, shape (n,)
+        Mean of the initial forces over the initial force of the specimen.
     """
 
     time: FloatArray
@@ -41,7 +41,7 @@ class Readings(NamedTuple):
     specimen_number: IndexArray
     oven: IndexArray
     temperature: FloatArray
-    weak: FloatArray
+    force_scale: FloatArray
 
     @property
     def specimens(self) -> int:
@@ -49,7 +49,7 @@ class Readings(NamedTuple):
         return int(self.specimen_number[-1]) + 1
 
     @property
-    def longest(self) -> FloatArray:
+    def last_reading_time(self) -> FloatArray:
         """Time of the last reading in every oven, s."""
         return np.array([self.time[self.oven == k].max() for k in range(len(self.temperature))])
 
@@ -57,7 +57,7 @@ class Readings(NamedTuple):
         """Return every oven with its rate and its readings over the fitted F0 of each specimen."""
         scale, ovens = estimate.optimum.beta[self.specimen_number], []
         for k, kelvin in enumerate(self.temperature.tolist()):
-            value, longest = self.oven == k, float(self.longest[k])
+            value, longest = self.oven == k, float(self.last_reading_time[k])
             ovens.append(
                 Oven(
                     kelvin, len(np.unique(self.specimen_number[value])),
@@ -75,7 +75,8 @@ def collect_readings(tests: Sequence[CSRTest]) -> Readings:
     Raises
     ------
     DataError
-        If methods A and B are mixed, or a specimen was read too soon, too seldom, or in two ovens.
+        If methods A and B are mixed, or a specimen was measured too soon, too seldom, or in two
+        ovens.
     """
     methods = set("".join(test.method for test in tests))
     if len(methods) > 1:
@@ -114,7 +115,7 @@ def _refuse(
     cells: IndexArray,
     first: IndexArray,
 ) -> None:
-    """Refuse specimens that were read too seldom, or too soon after their compression."""
+    """Refuse specimens with too few readings, or with one too soon after their compression."""
     for begins, count in zip(first, np.diff((*first, len(time))), strict=True):
         _, lot, number = cells[:, begins].tolist()
         source = tests[lot].source

@@ -32,12 +32,12 @@ from dashpot.reading.text.cells import split
 def read_text_column(
     file: OpenedFile, names: AbstractSet[str], loaded_columns: LoadedColumns
 ) -> npt.NDArray[np.str_]:
-    """Return the texts of the column with one of some names; empty where there is none.
+    """Return the texts of the column with one of some names; empty if there is none.
 
     Raises
     ------
     ReadError
-        If the file is none of text, and the column holds words.
+        If the file is not a text file, and the column holds words.
     """
     columns, count = file.table.columns, len(loaded_columns.values)
     index = next((i for i, column in enumerate(columns) if names & set(tokens(column.name))), None)
@@ -82,7 +82,7 @@ def read_csr(
         Hours or days and force, or F/F0, with columns of temperature, specimen and method, or one
         oven a file. Without a column of specimens a new one begins where the clock does.
     options : ReadOptions
-        Answers to what the file leaves open.
+        Reading options of the file.
     specimen : Specimen or None
         Its temperature is that of the oven, where the file says none.
 

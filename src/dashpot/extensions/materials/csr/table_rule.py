@@ -33,8 +33,8 @@ def has_counterforce(columns: NamedColumns) -> bool:
 def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     """Return the options with the columns of time and force; None for another table.
 
-    A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
-    that nothing depends on, for the F0 of every specimen is free.
+    A column that is called hours or days is a clock of that unit. Fractions of F0 are forces in an
+    arbitrary unit, for the F0 of every specimen is fitted.
     """
     if any(_has_role(table, role, options) for role in _OTHER_TEST_ROLES):
         return None
@@ -46,17 +46,17 @@ def find_counterforce_columns(table: FileTable, options: ReadOptions) -> ReadOpt
     if not (clock or is_stated):
         return None
     read_options = clock or options
-    pushed = _has_role(table, "force", read_options)
+    has_force = _has_role(table, "force", read_options)
     ratios = [number for number, column in columns if is_ratio(column)]
-    if not (pushed or ratios):
+    if not (has_force or ratios):
         return None
-    if pushed or options.force:
+    if has_force or options.force:
         return read_options
     return replace(read_options, force=ratios[0], units={**dict(read_options.units), "force": "N"})
 
 
 def is_ratio(column: Column) -> bool:
-    """Return whether a column holds parts of F0."""
+    """Return whether a column holds fractions of F0."""
     if not _RATIO.search(column.name.casefold()):
         return False
     return column.unit is None or any(units.is_same_unit(column.unit, name) for name in ("%", "1"))

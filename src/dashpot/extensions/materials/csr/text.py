@@ -7,7 +7,7 @@ from dashpot.text_output.layout import Text
 from dashpot.text_output.results import render_facts
 
 
-def render_aged(aged: Aged) -> Text:
-    """Return the answers with their intervals, and what these do not include."""
-    text, note = render_facts(aged), aged.interval_note
+def render_aged(prediction: Aged) -> Text:
+    """Return the results with their intervals, and the errors that these do not include."""
+    text, note = render_facts(prediction), prediction.interval_note
     return text._replace(lines=[*text.lines, *([f"  {note}"] if note else [])])

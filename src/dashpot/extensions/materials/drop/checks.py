@@ -35,12 +35,12 @@ def impact_within_measured_depth(max_compression: float, depth: float | None) ->
 
 
 @criterion("frequency / upper end of the valid band", "<=", 1.0, "the valid band of the fit")
-def impact_in_valid_band(frequency: float, highest: float) -> Finding:
+def impact_in_valid_band(frequency: float, highest_frequency: float) -> Finding:
     """The contact is no faster than the valid band of the fit covers."""
     return Finding(
         f"The contact is half a cycle of {frequency:.3g} Hz, and the model is valid to "
-        f"{highest:.2g} Hz",
-        frequency / highest,
+        f"{highest_frequency:.2g} Hz",
+        frequency / highest_frequency,
         "An arm too fast for the test would lower the rebound, and hardly change the force",
         "Fit a recorded impact, or a hammer test, too.",
     )

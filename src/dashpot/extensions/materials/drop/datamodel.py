@@ -37,12 +37,12 @@ class DropTest(EqualByValue, HasSummary):
     specimen : Specimen
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"ms, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
     DataError
-        If there is neither, arrays differ in length, are not finite, or sampling is not even.
+        If both are missing, arrays differ in length, are not finite, or the sampling is uneven.
 
     Examples
     --------

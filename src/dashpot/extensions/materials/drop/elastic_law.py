@@ -2,8 +2,8 @@ r"""Elastic law of a drop test: a known one or none, and an added cubic spring.
 
 .. math:: F_e(x) = F_0(x) + c_1 x + c_2 x^2 + c_3 x^3, \qquad P\,c \sim N(0, 1)
 
-with :math:`F_0` the law of a load deflection test and P the weights of its errors; where no such
-test was given, both are zero.
+with :math:`F_0` the law of a load deflection test and P the weights of its errors; without such a
+test both are zero.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class ElasticLawPrior(EqualByValue):
     Attributes
     ----------
     law : ElasticLaw or None
-        None where the law is fitted alone.
+        None if only the law is fitted.
     precision : array, shape (m, 3)
         Rows whose products with c, N/m, N/m^2 and N/m^3, are normal of standard deviation 1.
     """
@@ -37,20 +37,20 @@ class ElasticLawPrior(EqualByValue):
     precision: FloatArray
 
     @classmethod
-    def free(cls) -> ElasticLawPrior:
+    def without_law(cls) -> ElasticLawPrior:
         """Return the prior without a known law."""
         return cls(None, np.zeros((0, len(POWERS))))
 
     @classmethod
     def from_fit(cls, fit: Fit, length_ratio: float = 1.0) -> ElasticLawPrior:
-        """Return the law in a fit of load deflection, or :meth:`free` where the fit has one depth.
+        """Return the law of a load deflection fit; of a fit at one depth :meth:`without_law`.
 
         The tangent at each knot is known to its standard error, or to 1 %. Errors of neighbouring
         knots are taken as equal, so that three numbers are each known as well as one knot.
         """
         law = fit.elastic_law
         if law is None or law.kind == "linear":
-            return cls.free()
+            return cls.without_law()
         law = length_ratio * law
         knots, tangent = np.asarray(law.knots), np.asarray(law.tangents)
         error = law.stiffness * np.asarray(law.ratio_se or np.zeros(len(knots)))

@@ -64,7 +64,7 @@ def fit_drop_tests(
         kg, or ``"200g"``.
     drop : sequence of float or str
         Impact speed, ``"0.6m/s"``, or drop height, ``"18mm"``, of each impact in its order. Speeds
-        that are not given are fitted.
+        that are not stated are fitted.
     relaxation : Fit, optional
         Fit of a relaxation test, or of a load deflection test fitted with one: prior of the arms,
         with their covariance, and of the elastic law where it is nonlinear, with its errors.
@@ -76,7 +76,7 @@ def fit_drop_tests(
     Raises
     ------
     DataError, FitError
-        If the mass is missing, no impact stands out of the noise, or no motion fits.
+        If the mass is missing, no impact exceeds the noise, or no motion fits.
     """
     if mass is None:
         raise DataError("impacts need the mass of what moves. Add it: --mass 200g")
@@ -96,7 +96,11 @@ def fit_drop_tests(
     speeds, accelerations = _parse_approaches(drop, len(impacts))
     length_ratio = _compute_length_ratio(records, fit)
     if law is None:
-        law = ElasticLawPrior.free() if fit is None else ElasticLawPrior.from_fit(fit, length_ratio)
+        law = (
+            ElasticLawPrior.without_law()
+            if fit is None
+            else ElasticLawPrior.from_fit(fit, length_ratio)
+        )
     problem = DropProblem(
         impacts, mass_kg, accelerations, speeds, speed_sd, law, RelaxationPrior.from_fit(fit)
     )
@@ -113,7 +117,7 @@ def fit_drop_tests(
 def _parse_approaches(
     drop: Quantity | Sequence[Quantity], count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return speeds, NaN where not stated, and pulls of so many impacts; the last pull holds on."""
+    """Return stated speeds, NaN if missing, and gravity accelerations, the last one repeated."""
     quantities = [drop] if isinstance(drop, str | float | int) else list(drop)
     if len(quantities) > count:
         raise DataError(
@@ -156,7 +160,7 @@ class _FittedImpacts:
                 problem.shared_parameter_count - 2 : problem.shared_parameter_count
             ]
         )
-        reported = [
+        reported_values = [
             self._make_reported_value(
                 "loss_factor", self.loss_factor, 0, f"loss factor at {frequency:.3g} Hz"
             ),
@@ -167,7 +171,7 @@ class _FittedImpacts:
             loss_without_arm = uncertainty.derive_quantity(
                 lambda values: self._compute_loss_factor(values, with_arm=False)
             )
-            reported.insert(
+            reported_values.insert(
                 1,
                 self._make_reported_value(
                     "loss_before", loss_without_arm, 0, "loss factor without the fast arm"
@@ -175,7 +179,7 @@ class _FittedImpacts:
             )
         checks = self._run_checks()
         return DropFit(
-            frequency, tuple(reported), self.impacts, problem.mass,
+            frequency, tuple(reported_values), self.impacts, problem.mass,
             self._build_specimen_fit(checks),
             checks, list_sources(self.records),
         )  # fmt: skip
@@ -203,7 +207,7 @@ class _FittedImpacts:
         problem = self.problem
         rows = np.repeat(self.theta[None, :], len(problem.impacts), axis=0)
         x, v, force, relaxed_force = problem.integrate_motion(
-            rows, problem.select_speeds(self.theta), problem.pulls
+            rows, problem.select_speeds(self.theta), problem.gravity_accelerations
         )
         end_indices = np.minimum((force > 0).cumsum(axis=0).argmax(axis=0) + 2, len(force))
         time = problem.step * np.arange(float(len(force)))
@@ -211,7 +215,7 @@ class _FittedImpacts:
             ImpactMotion(
                 time[:end], x[:end, i], v[:end, i], force[:end, i], relaxed_force[:end, i],
                 problem.mass,
-                float(problem.pulls[i]),
+                float(problem.gravity_accelerations[i]),
             )
             for i, end in enumerate(end_indices.tolist())
         )  # fmt: skip
@@ -274,9 +278,13 @@ class _FittedImpacts:
         is_stated = np.isfinite(problem.stated_speeds)
         speed_deviations = np.abs(speeds / problem.stated_speeds - 1)[is_stated] / problem.speed_sd
         rest_over_contact = [
-            impact.rest / impact.contact for impact in problem.impacts if impact.rest is not None
+            impact.time_since_impact / impact.contact_duration
+            for impact in problem.impacts
+            if impact.time_since_impact is not None
         ]
-        ratios = [impact.ratio for impact in problem.impacts if impact.ratio is not None]
+        ratios = [
+            impact.impulse_ratio for impact in problem.impacts if impact.impulse_ratio is not None
+        ]
         samples = min(impact.contact / float(impact.time[1] - impact.time[0]) for impact in impacts)
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),

@@ -94,10 +94,10 @@ class DropProblem:
     impacts : tuple of RecordedImpact
     mass : float
         kg.
-    pulls : array, shape (impacts,)
+    gravity_accelerations : array, shape (impacts,)
         m/s^2.
     stated_speeds : array, shape (impacts,)
-        Speeds that were given, m/s; nan where none was.
+        Stated speeds, m/s; nan where none was.
     speed_sd : float
         Standard deviation of each, as a part of it.
     law : ElasticLawPrior
@@ -106,7 +106,7 @@ class DropProblem:
 
     impacts: tuple[RecordedImpact, ...]
     mass: float
-    pulls: FloatArray
+    gravity_accelerations: FloatArray
     stated_speeds: FloatArray
     speed_sd: float
     law: ElasticLawPrior
@@ -115,7 +115,7 @@ class DropProblem:
     @property
     def step(self) -> float:
         """Time step of the integration, s."""
-        return max(hit.contact for hit in self.impacts) * 1.3 / STEPS
+        return max(hit.contact_duration for hit in self.impacts) * 1.3 / STEPS
 
     @property
     def relaxation_parameter_count(self) -> int:
@@ -170,13 +170,15 @@ class DropProblem:
         # a trial law that pulls runs away, and is refused for it
         with np.errstate(over="ignore", invalid="ignore"):
             x, v, force, relaxed_force = integrate_impact(masses, self.step, STEPS)
-        released = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
-        return x, v, np.where(released, 0.0, force), relaxed_force
+        is_released = np.maximum.accumulate((force <= 0) & (v < 0), axis=0)
+        return x, v, np.where(is_released, 0.0, force), relaxed_force
 
     def compute_forces(self, theta: FloatArray) -> list[FloatArray]:
         """Return the modelled force of every impact."""
         rows = np.repeat(theta[None, :], len(self.impacts), axis=0)
-        force = self.integrate_motion(rows, self.select_speeds(theta), self.pulls)[2]
+        force = self.integrate_motion(rows, self.select_speeds(theta), self.gravity_accelerations)[
+            2
+        ]
         return [
             self.sample_force(force[:, i], hit.time - contact_time)
             for i, (hit, contact_time) in enumerate(
@@ -191,36 +193,37 @@ class DropProblem:
 
     def compute_jacobian(self, theta: FloatArray) -> FloatArray:
         """Return the derivatives of all forces by theta, by central differences."""
-        shared, impact_count = self.shared_parameter_count, len(self.impacts)
+        shared_count, impact_count = self.shared_parameter_count, len(self.impacts)
         scale = np.array([parameter.scale for parameter in self.parameters])
         # up and down of the shared parameters, and of the impact's speed
-        steps = np.zeros((2 * (shared + 1), shared + 1))
-        steps[: shared + 1] = np.eye(shared + 1)
-        steps[shared + 1 :] = -np.eye(shared + 1)
+        steps = np.zeros((2 * (shared_count + 1), shared_count + 1))
+        steps[: shared_count + 1] = np.eye(shared_count + 1)
+        steps[shared_count + 1 :] = -np.eye(shared_count + 1)
         steps *= _DIFFERENCE_STEP
-        motions_per_impact = 2 * (shared + 1) + 1
-        rows = np.repeat(theta[None, :shared], motions_per_impact * impact_count, axis=0)
+        motions_per_impact = 2 * (shared_count + 1) + 1
+        rows = np.repeat(theta[None, :shared_count], motions_per_impact * impact_count, axis=0)
         speed = np.repeat(self.select_speeds(theta), motions_per_impact)
-        acceleration = np.repeat(self.pulls, motions_per_impact)
+        acceleration = np.repeat(self.gravity_accelerations, motions_per_impact)
         for i in range(impact_count):
             block = slice(i * motions_per_impact + 1, (i + 1) * motions_per_impact)
-            rows[block] += steps[:, :shared] * scale[:shared]
-            speed[block] += steps[:, shared] * scale[shared + 2 * i]
+            rows[block] += steps[:, :shared_count] * scale[:shared_count]
+            speed[block] += steps[:, shared_count] * scale[shared_count + 2 * i]
         force = self.integrate_motion(rows, speed, acceleration)[2]
         J = []
         for i, hit in enumerate(self.impacts):
             time = hit.time - self.select_contact_times(theta)[i]
             values = np.zeros((len(time), len(theta)))
             unchanged_force = force[:, i * motions_per_impact]
-            for j in range(shared + 1):
+            for j in range(shared_count + 1):
                 increased, decreased = (
-                    force[:, i * motions_per_impact + 1 + j + k * (shared + 1)] for k in (0, 1)
+                    force[:, i * motions_per_impact + 1 + j + k * (shared_count + 1)]
+                    for k in (0, 1)
                 )
-                column = j if j < shared else shared + 2 * i
+                column = j if j < shared_count else shared_count + 2 * i
                 values[:, column] = self.sample_force(increased - decreased, time) / (
                     2 * _DIFFERENCE_STEP * scale[column]
                 )
-            values[:, shared + 2 * i + 1] = -self.sample_force(
+            values[:, shared_count + 2 * i + 1] = -self.sample_force(
                 np.gradient(unchanged_force, self.step), time
             )
             J.append(values / hit.noise)
@@ -281,19 +284,21 @@ class DropProblem:
         impulse = np.array(
             [float(np.trapezoid(np.maximum(hit.force, 0.0), hit.time)) for hit in self.impacts]
         )
-        contact = np.array([hit.contact for hit in self.impacts])
-        rebound_speed = (impulse / self.mass - self.pulls * contact) / (1 + _USUAL_RESTITUTION)
+        contact = np.array([hit.contact_duration for hit in self.impacts])
+        rebound_speed = (impulse / self.mass - self.gravity_accelerations * contact) / (
+            1 + _USUAL_RESTITUTION
+        )
         speed = np.where(
             np.isfinite(self.stated_speeds), self.stated_speeds, np.maximum(rebound_speed, 1e-3)
         )
-        return np.stack((speed, [hit.touch for hit in self.impacts]), axis=1).ravel()
+        return np.stack((speed, [hit.contact_start for hit in self.impacts]), axis=1).ravel()
 
     @property
     def parameters(self) -> list[Parameter]:
         """Bounds and scales of theta."""
         peak = max(float(hit.force.max()) for hit in self.impacts)
         depth = self.depth
-        contact = min(hit.contact for hit in self.impacts)
+        contact = min(hit.contact_duration for hit in self.impacts)
         cubic = [Parameter(scale=0.1 * peak / depth**i) for i in POWERS.tolist()]
         relaxation = []
         if self.relaxation.free:
@@ -309,9 +314,13 @@ class DropProblem:
         for i, impact in enumerate(self.impacts):
             speed = float(self.initial_speeds_and_contact_times[2 * i])
             parameters.append(Parameter(0.2 * speed, 5 * speed, 0.05 * speed))
-            shift = 0.3 * impact.contact
+            shift = 0.3 * impact.contact_duration
             parameters.append(
-                Parameter(impact.touch - shift, impact.touch + shift, 0.02 * impact.contact)
+                Parameter(
+                    impact.contact_start - shift,
+                    impact.contact_start + shift,
+                    0.02 * impact.contact_duration,
+                )
             )
         return [*cubic, *relaxation, *arm, *parameters]
 
@@ -319,14 +328,14 @@ class DropProblem:
     def depth(self) -> float:
         """Largest compression, roughly, m: a fast mass is brought to rest over half a contact."""
         return max(
-            2 / np.pi * 0.5 * hit.contact * float(speed)
+            2 / np.pi * 0.5 * hit.contact_duration * float(speed)
             for hit, speed in zip(
                 self.impacts, self.initial_speeds_and_contact_times[::2], strict=True
             )
         )
 
     def find_optimum(self) -> Optimum | None:
-        """Return the best fit from several starting arms, fixed at first so that none goes to 0."""
+        """Return the best fit from several starting arms, fixed at first to keep them from 0."""
         problem = Problem(self.compute_rows, self.parameters, priors=len(self.priors[0]))
         arm = slice(self.shared_parameter_count - 2, self.shared_parameter_count)
         candidates = []
@@ -362,7 +371,7 @@ class DropProblem:
     @property
     def starting_points(self) -> list[FloatArray]:
         """Starting points, one for each arm that is tried."""
-        contact = float(np.median([hit.contact for hit in self.impacts]))
+        contact = float(np.median([hit.contact_duration for hit in self.impacts]))
         relaxation = (
             np.concatenate((self.relaxation.g, np.log(self.relaxation.tau)))
             if self.relaxation.free
@@ -386,9 +395,12 @@ class DropProblem:
         force_ratio = 1 + float(self.relaxation.g.sum()) + 0.1
         columns, forces = [], []
         for hit, speed, acceleration in zip(
-            self.impacts, self.initial_speeds_and_contact_times[::2], self.pulls, strict=True
+            self.impacts,
+            self.initial_speeds_and_contact_times[::2],
+            self.gravity_accelerations,
+            strict=True,
         ):
-            in_contact = hit.time >= hit.touch
+            in_contact = hit.time >= hit.contact_start
             time, force = hit.time[in_contact], hit.force[in_contact]
             step = np.diff(time, prepend=time[0])
             velocity = speed + np.cumsum(step * (acceleration - force / self.mass))

@@ -3,10 +3,9 @@ r"""Motion of a mass that hits a viscoelastic seal and rebounds.
 .. math:: m\,\ddot x = m\,p - F, \qquad F = k_\infty\,u(x) + b\,\dot u + \sum_j q_j, \qquad
           \dot q_j = k_j\,\dot u - q_j / \tau_j
 
-with p the pull along the way (gravity, for a fall) and u the path of the elastic law: the quasi-
-linear seal (Fung). It ends where F falls to zero. Steps are Verlet's, of second order, with the
-arms exact within each (:mod:`dashpot.solids.moving_plate`); any number of masses are marched
-side by side.
+with p the acceleration of the free mass (gravity, for a fall) and u the path of the elastic law:
+the quasi-linear seal (Fung). It ends where F falls to zero. Verlet steps of second order, with the
+arms exact within each (:mod:`dashpot.solids.moving_plate`); several masses are integrated at once.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.moving_plate import EvenStep
 
 _FINE_STEPS, _ROUGH_STEPS = 4000, 60
-"""Steps of a contact: numbers to 1e-7, or the length to a few per cent."""
+"""Steps of a contact for results to 1e-7, or for its length to a few per cent."""
 _RELEASE_TEST_STEPS = 8
 """Number of steps between tests of the release."""
 _LONGEST_CONTACT = 40.0
@@ -34,19 +33,19 @@ _LONGEST_CONTACT = 40.0
 
 
 class Masses(NamedTuple):
-    """Masses on specimens, integrated side by side.
+    """Masses on specimens, integrated simultaneously.
 
     Attributes
     ----------
     mass, speed : array, shape (n,)
         kg and m/s.
-    pull : array, shape (n,) or (steps + 1, n)
+    gravity_acceleration : array, shape (n,) or (steps + 1, n)
         m/s^2.
-    path : callable
+    compute_path : callable
         The path u, m, of compressions x, m, both of shape (n,).
     k_inf, b : array, shape (n,)
         N/m and N s/m.
-    factor : callable
+    compute_path_derivative : callable
         :math:`du/dx` at compressions, where there is any b.
     k, tau : array, shape (n, arms)
         N/m and s.
@@ -54,13 +53,13 @@ class Masses(NamedTuple):
 
     mass: FloatArray
     speed: FloatArray
-    pull: FloatArray
-    path: Callable[[FloatArray], FloatArray]
+    gravity_acceleration: FloatArray
+    compute_path: Callable[[FloatArray], FloatArray]
     k_inf: FloatArray
     k: FloatArray
     tau: FloatArray
     b: FloatArray | None = None
-    factor: Callable[[FloatArray], FloatArray] | None = None
+    compute_path_derivative: Callable[[FloatArray], FloatArray] | None = None
 
 
 class MotionHistory(NamedTuple):
@@ -100,7 +99,7 @@ def integrate_impact(masses: Masses, step: float, most_steps: int) -> MotionHist
             u, force = next_u, k_inf * next_u + arms.sum(axis=1)
             v = v + half_step * (accelerations[i] - force / m)
             if viscous:
-                # what the dashpot takes goes with the speed at the end of the step
+                # the dashpot force depends on the speed at the end of the step
                 damping = b * factor(x)  # type: ignore[operator,misc]
                 v = v / (1 + half_step * damping / m)
                 force = force + damping * v
@@ -218,7 +217,7 @@ def simulate_impacts(
     models : sequence of GeneralizedMaxwell
         Secant models at the depth of the law, close to the first.
     law : ElasticLaw
-        Its shape alone is taken: its path.
+        Only its path is used.
     mass : float
         kg.
     speed : float
@@ -246,16 +245,16 @@ def simulate_impacts(
         np.array([model.k_inf for model in models]), k, tau, b if b.any() else None, law.factor,
     )  # fmt: skip
     contact_time = _estimate_contact_time(masses, models[0], law)
-    rough = integrate_impact(
+    coarse_motion = integrate_impact(
         masses, contact_time / _ROUGH_STEPS, int(_LONGEST_CONTACT * _ROUGH_STEPS)
     )
-    released = (rough.force <= 0) & (rough.v <= 0)
-    if not released[-1].all():
+    is_released = (coarse_motion.force <= 0) & (coarse_motion.v <= 0)
+    if not is_released[-1].all():
         raise DataError(
             f"the mass is still on the specimen after {_LONGEST_CONTACT:g} times the time of an "
             "elastic contact: it does not rebound. Expected a lighter mass, or a faster one"
         )
-    step = contact_time * int(released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
+    step = contact_time * int(is_released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
     fine_motion = integrate_impact(masses, step, 3 * _FINE_STEPS)
     motions = []
     for i, model in enumerate(models):

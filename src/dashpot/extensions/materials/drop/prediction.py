@@ -37,7 +37,7 @@ class DropPrediction(EqualByValue, HasVerdict, Serialisable):
     mass : float
         kg.
     seals : float
-        Number of specimens side by side.
+        Number of specimens in parallel.
     answers : tuple of ReportedValue
     motion : ImpactMotion
         By time steps.
@@ -115,7 +115,7 @@ def predict_drop(
     mass: Quantity | None = None,
     seals: float = 1.0,
 ) -> DropPrediction:
-    """Predict the impact of a mass that is dropped on a specimen at rest.
+    """Predict the impact of a mass dropped on a specimen at rest.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def predict_drop(
     mass : float or str
         kg, or ``"200g"``.
     seals : float
-        Number of specimens side by side: 2 of 50 mm for 100 mm under the mass.
+        Number of specimens in parallel: 2 of 50 mm for 100 mm under the mass.
 
     Raises
     ------

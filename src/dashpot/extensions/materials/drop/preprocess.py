@@ -17,7 +17,7 @@ _MIN_SIGNAL_TO_NOISE = 6.0
 _MIN_SAMPLES = 12
 """Least number of samples of an impact."""
 _MARGIN = 0.6
-"""Time before and after a contact that is fitted too, in contact times."""
+"""Fitted time before and after a contact, in contact times."""
 _INTEGRATION_ERROR = 1e-4
 """Error of an integrated motion, over the largest force."""
 _THIRD_DIFFERENCE_GAIN = 20**0.5
@@ -33,24 +33,24 @@ class RecordedImpact(NamedTuple):
     time, force : array, shape (n,)
         Time and force of the samples around it, s from the start of the record; N, positive where
         the mass is pushed back, without the estimated zero.
-    touch, contact : float
+    contact_start, contact_duration : float
         Estimated time of first contact and contact time, s.
     noise : float
         Noise of the force, N, at least the accuracy of a computed motion.
-    rest : float or None
+    time_since_impact : float or None
         Time since the end of the impact before, s.
-    ratio : float or None
+    impulse_ratio : float or None
         Impulse of the force over mass times that of the acceleration, where both were recorded.
     """
 
     name: str
     time: FloatArray
     force: FloatArray
-    touch: float
-    contact: float
+    contact_start: float
+    contact_duration: float
     noise: float
-    rest: float | None
-    ratio: float | None
+    time_since_impact: float | None
+    impulse_ratio: float | None
 
 
 def find_impacts(test: DropTest, mass: float, name: str) -> list[RecordedImpact]:

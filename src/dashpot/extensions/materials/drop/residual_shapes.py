@@ -49,7 +49,7 @@ def compute_residual_shapes(problem: DropProblem, optimum: Optimum) -> dict[str,
     theta = optimum.theta
     rows = np.repeat(theta[None, :], len(problem.impacts), axis=0)
     x, v, force, relaxed_force = problem.integrate_motion(
-        rows, problem.select_speeds(theta), problem.pulls
+        rows, problem.select_speeds(theta), problem.gravity_accelerations
     )
     in_contact = np.cumsum((force <= 0) & (v < 0), axis=0) == 0
     forces = _compute_additional_forces(problem, np.maximum(x, 0.0), relaxed_force)
@@ -95,7 +95,7 @@ def _compute_additional_forces(
     depth, largest = x.max(), relaxed_force.max()
     ratio = x / depth
     friction, arm = np.zeros_like(x), np.zeros_like(x)
-    contact = median(np.array([hit.contact for hit in problem.impacts]))
+    contact = median(np.array([hit.contact_duration for hit in problem.impacts]))
     steps = EvenStep.from_ratio(np.array(problem.step / (_ADDITIONAL_TAU * contact)))
     for i, (step, friction_limit, force_step) in enumerate(
         zip(np.diff(x, axis=0), relaxed_force[1:], np.diff(relaxed_force, axis=0), strict=True),
@@ -131,7 +131,7 @@ def _compute_force_responses(
     masses = Masses(
         np.full(motion_count, problem.mass),
         np.tile(problem.select_speeds(rows[0]), motion_count // n),
-        np.tile(problem.pulls, motion_count // n) - changes / problem.mass,
+        np.tile(problem.gravity_accelerations, motion_count // n) - changes / problem.mass,
         partial(problem.law.force, c=theta[:, : len(POWERS)]), np.ones(motion_count), g, tau,
     )  # fmt: skip
     force = integrate_impact(masses, problem.step, stack.shape[1] - 1).force
@@ -147,8 +147,8 @@ def _compute_force_responses(
 class _Flights(NamedTuple):
     """Residuals before first contact and after release."""
 
-    before: FloatArray
-    after: FloatArray
+    before_contact: FloatArray
+    after_release: FloatArray
 
     @classmethod
     def from_residual(
@@ -168,14 +168,18 @@ class _Flights(NamedTuple):
     @property
     def noise_correlation_factor(self) -> float:
         """Factor of the variance for correlated noise, before first contact."""
-        return estimate_noise(self.before).kappa if len(self.before) else 1.0
+        return estimate_noise(self.before_contact).kappa if len(self.before_contact) else 1.0
 
     @property
     def variance_increase(self) -> float | None:
         """Increase of the log variance after release, in standard errors; None if rows are few."""
-        n = np.array([len(self.before), len(self.after)]) / self.noise_correlation_factor
+        n = (
+            np.array([len(self.before_contact), len(self.after_release)])
+            / self.noise_correlation_factor
+        )
         if n.min() < _MIN_ROWS:
             return None
         return float(
-            np.log(np.mean(self.after**2) / np.mean(self.before**2)) / np.sqrt((2 / n).sum())
+            np.log(np.mean(self.after_release**2) / np.mean(self.before_contact**2))
+            / np.sqrt((2 / n).sum())
         )

@@ -51,4 +51,4 @@ def read_stress_strain_record(
     if word not in MODES:
         raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
     read_it = load_object(KINDS["stress-strain"].reader)
-    return read_it(path, MODES[word].mode, is_compression=MODES[word].pressed, **options)
+    return read_it(path, MODES[word].mode, is_compression=MODES[word].is_compressed, **options)

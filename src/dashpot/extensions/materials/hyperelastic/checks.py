@@ -30,13 +30,13 @@ ALIKE = 0.05
 LARGEST_ERROR = 0.1
 SCALED = 1.1
 _MUCH_CLOSER = 0.25
-"""Part of what a rubber's law leaves, below which the other material is named."""
+"""Ratio of residuals below which the other material is suggested."""
 SMALL_RESIDUAL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
 """Difference of BIC that refutes no law (R. E. Kass, A. E. Raftery, 1995)."""
 _FACTORS = (0.03, 0.06, 0.12, 0.2)
-"""Logarithms of a factor by which the stress of one mode is tried to be off."""
+"""Trial errors of the stress of one mode, as logarithms."""
 _OF_NOTE = 0.03
 _BOTH_STRAIN = 0.1
 """Logarithmic strain in tension and in compression from which one test is as good as two modes."""
@@ -54,13 +54,13 @@ def run_checks(
     use_range: Span | None,
 ) -> tuple[Check, ...]:
     """Return every check of a hyperelastic law."""
-    shaped = [curve for curve in fit.curves if curve.mode != "volumetric"]
+    shape_curves = [curve for curve in fit.curves if curve.mode != "volumetric"]
     worst_index = int(np.argmax(fit.residuals))
     foam = fit.law.kind == "hyperfoam"
-    through = list(fit.curves) if foam else shaped
+    through = list(fit.curves) if foam else shape_curves
     flexible = compute_best_stable_misfit(through, fit.law.poisson)
     # of a foam that is known to be one its own ratio has been tried
-    best_stable_misfit = math.inf if foam else compute_best_stable_misfit(shaped, 0.0)
+    best_stable_misfit = math.inf if foam else compute_best_stable_misfit(shape_curves, 0.0)
     stretch_ranges = dict(fit.reach)
     min_drucker, location = least_drucker(fit.law, stretch_ranges)
     half_widths = times * quantity.standard_error[: len(fit.law.constants)]
@@ -80,25 +80,27 @@ def run_checks(
         ),
         stable_in_use(min_drucker, location, fit.stable),
         modes_enough(
-            len({curve.mode for curve in shaped}),
-            has_two_modes=_has_both_directions(shaped),
+            len({curve.mode for curve in shape_curves}),
+            has_two_modes=_has_both_directions(shape_curves),
             foam=foam,
         ),
         unmeasured_modes_determined(*_find_mode_error(fit, selected, candidates, quantity, times)),
         modes_in_scale(*_find_better_scale(through, fit.law.poisson, min(flexible, selected.rms))),
-        use_range_measured(_compute_extrapolation_ratio(shaped, fit.law.poisson, use_range)),
+        use_range_measured(_compute_extrapolation_ratio(shape_curves, fit.law.poisson, use_range)),
         constants_determined(
             fit.law.constant_names[widest_index], float(half_widths[widest_index]) / largest
         ),
         rows_enough(len(selected.optimum.residual), len(selected.optimum.values)),
         files_agree(_compare_repeat_files(fit.curves)),
-        loading_reversible(max(loss_fractions, default=None), removed=fit.relaxation is not None),
+        loading_reversible(
+            max(loss_fractions, default=None), is_removed=fit.relaxation is not None
+        ),
         specimen_conditioned(max(softer, default=None, key=abs)),
         zero_stress_at_zero_strain(*_find_slack(through, fit.law.poisson, flexible)),
         labels_agree(*_find_other_label(through, fit.law.poisson, flexible)),
         measures_stated(_estimate_measure_error(fit.curves)),
         strain_measured_on_specimen(
-            tuple({curve.mode: None for curve in shaped if _is_motion_of_machine(curve)})
+            tuple({curve.mode: None for curve in shape_curves if _is_motion_of_machine(curve)})
         ),
         bulk_modulus_determined(is_known=fit.law.bulk_modulus is not None),
     )
@@ -156,7 +158,7 @@ def _find_mode_error(
 def _compute_extrapolation_ratio(
     curves: Sequence[ElasticCurve], poisson: float, use_range: Span | None
 ) -> float:
-    """Return the largest logarithmic strain of use over that of the tests, by sign."""
+    """Return the ratio of the largest logarithmic strains of use and of the tests, by sign."""
     if use_range is None:
         return 1.0
     end_strains = np.concatenate([
@@ -230,13 +232,13 @@ def _find_better_scale(
     result: tuple[float, float, str] = (best, 0.0, "")
     for mode in modes if best > SMALL_RESIDUAL else ():
         for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
-            scaled = [
+            scaled_fits = [
                 replace(curve, stress=curve.stress * math.exp(size))
                 if curve.mode == mode
                 else curve
                 for curve in curves
             ]
-            result = min(result, (compute_best_stable_misfit(scaled, poisson), size, mode))
+            result = min(result, (compute_best_stable_misfit(scaled_fits, poisson), size, mode))
     remainder, size, kind_index = result
     return best / max(remainder, SMALL_RESIDUAL), math.expm1(size), kind_index
 
@@ -279,7 +281,7 @@ def _find_other_label(
     "our choice: scatter of specimens",
     other_grade="stop beyond 0.2",
 )
-def law_residual_small(residual: float, worst: str, swelling: float = math.inf) -> Finding:
+def law_residual_small(residual: float, worst_curve: str, swelling: float = math.inf) -> Finding:
     """The law fits every curve.
 
     `swelling` is the residual of a foam law without lateral strain.
@@ -292,7 +294,7 @@ def law_residual_small(residual: float, worst: str, swelling: float = math.inf) 
             "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
         )
     return Finding(
-        f"The hyperelastic law misses the stress by up to {100 * residual:.2g} %, in {worst}",
+        f"The hyperelastic law misses the stress by up to {100 * residual:.2g} %, in {worst_curve}",
         residual,
         reason,
         remedy,
@@ -353,16 +355,19 @@ def stable_in_use(
 
 
 @criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: error of a tape or camera")
-def lateral_swelling_agrees(ratio: float, reported: float | None, *, foam: bool) -> Finding:
+def lateral_swelling_agrees(ratio: float, reported_poisson: float | None, *, foam: bool) -> Finding:
     """The lateral strain of the law agrees with the measured one."""
-    if reported is None:
+    if reported_poisson is None:
         return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
     return Finding(
-        f"The strain sideways shows Poisson's ratio {reported:.2g}, and the law has {ratio:.2g}",
-        reported - ratio,
+        f"The strain sideways shows Poisson's ratio {reported_poisson:.2g}, and the law has "
+        f"{ratio:.2g}",
+        reported_poisson - ratio,
         "The lateral strain of the law differs from that of the specimen",
         Remedy(
-            "Give the ratio that was measured.", "poisson", f"{min(max(reported, 0.0), 0.49):.2g}"
+            "Give the ratio that was measured.",
+            "poisson",
+            f"{min(max(reported_poisson, 0.0), 0.49):.2g}",
         )
         if foam
         else Remedy("Ask for the law of a foam.", "model", "hyperfoam"),
@@ -465,13 +470,13 @@ def files_agree(difference: float | None) -> Finding:
 
 
 @criterion("part of the energy", "<=", 0.1, "our choice: beyond it loading is not the elastic law")
-def loading_reversible(loss_fraction: float | None, *, removed: bool) -> Finding:
+def loading_reversible(loss_fraction: float | None, *, is_removed: bool) -> Finding:
     """Unloading returns most of the energy of loading."""
     if loss_fraction is None:
         return Finding("No unloading shows how much of the stress is elastic")
     reason = (
         "The relaxation test is of another material, or there is friction or softening"
-        if removed
+        if is_removed
         else "The loading contains relaxation or softening"
     )
     advice = Remedy("Give a relaxation test, or test slowly.", "relaxation")
@@ -481,13 +486,13 @@ def loading_reversible(loss_fraction: float | None, *, removed: bool) -> Finding
 
 
 @criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")
-def specimen_conditioned(softer: float | None) -> Finding:
+def specimen_conditioned(softening: float | None) -> Finding:
     """The material is conditioned: it no longer softens from loading to loading."""
-    if softer is None:
+    if softening is None:
         return Finding("One loading shows no softening (Mullins); it may have been the first")
     return Finding(
-        f"The last loading is {100 * softer:.2g} % softer than the first",
-        softer,
+        f"The last loading is {100 * softening:.2g} % softer than the first",
+        softening,
         "The material was not conditioned. The last loading is used; a new part is stiffer",
         Remedy(
             "Condition the specimen, or use the first loading of a new part.",

@@ -41,20 +41,20 @@ class StressStrainTest(EqualByValue, HasSummary):
         ``"uniaxial"`` (tension and compression), ``"equibiaxial"``, ``"planar"`` or
         ``"volumetric"``.
     stretch : array, shape (n,)
-        Length over length at rest in the direction of the force; the volume over that at rest
-        where the mode is volumetric.
+        Length over length at rest in the direction of the force; the volume ratio if volumetric.
     stress : array, shape (n,)
-        Force over area at rest, Pa, tension > 0; minus the pressure where it is volumetric.
+        Force over area at rest, Pa, tension > 0; minus the pressure if volumetric.
     time : array, shape (n,), or None
         s.
     stated : bool
-        Whether it was said what stress and strain are over; else both were taken to be nominal.
+        Whether the file or the user stated true or nominal stress and strain; else both are assumed
+        nominal.
     source : Source or None
     poisson : float or None
         Poisson's ratio that the strain sideways shows, of a uniaxial test: 0 to 0.6, where 0.5
-        keeps the volume; None where it was not measured.
+        keeps the volume; None if not measured.
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -180,7 +180,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     ----------
     law : Hyperelastic
     found : tuple of ReportedValue
-        Its constants and what follows of them, with their 95 % intervals.
+        Its constants and derived values, with their 95 % intervals.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
     curves : tuple of ElasticCurve

@@ -41,7 +41,7 @@ def hyperelastic(fit: HyperelasticFit, *, stamp: str = "") -> Picture:
     ----------
     fit : HyperelasticFit
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     volume = [curve.mode for curve in fit.curves if curve.mode == "volumetric"][:1]
     panels = [_make_panel(fit, mode) for mode in (*SHEARING, *volume)]
@@ -69,7 +69,7 @@ def _make_panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     x = np.linspace(max(low - pad, 0.02), high + pad, 160)
     law = convert_to_unit(fit.law.nominal(mode, x), "MPa")
     in_range = (x >= low) & (x <= high)
-    marks = [Rule(0.0, REF, across=True), *_find_unstable_range(fit, mode, x)]
+    marks = [Rule(0.0, REF, is_horizontal=True), *_find_unstable_range(fit, mode, x)]
     measured = [convert_to_unit(curve.stress, "MPa") for curve in curves]
     for elastic_curve, stress in zip(curves, measured, strict=True):
         marks.append(Dots(elastic_curve.stretch, stress, "measured", "measured", size=3.0))

@@ -85,7 +85,7 @@ def fit_hyperelastic(
     Raises
     ------
     FitError
-        If there is no test that changes the shape, or what was asked for does not fit together.
+        If no test changes the shape, or the options contradict each other.
     """
     curves = [extract_elastic_curve(test, relaxation=relaxation, cycle=cycle) for test in tests]
     measured_poisson, foam = _find_poisson(tests, law, poisson)
@@ -93,11 +93,15 @@ def fit_hyperelastic(
     if foam and is_compressible and poisson is None and len({curve.mode for curve in curves}) == 1:
         poisson = measured_poisson
     _refuse_choices(curves, law, terms, poisson, foam=foam)
-    fitted, volumetric = _split_volumetric_curves(curves, foam=foam)
-    candidates = _fit_foam_laws(fitted, terms, poisson) if foam else _fit_rubber_laws(fitted, terms)
+    shape_curves, volumetric = _split_volumetric_curves(curves, foam=foam)
+    candidates = (
+        _fit_foam_laws(shape_curves, terms, poisson)
+        if foam
+        else _fit_rubber_laws(shape_curves, terms)
+    )
     candidates = list({optimum.name: optimum for optimum in candidates}.values())
     best = min(candidates, key=lambda optimum: optimum.rms)
-    parts = [len(curve.stretch) for curve in fitted]
+    parts = [len(curve.stretch) for curve in shape_curves]
     # all laws by the noise of the closest: what another leaves more is no noise
     noises = estimate(best.optimum, parts=parts, rounding=EXACT).noises
     effective = sum(noise.effective for noise in noises)
@@ -109,9 +113,9 @@ def fit_hyperelastic(
     stretch_ranges = get_stretch_range(curves, best.law.poisson, stretches)
     selected = _choose_law(candidates, scores, law, stretch_ranges)
     uncertainty = estimate(selected.optimum, parts=parts, rounding=EXACT)
-    derived = uncertainty.derive_quantity(selected.numbers)
-    half_widths = uncertainty.quantile() * derived.standard_error
-    reported_values = _make_law_facts(selected, derived.values, half_widths)
+    derived_quantity = uncertainty.derive_quantity(selected.numbers)
+    half_widths = uncertainty.quantile() * derived_quantity.standard_error
+    reported_values = _make_law_facts(selected, derived_quantity.values, half_widths)
     bulk = _find_bulk_modulus(volumetric)
     selected = selected._replace(
         law=_add_bulk_modulus(selected, None if bulk is None else bulk.value)
@@ -129,7 +133,12 @@ def fit_hyperelastic(
         temperature,
     )
     all_checks = checks.run_checks(
-        hyperelastic_fit, selected, candidates, derived, uncertainty.quantile(), use_range=stretches
+        hyperelastic_fit,
+        selected,
+        candidates,
+        derived_quantity,
+        uncertainty.quantile(),
+        use_range=stretches,
     )
     lateral_check = checks.lateral_swelling_agrees(
         selected.law.poisson, measured_poisson, foam=foam
@@ -214,14 +223,14 @@ def _choose_law(
     law: ElasticKindOption,
     stretch_ranges: dict[Mode, Span],
 ) -> HyperelasticOptimum:
-    eligible = [optimum for optimum in candidates if law in {"auto", optimum.law.kind}]
+    eligible_optima = [optimum for optimum in candidates if law in {"auto", optimum.law.kind}]
     if law == "auto":
-        eligible = [
+        eligible_optima = [
             optimum
-            for optimum in eligible
+            for optimum in eligible_optima
             if checks.least_drucker(optimum.law, stretch_ranges)[0] > 0
-        ] or eligible
-    return min(eligible, key=lambda optimum: scores[optimum.name])
+        ] or eligible_optima
+    return min(eligible_optima, key=lambda optimum: scores[optimum.name])
 
 
 def _find_poisson(

@@ -44,7 +44,7 @@ def hyperelastic_files(
         As :func:`~dashpot.extensions.materials.hyperelastic.fit.fit_hyperelastic` takes them.
     measures : Measures, optional
     specimen : Specimen, optional
-        Its temperature goes into decks.
+        Its temperature is written into decks.
     options : ReadOptions, optional
     """
     kinds_and_paths = [(kind, path) for kind in MODES for path in files.get(kind, ())]
@@ -57,7 +57,7 @@ def hyperelastic_files(
         read_stress_strain(
             path,
             MODES[kind].mode,
-            is_compression=MODES[kind].pressed,
+            is_compression=MODES[kind].is_compressed,
             measures=measures,
             options=options,
         )

@@ -25,7 +25,7 @@ def run(request: FitRequest) -> CommandResult:
         terms=request["terms"] or "auto",
         specimen=request.specimen,
         options=request.reading,
-        **request.some("poisson", "stretches", "measures"),
+        **request.select_options("poisson", "stretches", "measures"),
     )
     next_command = ""
     if request.result_path:

@@ -74,8 +74,8 @@ class HyperelasticOptimum(NamedTuple):
         With the number of terms of a power law.
     law : Hyperelastic
     optimum : Optimum
-        Theta are exponents and, where it was sought, Poisson's ratio; beta the constants, Pa. The
-        residual is weighed: over the rms of the mode.
+        Theta are exponents and, if fitted, Poisson's ratio; beta the constants, Pa. The residual is
+        weighed: over the rms of the mode.
     """
 
     name: str
@@ -88,7 +88,7 @@ class HyperelasticOptimum(NamedTuple):
         return float(np.sqrt(np.mean(self.optimum.residual**2)))
 
     def numbers(self, values: FloatArray) -> FloatArray:
-        """Constants, exponents, Poisson's ratio where it was sought, and the shear modulus."""
+        """Constants, exponents, Poisson's ratio if fitted, and the shear modulus."""
         result, mu = np.split(values, [len(self.optimum.theta)])
         return np.concatenate((mu, result, [replace(self.law, constants=tuple(mu)).shear_modulus]))
 
@@ -120,7 +120,7 @@ def fit_power_law(
 ) -> HyperelasticOptimum:
     """Return the law of at most this number of power terms, without useless ones.
 
-    Poisson's ratio of a foam is sought where it is None.
+    Poisson's ratio of a foam is fitted if it is None.
     """
     starts = _find_starting_points(rows, terms, poisson)
     best = require_optimum(build_power_problem(rows, terms, poisson), starts, max_steps=_STEPS)
@@ -166,7 +166,7 @@ def build_power_problem(rows: WeightedCurves, terms: int, poisson: float | None)
 def _find_starting_points(
     rows: WeightedCurves, terms: int, poisson: float | None
 ) -> list[FloatArray]:
-    """The best sets of exponents of the grid, as alpha, nu; those that use every term first."""
+    """The best sets of exponents of the grid, as alpha, nu; those with every term first."""
     pairs: list[tuple[bool, float, list[float]]] = []
     for v in _POISSONS if poisson is None else (poisson,):
         A = _compute_columns(rows, np.array(EXPONENTS), v)

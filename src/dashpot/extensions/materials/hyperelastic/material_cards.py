@@ -42,7 +42,7 @@ class _Card(NamedTuple):
     units : UnitSystem
     constants : tuple of float
     bulk : float
-        0 of a foam, whose Poisson's ratio says it.
+        0 for a foam, whose Poisson's ratio determines it.
     density : float or None
         SI.
     """
@@ -111,12 +111,13 @@ def hyperelastic_card(
     temperature : float, optional
         Temperature of the tests, K, where the fit does not know it.
     allow : collection of str
-        ``"temperature"``, ``"not_identified"`` (a check that says not to use the law), ``"all"``.
+        ``"temperature"``, ``"not_identified"`` (a failed check that forbids the use of the law),
+        ``"all"``.
 
     Raises
     ------
     ExportError
-        If something is not stated, or a check says not to use the law.
+        If a needed value is not stated, or a check forbids the use of the law.
     """
     if target not in TARGETS:
         raise ExportError(
@@ -162,7 +163,7 @@ def export_law(
     temperature: float | None,
     **choices: Any,
 ) -> DeckText:
-    """Return the material card of a hyperelastic law with what `dashpot export` asks for."""
+    """Return the material card of a hyperelastic law with the options of `dashpot export`."""
     refuse_unused_options(target, hyperelastic_card, choices, outside=False)
     if seals != 1 or compression is not None:
         raise ExportError("a material card takes no --seals and no --compression")
@@ -390,10 +391,10 @@ def _write_hill_foam(card: _Card, density: float) -> Body:
 
 def _list_eight_terms(card: _Card) -> list[str]:
     """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
-    filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
+    terms = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
     return [
-        format_fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
-        format_fields(*(a for _, a in filled)),
+        format_fields(*(2 * mu / a if a else 0.0 for mu, a in terms)),
+        format_fields(*(a for _, a in terms)),
     ]
 
 

@@ -15,9 +15,9 @@ def find_terms(hyperelastic_fit: HyperelasticFit) -> DeckTerms:
     """Return the options of the material cards on the page."""
     unstated = () if hyperelastic_fit.temperature is not None else ("temperature",)
     if hyperelastic_fit.law.bulk_modulus is not None:
-        return DeckTerms(None, unstated=unstated)
-    untested = "the change of volume was not tested. Give a bulk modulus when you export it"
-    return DeckTerms(None, unstated=unstated, reason=untested)
+        return DeckTerms(None, allowed_unknowns=unstated)
+    untested_note = "the change of volume was not tested. Give a bulk modulus when you export it"
+    return DeckTerms(None, allowed_unknowns=unstated, reason=untested_note)
 
 
 def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
@@ -55,7 +55,7 @@ def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
         table_title=f"The {hyperelastic_fit.law.kind} law",
         groups=(group("", hyperelastic_fit.found),),
         sources=hyperelastic_fit.sources,
-        folds=(
+        collapsible_sections=(
             CollapsibleSection(
                 "Each curve",
                 "stretches, rows, residual",

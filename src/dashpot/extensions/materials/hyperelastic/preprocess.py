@@ -16,11 +16,11 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 MAX_POINTS = 100
 """Largest number of points of one curve: neighbours in stretch are averaged."""
 _WHOLE_SHARE = 0.95
-"""Part of the largest strain that a loading must reach to be chosen."""
+"""Fraction of the largest strain that a loading must reach to be chosen."""
 _BOTH_SHARE = 0.1
-"""Part of the largest strain from which a record shows tension and compression both."""
+"""Fraction of the largest strain from which a record has both tension and compression."""
 _MIN_STROKE_SAMPLES = 4
-"""Samples of a stroke below which rows are points in no order."""
+"""Smallest mean number of samples of a stroke; below it the rows are unordered points."""
 
 
 class _LoadingRows(NamedTuple):
@@ -28,7 +28,7 @@ class _LoadingRows(NamedTuple):
 
     rows: IndexArray
     loss_fraction: float | None
-    softer: float | None
+    softening: float | None
 
 
 def extract_elastic_curve(
@@ -37,7 +37,7 @@ def extract_elastic_curve(
     relaxation: GeneralizedMaxwell | None = None,
     cycle: int | None = None,
 ) -> ElasticCurve:
-    r"""Return the curve of a test that a law is fitted to: its last whole loading.
+    r"""Return the curve to which a law is fitted: the last complete loading of a test.
 
     Parameters
     ----------
@@ -59,7 +59,8 @@ def extract_elastic_curve(
     x, y = _average_points(test.stretch[rows], stress[rows])
     duration = None if test.time is None else float(np.ptp(test.time[rows]))
     return ElasticCurve(
-        test.mode, x, y, len(rows), chosen_samples.loss_fraction, chosen_samples.softer, duration,
+        test.mode, x, y, len(rows), chosen_samples.loss_fraction, chosen_samples.softening,
+        duration,
         test.stated,
         test.source
     )  # fmt: skip
@@ -102,13 +103,13 @@ def _choose_loading(stretch: FloatArray, stress: FloatArray, cycle: int | None) 
 
 
 def _find_loadings(strain_size: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
-    """Return the whole loadings; any, where none is whole."""
-    inward = [stroke for stroke in strokes if stroke.inward]
+    """Return the complete loadings; if there is none, the incomplete ones."""
+    loading_strokes = [stroke for stroke in strokes if stroke.inward]
     complete_strain = _WHOLE_SHARE * float(strain_size.max())
-    # a record that only comes back is one way, too
+    # a record of unloading only is one stroke
     return (
-        [stroke for stroke in inward if strain_size[stroke.last] >= complete_strain]
-        or inward
+        [stroke for stroke in loading_strokes if strain_size[stroke.last] >= complete_strain]
+        or loading_strokes
         or list(strokes[:1])
     )
 
@@ -123,7 +124,7 @@ def _sort_stroke_samples(
 def _compute_loss_fraction(
     x: FloatArray, y: FloatArray, loading: Stroke, strokes: Sequence[Stroke]
 ) -> float | None:
-    """Part of the energy of a loading that its unloading does not return, where both were."""
+    """Return the fraction of the loading energy lost in unloading; None without unloading."""
     unloading = next(
         (stroke for stroke in strokes if stroke.first >= loading.last and not stroke.inward), None
     )
@@ -138,12 +139,12 @@ def _compute_loss_fraction(
 
 
 def _get_stress_at_half_strain(x: FloatArray, y: FloatArray, stroke: Stroke) -> float:
-    """Stress at half the largest strain."""
+    """Return the stress at half the largest strain."""
     return float(np.interp(0.5 * x.max(), *_sort_stroke_samples(x, y, stroke)))
 
 
 def _average_points(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the points by stretch; of many, the means over even parts of their range."""
+    """Return the points sorted by stretch, averaged if there are many."""
     order = np.argsort(x, kind="stable")
     x, y = x[order], y[order]
     if len(x) <= MAX_POINTS:

@@ -49,7 +49,7 @@ def read_stress_strain(
     mode : str
         ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``.
     is_compression : bool
-        The specimen was pressed: strain and stress are sizes whatever their sign. Always so of a
+        The specimen was compressed: strain and stress count as magnitudes. Always so of a
         volumetric test, whose stress is a pressure.
     measures : Measures, optional
     options : ReadOptions, optional
@@ -114,12 +114,13 @@ def _refuse_relaxation(
         stress_at_start
     ):
         return
-    elongated, pushed = channels_chosen[-2:]
+    strain_channel, stress_channel = channels_chosen[-2:]
     columns = file.table.columns
     lengths = ",".join(
         f"{role}={'' if size == 1 else f'{size:.6g}'}{word}"
         for role, size, word in (
-            ("displacement", elongated.unit.factor, "mm"), ("force", pushed.unit.factor / 1e6, "N")
+            ("displacement", strain_channel.unit.factor, "mm"), ("force", stress_channel.unit.factor
+            / 1e6, "N")
         )
     )  # fmt: skip
     raise ReadError(
@@ -127,8 +128,8 @@ def _refuse_relaxation(
         f"{100 * is_held.mean():.0f} % of the record while its stress falls, and a law of stress "
         "over strain would take the ramp alone. Fit its moduli, in MPa: --kind modulus. For N/mm "
         "of a specimen, give multiples of these, which are of 1 mm by 1 mm²: --column "
-        f'displacement="{handle(columns, elongated.index)}" --column '
-        f'force="{handle(columns, pushed.index)}" --units "{lengths}". '
+        f'displacement="{handle(columns, strain_channel.index)}" --column '
+        f'force="{handle(columns, stress_channel.index)}" --units "{lengths}". '
         "To fit its ramp nevertheless: --kind stress-strain"
     )
 
@@ -139,7 +140,7 @@ def refuse_sizes(
     strain: FloatArray | None,
     stress: FloatArray,
 ) -> None:
-    """Ask for the units again that make a size no test of a rubber has.
+    """Ask again for units that give an implausible size for a test of rubber.
 
     Parameters
     ----------
@@ -147,7 +148,7 @@ def refuse_sizes(
     channels_chosen : sequence of Channel
         The last two are those of strain or stretch, and of stress.
     strain : array, shape (n,), or None
-        None where none is too small.
+        None if all are large enough.
     stress : array, shape (n,)
         Pa.
 
@@ -155,17 +156,19 @@ def refuse_sizes(
     ------
     ReadError
     """
-    stretched, stressed = channels_chosen[-2:]
+    strain_channel, stress_channel = channels_chosen[-2:]
     max_stress = float(np.abs(stress).max(initial=0.0))
-    answers = [(stressed, [stress_of_a_rubber(max_stress, stressed.unit.word)])]
+    answers = [(stress_channel, [stress_of_a_rubber(max_stress, stress_channel.unit.word)])]
     if strain is not None:
         max_strain = float(np.abs(strain).max(initial=0.0))
-        answers.insert(0, (stretched, [strain_of_a_rubber(max_strain, stretched.unit.word)]))
+        answers.insert(
+            0, (strain_channel, [strain_of_a_rubber(max_strain, strain_channel.unit.word)])
+        )
     channels.refuse_sizes(file, answers)
 
 
 def _is_sideways(column: Column) -> bool:
-    """Return whether a column is of a strain square to the force."""
+    """Return whether a column holds a transverse strain."""
     is_named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
     return (
         column.content == "number"
@@ -177,7 +180,7 @@ def _is_sideways(column: Column) -> bool:
 def _read_lateral_strain(
     file: OpenedFile, axial_channel: Channel, measures: Measures, *, is_compression: bool
 ) -> tuple[float | None, list[str]]:
-    """Poisson's ratio of a column of strain square to the force, and what is said of it."""
+    """Poisson's ratio from a column of transverse strain, and a note."""
     columns = file.table.columns
     indices = [
         i for i, column in enumerate(columns) if i != axial_channel.index and _is_sideways(column)
@@ -206,9 +209,9 @@ def _read_lateral_strain(
     return ratio, [f"{format_column(columns, index)} shows Poisson's ratio {ratio:.3g}{more_text}"]
 
 
-def _require_stress_strain_file(file: OpenedFile, elongated: Role) -> None:
-    """Refuse another kind of file, unless both columns stand there."""
-    if not (file.column(elongated) and file.column("stress")):
+def _require_stress_strain_file(file: OpenedFile, strain_role: Role) -> None:
+    """Refuse another kind of file, unless it has both columns."""
+    if not (file.column(strain_role) and file.column("stress")):
         signal_names = ("stress", *_ELONGATED)
         channels.expect(
             file, ["stress-strain"], "stress over strain is", stated_columns=signal_names
@@ -231,7 +234,7 @@ _ELONGATED: tuple[Role, Role] = ("strain", "stretch")
 
 
 def _is_true(file: OpenedFile, channel: Channel, text: str) -> tuple[bool, bool, str]:
-    """Return whether a stress or strain is true or nominal; whether the file says so; and why."""
+    """Return whether a stress or strain is true or nominal; whether the file states it; and why."""
     column = file.table.columns[channel.index]
     name = format_column(file.table.columns, channel.index)
     if text != "auto":

@@ -66,7 +66,7 @@ class Path(NamedTuple):
 
 
 def path(mode: Mode, stretch: npt.ArrayLike, poisson: float) -> Path:
-    """Return the path of a mode; its `stretch` is the volume ratio where it is volumetric."""
+    """Return the path of a mode; its `stretch` is the volume ratio if volumetric."""
     x = np.asarray(stretch, dtype=float)
     e, v = np.log(x), poisson
     if mode == "volumetric":
@@ -127,7 +127,7 @@ class Hyperelastic:
     kind : str
         ``"neo-hooke"``, ``"mooney-rivlin"``, ``"yeoh"``, ``"ogden"`` or ``"hyperfoam"``.
     constants : tuple of float
-        Pa: C10; C10, C01; C10, C20, C30; or every mu, whose sum is the shear modulus at rest.
+        Pa: C10; C10, C01; C10, C20, C30; or every mu; their sum is the shear modulus at rest.
     exponents : tuple of float
         Every alpha of ``"ogden"`` and ``"hyperfoam"``.
     poisson : float
@@ -286,20 +286,20 @@ class Hyperelastic:
     def _first_unstable(self, mode: Mode, sign: float) -> float | None:
         # the path itself sits between 1 / MAX_STRETCH and MAX_STRETCH in the imposed direction
         e = sign * np.linspace(0.0, math.log(MAX_STRETCH), _SCAN_POINTS)
-        failed = np.flatnonzero(self.drucker(mode, np.exp(e)) <= 0)
-        if not failed.size:
+        unstable_indices = np.flatnonzero(self.drucker(mode, np.exp(e)) <= 0)
+        if not unstable_indices.size:
             return None
-        high = int(failed[0])
+        high = int(unstable_indices[0])
         if high == 0:
             return 1.0
-        stable_strain, outside = float(e[high - 1]), float(e[high])
+        stable_strain, unstable_strain = float(e[high - 1]), float(e[high])
         for _ in range(40):
-            midpoint = 0.5 * (stable_strain + outside)
+            midpoint = 0.5 * (stable_strain + unstable_strain)
             if self.drucker(mode, math.exp(midpoint)) > 0:
                 stable_strain = midpoint
             else:
-                outside = midpoint
-        return math.exp(outside)
+                unstable_strain = midpoint
+        return math.exp(unstable_strain)
 
     # -- the energy and its derivatives ---------------------------------------------------------
 

@@ -9,7 +9,7 @@ from dashpot.text_output.results import format_rounded
 
 
 def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:
-    """Return the law, its constants with their intervals, each curve, and where it is stable."""
+    """Return the law, its constants with their intervals, each curve, and its stable range."""
     tests = [["", "stretch", "rows", "residual, %"]]
     for curve, residual in zip(hyperelastic_fit.curves, hyperelastic_fit.residuals, strict=True):
         name = curve.mode if curve.source is None else f"{curve.mode}, {curve.source.file}"

@@ -1,9 +1,9 @@
 """Candidate contact laws: their parameters, starts, and simulated sensor signals.
 
-A fit's parameters are what a record shows: the logarithms of how long the contact lasts and of what
-it changes of the speed, and the time of the touch, s; between them numbers of the law's own, a loss
-and a time. Nothing pulls in these: what does, makes the contact of the same law somewhat longer.
-The motion is marched again for the law's own numbers alone.
+A fit's parameters are visible in a record: the logarithms of contact time and of speed change, and
+the time of first contact, s; between them numbers of the law's own, a loss and a time. Nothing
+pulls in these: what does, makes the contact of the same law somewhat longer. The motion is marched
+again for the law's own numbers alone.
 """
 
 from __future__ import annotations
@@ -57,31 +57,31 @@ class Law:
         Parameters: those of the law's own numbers and the pull, without units.
     build_law : callable
         The contact of k, the unit of time and the law's own numbers.
-    starts : tuple of tuple
-        Values of its loss, and of its time, that are tried, each with each.
-    numbers : callable
-        The law's own numbers of its loss and its time.
+    starting_values : tuple of tuple
+        Starting values of its loss and of its time, tried in all combinations.
+    build_coefficients : callable
+        Returns the coefficients of the law from its loss and its time.
     """
 
     exponent: float
     shape: Callable[..., Shape]
     build_law: Callable[..., ContactLaw]
-    starts: tuple[tuple[float, ...], ...] = ()
-    numbers: Callable[..., Sequence[float]] = lambda *values: values
+    starting_values: tuple[tuple[float, ...], ...] = ()
+    build_coefficients: Callable[..., Sequence[float]] = lambda *values: values
 
     def fix_loss(self, values: Sequence[float]) -> Law:
         """Return the law with its loss and its time held."""
-        numbers = self.numbers(*values)
-        return replace(self, starts=(), numbers=lambda: numbers)
+        numbers = self.build_coefficients(*values)
+        return replace(self, starting_values=(), build_coefficients=lambda: numbers)
 
     def parameters(self, duration: float, change: float) -> list[Parameter]:
         """Return the range of each, but for the touch."""
-        value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starts)]
-        first, last = np.log((duration, change))
+        value = np.arcsinh(_RANGE / _ARSINH_UNITS[:, None])[: len(self.starting_values)]
+        log_duration, log_change = np.log((duration, change))
         ranges = [
-            [first - _LOG_RANGE, first + _LOG_RANGE],
+            [log_duration - _LOG_RANGE, log_duration + _LOG_RANGE],
             *value,
-            [last - _LOG_RANGE, last + _LOG_RANGE],
+            [log_change - _LOG_RANGE, log_change + _LOG_RANGE],
         ]
         return [Parameter(float(low), float(high)) for low, high in ranges]
 
@@ -89,14 +89,16 @@ class Law:
         self, duration: float, values: Sequence[float], change: float
     ) -> FloatArray:
         """Return the parameters, but for the touch."""
-        first, last = np.log((duration, change))
-        return np.array([first, *np.arcsinh(values / _ARSINH_UNITS[: len(values)]), last])
+        log_duration, log_change = np.log((duration, change))
+        return np.array(
+            [log_duration, *np.arcsinh(values / _ARSINH_UNITS[: len(values)]), log_change]
+        )
 
     def _read(self, theta: FloatArray) -> tuple[float, Sequence[float], float]:
-        """Return the unit of time, the law's own numbers and the speed of parameters."""
+        """Return time unit, coefficients of the law and speed from the parameters."""
         duration, change = np.exp(theta[[0, -2]]).tolist()
         value = np.sinh(theta[1:-2]) * _ARSINH_UNITS[: len(theta) - 3]
-        values = self.numbers(*value.tolist())
+        values = self.build_coefficients(*value.tolist())
         free = self.shape(*values, 0.0)
         return duration / float(free.time[-1]), values, change / (1 - float(free.velocity[-1]))
 
@@ -154,25 +156,26 @@ class Recorded(NamedTuple):
 
     Attributes
     ----------
-    value : array
+    signal : array
     rate : array
         By time.
-    stretched : array
-        By the logarithm of the unit of time, the speed kept, and the pull in that unit.
+    time_unit_derivative : array
+        Derivative by the logarithm of the time unit, at constant speed and acceleration in that
+        unit.
     """
 
-    value: FloatArray
+    signal: FloatArray
     rate: FloatArray
-    stretched: FloatArray
+    time_unit_derivative: FloatArray
 
 
 def simulate_sensor_signal(
     hit: Collision, motion: Motion, time_since_touch: FloatArray, step: float
 ) -> Recorded:
-    """Return what a sensor would record, positive for a push, at times since the touch, s.
+    """Return the signal of a sensor, positive for a push, at times since first contact, s.
 
-    An acceleration is the specific force F/m, for what falls freely weighs nothing. A force that
-    jumps at the touch is averaged over a sample, as every recorder does.
+    An acceleration is the specific force F/m, zero in free fall. A force that jumps at the touch is
+    averaged over a sample, as every recorder does.
     """
     from scipy.interpolate import CubicHermiteSpline
 
@@ -209,12 +212,12 @@ def simulate_sensor_signal(
         np.maximum(time_since_touch - end, 0.0),
     )
     # in flight with the speed of approach, or of release
-    slowed = push / hit.mass - hit.pull
+    acceleration = push / hit.mass - hit.pull
     if motion == "velocity":
         speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
             time_before + time_after
         )
-        return Recorded(-speed, slowed, -time_since_touch * slowed)
+        return Recorded(-speed, acceleration, -time_since_touch * acceleration)
     displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
     speed += hit.pull * (time_before + time_after)
     displacement += hit.velocity[0] * time_before + hit.velocity[-1] * time_after

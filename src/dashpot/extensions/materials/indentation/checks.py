@@ -21,11 +21,11 @@ KNOWN_FACTOR = 1.25
 FOLLOWED = 1.5
 LOST = 0.02
 SMALL_RESIDUAL = 2e-3
-"""Part of the push that may be left of a record without noise."""
+"""Largest relative residual of a record without noise."""
 _NOISELESS_SHARE = 1e-4
-"""Part of the push below which what is left in flight is no noise."""
+"""Relative scatter in flight below which a record has no noise."""
 _UNKNOWN = 100.0
-"""A factor beyond which not even the size of a number is known."""
+"""Interval factor above which a value is undetermined."""
 _COMPARED = ("restitution", "modulus", "depth")
 
 
@@ -35,7 +35,7 @@ def run_checks(
     test: IndentationTest,
     *,
     contact: ContactInterval,
-    clipped: int,
+    clipped_count: int,
     other_laws: Sequence[tuple[str, Sequence[ReportedValue]]],
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
@@ -45,8 +45,8 @@ def run_checks(
         float(time_since_touch[-1] / T - 1),
     )
     size = float(np.ptp(fit.modelled)) or 1.0
-    scarce = fit.noise < _NOISELESS_SHARE * size
-    relative = fit.residual * size / fit.noise if not scarce else None
+    is_noiseless = fit.noise < _NOISELESS_SHARE * size
+    relative = fit.residual * size / fit.noise if not is_noiseless else None
     stated_velocity = test.indenter.stated_velocity
     names = [
         reported_value
@@ -57,7 +57,7 @@ def run_checks(
     worst = max(
         bounded_values, key=lambda reported_value: reported_value.high / reported_value.value
     )
-    bounded = ", ".join(
+    bounded_names = ", ".join(
         f"{name.name.replace('_', ' ')} is below {name.high:.3g} {name.unit}".strip()
         for name in names
         if name.low == 0
@@ -65,12 +65,15 @@ def run_checks(
     return (
         contact_sampled(T / test.step),
         flights_recorded(duration_before, duration_after),
-        sensor_in_range(clipped),
-        first_contact(contact.before, contact.after),
+        sensor_in_range(clipped_count),
+        first_contact(contact.contacts_before, contact.contacts_after),
         law_residual_small(relative, fit.residual),
         no_adhesion_on_release(*_compute_undershoot(fit, size)),
         parameters_determined(
-            worst.name, worst.high / worst.value, bounded, leading_factor=_get_widest_interval(fit)
+            worst.name,
+            worst.high / worst.value,
+            bounded_names,
+            leading_factor=_get_widest_interval(fit),
         ),
         laws_agree(fit, other_laws),
         velocity_agrees(fit["impact_velocity"].value, stated_velocity),
@@ -122,8 +125,10 @@ def _noise_correlation_fraction(fit: IndentationFit, step: float) -> float | Non
     if len(residual) < 24 or fit.noise < _NOISELESS_SHARE * float(np.ptp(fit.modelled)):
         return None
     residual = residual - residual.mean()
-    rough = float(np.sum(np.diff(residual) ** 2) / np.sum(residual**2))  # 2 where it is white
-    correlation = min(max(1 - rough / 2, 0.0), 0.999)
+    difference_ratio = float(
+        np.sum(np.diff(residual) ** 2) / np.sum(residual**2)
+    )  # 2 where it is white
+    correlation = min(max(1 - difference_ratio / 2, 0.0), 0.999)
     return -step / np.log(correlation) / fit.duration if correlation > 0 else 0.0
 
 
@@ -170,11 +175,11 @@ def flights_recorded(duration_before: float, duration_after: float) -> Finding:
 
 
 @criterion("samples at the limit", "<=", 0.0, "a sensor at its limit repeats one number")
-def sensor_in_range(clipped: int) -> Finding:
+def sensor_in_range(clipped_count: int) -> Finding:
     """The sensor did not saturate."""
     return Finding(
-        f"{clipped} samples have the same largest value",
-        float(clipped),
+        f"{clipped_count} samples have the same largest value",
+        float(clipped_count),
         "The sensor or its amplifier was clipped. These samples were left out",
         "Use a larger range, or hit more softly.",
     )
@@ -235,7 +240,7 @@ def no_adhesion_on_release(tensile_force: float | None, noise: float) -> Finding
     other_grade="note where stiffness, depth, restitution and modulus are",
 )
 def parameters_determined(
-    name: str, factor: float, bounded: str = "", *, leading_factor: float = np.inf
+    name: str, factor: float, limit_text: str = "", *, leading_factor: float = np.inf
 ) -> Finding:
     """Each parameter is known to 25 %, or the loss has an upper limit.
 
@@ -247,7 +252,7 @@ def parameters_determined(
     if factor >= _UNKNOWN:
         sentence = f"{word} is not known, not even in its size"
     return Finding(
-        sentence + f"; {bounded}" * bool(bounded),
+        sentence + f"; {limit_text}" * bool(limit_text),
         factor,
         f"This contact does not determine {word} alone",
         "Use the numbers with narrow intervals.",
@@ -256,7 +261,7 @@ def parameters_determined(
 
 
 def _get_widest_interval(fit: IndentationFit) -> float:
-    """The widest interval, a factor, of what a contact is made for."""
+    """The widest interval, as a factor, of the main results of a contact."""
     return max(
         reported_value.high / reported_value.value
         for reported_value in fit.found

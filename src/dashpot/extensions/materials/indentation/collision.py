@@ -32,7 +32,7 @@ _SAMPLES_PER_STEP = 6
 _MAX_ROUNDS = 30
 """Iterations in the search for the end of a contact."""
 _CACHE_SIZE = 1024
-"""Shapes: a fit asks for one again, at another speed or touch, and so do other fits."""
+"""Shapes: fits reuse it at other speeds and times of contact."""
 _MAX_CONTACT_TIME = 300.0
 """Longest contact, in lengths of a Hertzian one."""
 
@@ -106,12 +106,12 @@ def collide(
     velocity : float
         Velocity of approach, m/s, > 0.
     acceleration : float
-        Acceleration that acts besides the contact, m/s^2: 9.81 for a fall, 0 across.
+        Additional acceleration, m/s^2: 9.81 for a fall, 0 across.
 
     Raises
     ------
     DataError
-        If a number is not above zero, or the body is never let go.
+        If a number is not above zero, or the body never rebounds.
     """
     require_positive(mass=mass, velocity=velocity, expected="a finite number above 0")
     n = law.exponent
@@ -248,8 +248,8 @@ def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) 
     )
 
 
-def _compute_angle(y: FloatArray, top: float) -> FloatArray:
-    return np.arctan2(y, np.sqrt(np.maximum(top**2 - y**2, 0.0)))
+def _compute_angle(y: FloatArray, peak_force: float) -> FloatArray:
+    return np.arctan2(y, np.sqrt(np.maximum(peak_force**2 - y**2, 0.0)))
 
 
 def _integrate_contact(

@@ -49,10 +49,10 @@ class IndentationTest(EqualByValue, HasSummary):
         ``"acceleration"``, ``"velocity"``, ``"displacement"`` or ``"force"``.
     indenter : Indenter
     force : array, shape (n,), or None
-        Recorded beside a motion, N.
+        Force recorded with a motion, N.
     source : Source or None
     units : str
-        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+        Units of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Stored in SI.
 
     Raises
     ------
@@ -113,7 +113,7 @@ class IndentationTest(EqualByValue, HasSummary):
         )
 
 
-# what a reader came for: the first of these that the contact gives
+# main results, by priority
 _CAME_FOR = ("modulus", "k")
 
 
@@ -127,19 +127,19 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         ``"kelvin-voigt"``, ``"hertz"``, ``"hertz-kelvin-voigt"`` or ``"hertz-maxwell"``.
     contact : ContactLaw
     found : tuple of ReportedValue
-        The law's parameters, then what follows: modulus, restitution, and what the body did.
+        The law's parameters, then derived values: modulus, restitution, and the motion of the body.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
     indenter : Indenter
     of : str
-        What was recorded.
+        Recorded quantity.
     time, measured, modelled : array, shape (n,)
-        s from the touch; the record about the contact, its sign that of a push from the surface,
-        offset and drift taken off; and the law's.
+        Time from first contact, s; the record around the contact, positive for a push from the
+        surface, without offset and drift; and the fitted curve.
     noise : float
-        Rms of what is left in flight, in the record's unit.
+        Rms residual in flight, in the record's unit.
     residual : float
-        Rms of what is left in contact, over the largest of the record.
+        Rms residual in contact over the largest value of the record.
     touch, duration : float
         Time of the first touch in the record, and length of the contact, s.
     checks : tuple of Check

@@ -19,7 +19,7 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     ----------
     fit : IndentationFit
     stamp : str
-        What the figure says of its origin; by default the file.
+        Origin of the data, printed below the figure; by default the file.
     """
     t, unit = convert_to_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
     measured, modelled = convert_to_unit(fit.measured, unit), convert_to_unit(fit.modelled, unit)
@@ -38,7 +38,7 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     lower = Panel(
         horizontal, Scale(f"residual, {word}", compute_padded_limits(values, np.zeros(1),
         margin=0.1)),
-        (contact, Rule(0.0, REF, across=True), Dots(t, values, "fit", size=2.5)),
+        (contact, Rule(0.0, REF, is_horizontal=True), Dots(t, values, "fit", size=2.5)),
         height=90, note=f"{round_to_error(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip
     caption = "Motion of the indenter: recorded, by the contact law, and the residual."

@@ -59,9 +59,9 @@ _AT_TOUCH = 0.29
 _CONTACT_SHIFTS = (0.0, -2.0, -1.0, 1.0, 2.0)
 """Shifts at which the contact time is searched, in samples."""
 _MIN_CLIPPED_SAMPLES = 3
-"""Samples at one and the same extreme that a sensor at its limit leaves."""
+"""Smallest number of samples at the same extreme of a saturated sensor."""
 _ROUNDING = 1e-5
-"""Part of the record that integration and interpolation leave."""
+"""Numerical error of integration and interpolation, as a fraction of the record."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})
 _OF_RADIUS = frozenset({"modulus", "glassy_modulus"})
 """Values in proportion to the root of the tip radius."""
@@ -91,15 +91,15 @@ class _NearHit:
     contact: ContactInterval
     time: FloatArray
     signal: FloatArray
-    used: BoolArray
-    clipped: int
+    is_used: BoolArray
+    clipped_count: int
     mass: float
     fixed: FloatArray
     prior: FloatArray  # inverse standard deviation of each column, over the noise's
 
     def sample_collision(self, hit: Collision, touch_time: float) -> Recorded:
         signal = simulate_sensor_signal(hit, self.test.of, self.time - touch_time, self.test.step)
-        return Recorded(*(values[self.used] for values in signal))
+        return Recorded(*(values[self.is_used] for values in signal))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
@@ -118,7 +118,7 @@ class _NearHit:
             """Return the derivatives, exact except for the law's own parameters and the pull."""
 
             def differentiate_signal(theta: FloatArray, acceleration: float) -> FloatArray:
-                return (self.simulate_signal(law, theta, acceleration).value - value) / STEP
+                return (self.simulate_signal(law, theta, acceleration).signal - value) / STEP
 
             J = np.zeros((len(value) + len(no_residual), len(theta)))
             J[: len(value), [0, -2, -1]] = np.stack((stretched, value, -rate), axis=1)
@@ -133,7 +133,7 @@ class _NearHit:
             return J
 
         return Rows(
-            np.append(self.signal[self.used] - value, no_residual),
+            np.append(self.signal[self.is_used] - value, no_residual),
             np.concatenate((self.fixed, np.diag(self.prior))),
             slope,
         )
@@ -144,10 +144,10 @@ class _LawOptimum:
     """One contact law at its optimum."""
 
     name: str
-    hit: Collision
+    collision: Collision
     model: FloatArray
     estimate: Estimate
-    valleys: tuple[Optimum, ...]
+    local_optima: tuple[Optimum, ...]
 
     @property
     def law(self) -> Law:
@@ -167,7 +167,7 @@ class _LawOptimum:
 
     @property
     def contact(self) -> ContactLaw:
-        return self.law.contact(self.optimum.theta, self.hit.mass)
+        return self.law.contact(self.optimum.theta, self.collision.mass)
 
 
 def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> IndentationFit:
@@ -184,8 +184,8 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     Raises
     ------
     DataError
-        If the mass is missing, no contact stands out, or mass and radius make a modulus or a
-        pressure of it that no rubber has.
+        If the mass is missing, there is no clear contact, or mass and radius give an implausible
+        modulus or pressure.
     FitError
         If no law can follow the record.
     """
@@ -226,25 +226,26 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         item for item in candidates[1:] if scores[item.name] - scores[best.name] < _DECISIVE_BIC
     ]
     other_laws = [(item.name, _make_contact_facts(window, item)) for item in close_laws]
-    fitted = IndentationFit(
+    indentation_fit = IndentationFit(
         best.name, best.contact, reported_values, tuple((item.name,
         scores[item.name]) for item in candidates),
-        test.indenter, test.of, window.time[window.used] - touch_time, best.model + best.residual,
-        best.model, noise, remainder / size, touch_time, best.hit.duration, (), test.source,
+        test.indenter, test.of, window.time[window.is_used] - touch_time,
+        best.model + best.residual,
+        best.model, noise, remainder / size, touch_time, best.collision.duration, (), test.source,
     )  # fmt: skip
     checked_checks = checks.run_checks(
-        fitted,
-        best.hit,
+        indentation_fit,
+        best.collision,
         test,
         contact=window.contact,
-        clipped=window.clipped,
+        clipped_count=window.clipped_count,
         other_laws=other_laws,
     )
-    return replace(fitted, checks=(*checked_checks, *caution_checks(list_sources([test]))))
+    return replace(indentation_fit, checks=(*checked_checks, *caution_checks(list_sources([test]))))
 
 
 def _refuse_absurd(reported_values: Sequence[ReportedValue], radius: float | None) -> None:
-    """Refuse mass and radius that give a modulus outside that of any rubber."""
+    """Refuse a mass and a radius that give a modulus impossible for rubber."""
     entries = {reported_value.name: reported_value.value for reported_value in reported_values}
     remedy = "Check the mass and the radius of the indenter, and their units."
     if radius is None or "modulus" not in entries:
@@ -264,7 +265,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     )
     time, signal = test.time[in_window], contact.sign * test.signal[in_window]
     mask = ~_detect_clipped_samples(signal, test.of)
-    clipped = int(np.count_nonzero(~mask))
+    clipped_count = int(np.count_nonzero(~mask))
     centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
     columns = {
         "acceleration": np.stack((np.ones(len(time)), centred), axis=1),
@@ -276,7 +277,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     if test.of == "velocity":
         scatter = float(np.std(np.diff(signal, 2))) / np.sqrt(6)
         prior[:] = scatter / (_VELOCITY_OFFSET * float(np.ptp(signal)) / 2)
-    return _NearHit(test, contact, time, signal, mask, clipped, mass, columns[mask], prior)
+    return _NearHit(test, contact, time, signal, mask, clipped_count, mass, columns[mask], prior)
 
 
 def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
@@ -284,10 +285,10 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
     if signal_name in {"velocity", "displacement"}:
         return np.zeros(len(signal), dtype=bool)
     index = np.flatnonzero(signal >= signal.max() - 1e-9 * float(np.ptp(signal)))
-    clipped = np.zeros(len(signal), dtype=bool)
+    is_clipped = np.zeros(len(signal), dtype=bool)
     if len(index) >= _MIN_CLIPPED_SAMPLES and index[-1] - index[0] < 2 * len(index):
-        clipped[index[0] : index[-1] + 1] = True
-    return clipped
+        is_clipped[index[0] : index[-1] + 1] = True
+    return is_clipped
 
 
 def _estimate_speed_change(window: _NearHit) -> float:
@@ -328,8 +329,10 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         start[rest] = optimum.theta
         return optimum.cost, start
 
-    table = [nearly(values) for values in product(*law.starts)]
-    cost = np.array([value for value, _ in table]).reshape([len(start) for start in law.starts])
+    table = [nearly(values) for values in product(*law.starting_values)]
+    cost = np.array([value for value, _ in table]).reshape(
+        [len(start) for start in law.starting_values]
+    )
     starts = [table[i][1] for i in _find_valleys(cost)]
     full_problem = problem(law, window.test.indenter.pull)
     optima = full_problem.valleys(
@@ -342,13 +345,16 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     if not optima:
         return None
     best = min(optima, key=lambda optimum: optimum.cost)
-    if len(law.starts) == 1:
+    if len(law.starting_values) == 1:
         # where the force jumps, or rises as a root, a touch between two other samples is a valley
-        extra = np.outer(_CONTACT_SHIFTS, np.eye(len(best.theta))[-1]) * window.test.step
-        refined = full_problem.solve(
-            [*best.theta + extra], max_steps=_TRIES, step_tolerance=_FLAT, cost_tolerance=_FLAT
+        shifted_starts = np.outer(_CONTACT_SHIFTS, np.eye(len(best.theta))[-1]) * window.test.step
+        refined_optimum = full_problem.solve(
+            [*best.theta + shifted_starts],
+            max_steps=_TRIES,
+            step_tolerance=_FLAT,
+            cost_tolerance=_FLAT,
         )
-        best = refined or best
+        best = refined_optimum or best
     return _estimate_law_errors(window, name, best, optima)
 
 
@@ -356,12 +362,12 @@ def _find_valleys(cost: FloatArray) -> list[int]:
     """Return the local minima of a table, the best first."""
     padded_values = np.pad(cost, 1, constant_values=np.inf)
     inner = (slice(1, -1),) * cost.ndim
-    beaten = np.zeros(cost.shape, dtype=bool)
+    has_lower_neighbour = np.zeros(cost.shape, dtype=bool)
     for axis in range(cost.ndim):
         for direction in (-1, 1):
-            beaten |= np.roll(padded_values, direction, axis)[inner] < cost
-    order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
-    return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
+            has_lower_neighbour |= np.roll(padded_values, direction, axis)[inner] < cost
+    order: list[int] = np.argsort(np.where(has_lower_neighbour, np.inf, cost), axis=None).tolist()
+    return order[: min(int(np.count_nonzero(~has_lower_neighbour)), _STARTS)]
 
 
 def _estimate_law_errors(
@@ -370,13 +376,13 @@ def _estimate_law_errors(
     """Return a law with noise and parameter errors by its residual."""
     hit = window.simulate_collision(LAWS[name], best.theta)
     signal = window.sample_collision(hit, float(best.theta[-1]))
-    model = signal.value
+    model = signal.signal
     count = len(best.residual)
     noise = estimate_noise(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
     if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
-        nearest = int(np.argmin(np.abs(window.time[window.used] - float(best.theta[-1]))))
+        nearest = int(np.argmin(np.abs(window.time[window.is_used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))
         change[nearest] = _AT_TOUCH * window.test.step * signal.rate[nearest]
         uncertainty = uncertainty.add_parameter_error(estimate_parameter_shift(uncertainty, change))
@@ -389,12 +395,12 @@ def _compute_rounding(model: FloatArray) -> float:
 
 
 def _select_contact_samples(window: _NearHit, optimum: _LawOptimum) -> BoolArray:
-    time_since_touch = window.time[window.used] - optimum.touch
-    return np.asarray((time_since_touch >= 0) & (time_since_touch <= optimum.hit.duration))
+    time_since_touch = window.time[window.is_used] - optimum.touch
+    return np.asarray((time_since_touch >= 0) & (time_since_touch <= optimum.collision.duration))
 
 
 def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[ReportedValue, ...]:
-    """Return the law's parameters and what follows from them, each with its interval."""
+    """Return the law's parameters and derived values, each with its interval."""
     derived_values = _compute_numbers(window, optimum.law, optimum.optimum.theta)
 
     def numbers(values: FloatArray) -> FloatArray:
@@ -405,7 +411,7 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
 
     slices = (
         _collect_slices(optimum)
-        if len(optimum.law.starts) > 1
+        if len(optimum.law.starting_values) > 1
         else [ProfileSlice(0.0, optimum.estimate)]
     )
     widest = optimum.estimate.quantile(_LEVEL)
@@ -447,9 +453,9 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
     ])  # fmt: skip
     values = np.array([value for value, _ in derived_values.values()])
     (low, high), (_, upper_at_90) = ends(_LEVEL), ends(0.90)
-    bounded = losses & (low <= 0)
+    is_bounded = losses & (low <= 0)
     rows = zip(
-        derived_values.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded,
+        derived_values.items(), np.where(is_bounded, 0.0, low).tolist(), np.where(is_bounded,
         upper_at_90, high).tolist(),
         strict=True,
     )  # fmt: skip
@@ -464,11 +470,12 @@ def _make_contact_facts(window: _NearHit, optimum: _LawOptimum) -> tuple[Reporte
 def _collect_slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     """Return the limits over all minima that the record does not reject.
 
-    A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
+    Loss and time are correlated along a curved valley of the misfit, in which the normal
+    approximation fails.
     """
     noise, best = optimum.estimate.noises[0], optimum.optimum
     slices = optimum.estimate.profile(_TIME)
-    for valley in optimum.valleys:
+    for valley in optimum.local_optima:
         cost_increase = (valley.cost - best.cost) / noise.power
         if valley is best or cost_increase > optimum.estimate.quantile() ** 2:
             continue

@@ -30,7 +30,7 @@ def indent_file(
     law : str
         As :func:`~dashpot.extensions.materials.indentation.fit.fit_indentation` takes it.
     options : ReadOptions, optional
-        What the user said of the file.
+        Reading options of the file.
     """
     if indenter.mass is None:
         raise ReadError(

@@ -27,7 +27,7 @@ class Indenter:
     drop_height : float or None
         From rest to the surface, m: it falls, and gravity pulls on.
     impact_velocity : float or None
-        Velocity of approach, m/s, where something else measured it.
+        Velocity of approach, m/s, if measured separately.
     """
 
     mass: float | None = option(

@@ -33,5 +33,5 @@ def page(indentation_fit: IndentationFit) -> KindPage:
         table_title=f"The {indentation_fit.law} law",
         groups=(group("", indentation_fit.found),),
         sources=get_sources(indentation_fit),
-        folds=(make_law_ranking(indentation_fit.orders),),
+        collapsible_sections=(make_law_ranking(indentation_fit.orders),),
     )

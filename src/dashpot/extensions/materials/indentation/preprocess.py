@@ -13,7 +13,7 @@ from dashpot.extensions.materials.indentation.datamodel import IndentationTest
 _DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
 """Number of differentiations that turn a record into the push."""
 _CONTACT_RATIO = 25.0
-"""Peak over scatter at which a contact stands out."""
+"""Smallest ratio of peak to scatter of a contact."""
 _OTHER_CONTACT_SHARE = 0.1
 """Part of the largest push that makes another contact."""
 _WIDTH_LEVEL = 0.25
@@ -29,18 +29,18 @@ class ContactInterval(NamedTuple):
     Attributes
     ----------
     sign : float
-        Times the record: what a push from the surface makes of it is then positive.
+        Sign that makes a push from the surface positive.
     start, duration : float
         s.
-    before, after : int
-        How many other contacts come earlier and later.
+    contacts_before, contacts_after : int
+        Numbers of earlier and later contacts.
     """
 
     sign: float
     start: float
     duration: float
-    before: int
-    after: int
+    contacts_before: int
+    contacts_after: int
 
 
 def largest_contact(test: IndentationTest) -> ContactInterval:
@@ -49,7 +49,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     Raises
     ------
     DataError
-        If nothing stands out of the scatter.
+        If no pulse exceeds the noise.
     """
     push, width = _compute_push(test)
     # a record may be cut so close that most of it is contact, or begin in one
@@ -87,7 +87,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
 
 
 def _compute_push(test: IndentationTest) -> tuple[FloatArray, int]:
-    """The record, or its derivative, smoothed over as few samples as let the contact stand out."""
+    """The record, or its derivative, smoothed over the fewest samples that show the contact."""
     best, clearest = (test.signal, 1), 0.0
     for power in range(max(int(np.log2(len(test.time) / 8)), 1)):
         width = 2**power

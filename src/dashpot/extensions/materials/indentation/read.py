@@ -30,13 +30,13 @@ def read_indentation(
 ) -> IndentationTest:
     """Return the motion of an indenter in a file, in SI units.
 
-    An acceleration is taken before a velocity, that before a displacement, and any before a force
-    alone; a force beside a motion is kept to hold the motion to.
+    An acceleration is preferred to a velocity, that to a displacement, and any motion to a force
+    only; a force beside a motion is kept to hold the motion to.
 
     Raises
     ------
     ReadError
-        If the file cannot be read, or leaves open which column is what or in which unit.
+        If the file cannot be read, or does not determine its columns and units.
     """
     with channels.open_file(path, options) as file:
         assignment, notes = channels.find_optional_column(file, "force")
@@ -69,7 +69,7 @@ def read_indentation(
 
 
 def _find_motion_column(file: OpenedFile) -> tuple[RoleAssignment, Motion]:
-    """Return the column that is fitted, and what it is."""
+    """Return the fitted column, and its kind."""
     roles_named = [role for role in _NAMED if getattr(file.options, role)]
     for role in roles_named or _NAMED:
         answer = (
@@ -102,7 +102,7 @@ def _find_acceleration(file: OpenedFile) -> RoleAssignment | None:
 def _refuse_sizes(
     file: OpenedFile, channels_chosen: list[Channel], time: np.ndarray, largest: float
 ) -> None:
-    """Ask for the units again that make a size no indenter has."""
+    """Ask again for units that give an implausible size for an indenter."""
     failed_checks = []
     for channel in channels_chosen:
         word = channel.unit.word

@@ -15,7 +15,7 @@ _WATER = 1000.0
 ASKS = (
     FormField("mass", "Mass on it", "g", "--mass"),
     FormField("density", "Density", "kg/m^3", "--density", form="bare"),
-    FormField("disc", "\u2300, length", "mm", "--shape", form="sizes", before="disc:"),
+    FormField("disc", "\u2300, length", "mm", "--shape", form="sizes", prefix="disc:"),
 )
 
 

@@ -23,10 +23,9 @@ class RodErrors:
     mass, length, area, density : float
         Relative errors of the mass on top, and of length, area and density of the rod.
     poisson : float
-        Error of Poisson's ratio, absolute: what is not known of a rubber's, 0.4985 to 0.4999.
+        Absolute error of Poisson's ratio: by default its range for rubber, 0.4985 to 0.4999.
     glue : float
-        Compliance of what the glue between rod, base and mass gives, over what the rod gives:
-        trials had 12 %.
+        Compliance of the glue between rod, base and mass over that of the rod: trials had 12 %.
     """
 
     gain: float = 0.01
@@ -56,15 +55,16 @@ class RodModulus(EqualByValue):
         Square of the wave number times the length, :math:`z^2`.
     by_gain, by_phase, by_mass, by_length, by_area, by_density, by_poisson, by_glue : complex array
         :math:`d\ln E^*` for each relative change of these, for each rad of phase, for 1 of
-        Poisson's ratio, for a glue that gives as much as the rod; shape (n,). What that does to
-        storage and loss factor is :meth:`changes`.
+        Poisson's ratio, for a glue that gives as much as the rod; shape (n,). :meth:`changes` gives
+        its effect on storage and loss factor.
     storage_sd, loss_factor_sd : array, shape (n,)
         All errors together, random ones too: Pa, and absolute.
     band : (float, float)
         About the resonance, where both are known to 10 %, Hz; (nan, nan) if nowhere.
     checks : tuple of Check
     errors : RodErrors
-        Those that are counted: of sensors that are seen at rest what is left of gain and phase.
+        The errors that were included; of calibrated sensors only the remaining gain and phase
+        errors.
     """
 
     frequency: FloatArray

@@ -28,7 +28,7 @@ def rod(modulus: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pict
     fit : Fit, optional
         Fit of the usable band.
     stamp : str
-        What the figure says of its origin.
+        Origin of the data, printed below the figure.
     """
     f, usable = modulus.frequency, modulus.usable
     shown_lines = usable if usable.any() else np.ones(len(f), dtype=bool)

@@ -90,7 +90,7 @@ def fit_rod(
 
 
 def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) -> FloatArray | None:
-    """Return the parameters of the same model under another test; None where no fit is found."""
+    """Return the parameters of the same model under another test; None if no fit is found."""
     try:
         other_fit = fit_modulus(modulus, arms=_order(fit), family=fit.family)
     except FitError:

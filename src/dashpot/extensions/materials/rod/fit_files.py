@@ -35,7 +35,7 @@ _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Density of a light foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
 _OF_THE_PLATEAU = frozenset({"plateau_determined", "curve_level_at_end"})
-"""Checks of what lies below the band of a rod, whose answer is its modulus within."""
+"""Checks of frequencies below the band of a rod, in which its modulus is found."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -198,7 +198,7 @@ def rod_under(
     mass_sd : float, optional
         Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
     poisson : float, optional
-        Poisson's ratio of the rod, which its bonded ends ask; by default that of a rubber.
+        Poisson's ratio of the rod, for its bonded ends; by default that of a rubber.
     specimen : Specimen, optional
     """
     part, errors, bonded = (

@@ -34,7 +34,7 @@ def run(request: FitRequest) -> CommandResult:
         specimen=request.specimen,
         options=request.reading,
         mass_sd=request["rig"].mass_sd,
-        **request.some("density", "rod", "arms", "band", "hammer", "poisson"),
+        **request.select_options("density", "rod", "arms", "band", "hammer", "poisson"),
     )
     if request.output and not request.page and rod.fit is None:
         raise ReadError(f"-o writes a fit, and there is none: {rod.reason}")

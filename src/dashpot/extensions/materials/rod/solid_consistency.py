@@ -32,7 +32,7 @@ def compute_single_model_misfit(lines: RodModulus, scatter: FloatArray) -> float
     Parameters
     ----------
     lines : RodModulus
-        Those that are used.
+        Used samples of the modulus.
     scatter : array, shape (n,)
         Relative standard deviation of either part of each.
     """

@@ -38,9 +38,9 @@ def rod(rod: Rod) -> Text:
     if rod.fit is None:
         lines.append(f"  No model was fitted: {rod.reason}")
         return Text(lines, _format_lines(rod, len(modulus.frequency)))
-    fitted = results.render_fit(rod.fit)
+    fit_text = results.render_fit(rod.fit)
     details = ["every line", *_format_lines(rod, len(modulus.frequency))]
-    return Text([*lines, *fitted.lines], [*fitted.details, *details])
+    return Text([*lines, *fit_text.lines], [*fit_text.details, *details])
 
 
 def _format_lines(rod: Rod, lines_shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:

@@ -11,8 +11,8 @@ the resonance, where a spring with a third of the rod's mass is near, outwards; 
 one that continues it. E* is that of the rod: bonded between plates a short cylinder is stiffer than
 its material, :func:`~dashpot.solids.part_geometry.bonded_cylinder`, which is taken off. A phase
 between the sensors looks like loss, and no law of physics distinguishes the two; but far below the
-resonance both sensors see one motion. What gain and phase they show there is taken out.
-Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two accelerometers).
+resonance both sensors see one motion. Their gain and phase there are removed. Source: V. M. Kulik
+et al., Exp. Mech. (2009) (base excitation, two accelerometers).
 """
 
 from __future__ import annotations
@@ -50,8 +50,7 @@ _MEDIAN_LINES = 3
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
 _GAIN_LEFT, _PHASE_LEFT = 0.003, float(np.radians(0.3))
-"""What is left of gain and phase that were seen at rest and taken out: standard deviations,
-beside those with which they were seen."""
+"""Remaining standard deviations of gain and phase after correction by a test at rest."""
 _MEDIAN = float(np.sqrt(np.pi / 2))
 """Standard error of a median over that of a mean."""
 _TURNS = 3
@@ -93,7 +92,7 @@ def rod_modulus(
     density : float
         Density of the rod, kg/m^3.
     bonded : bool
-        To its plates: what that stiffens is taken off.
+        To its plates: the resulting stiffening is removed.
     errors : RodErrors, optional
     band : (float, float), optional
         Lines to use, Hz.
@@ -127,7 +126,7 @@ def rod_modulus(
 
 @dataclass(frozen=True)
 class _Setup:
-    """A rod as it stands: `ratio` of the mass on it to its own, kg; kg/m^3."""
+    """Rod with its mass and ends: `ratio` of the mass on it to its own, kg; kg/m^3."""
 
     part: Disc | Block
     ratio: float
@@ -170,7 +169,7 @@ def _remove_sensor_offset(
 def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
     r"""Return slopes of the logarithm of the bonded factor.
 
-    By the logarithm of the height, and by Poisson's ratio over what is not known of a rubber's.
+    Derivatives by the logarithm of the height, and by Poisson's ratio in its uncertainty.
     """
 
     def compute_slope(first: Disc | Block, second: Disc | Block, difference: float) -> float:
@@ -255,7 +254,7 @@ def _invert_lines(
 def _compute_glue_sensitivity(
     w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool
 ) -> ComplexArray:
-    r"""Return d ln E* for a glue that gives as much as the rod's storage modulus lets it.
+    r"""Return d ln E* due to the compliance of the glue at the rod's storage modulus.
 
     Between base and rod it gives under the force there, so that
 
@@ -333,9 +332,11 @@ def _estimate_scatter(lines: ComplexArray) -> FloatArray:
     """
     if len(lines) < 2 * _NEIGHBOUR_LINES:
         return np.zeros(len(lines))
-    rough = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
+    squared_differences = np.abs(np.diff(lines, 2)) ** 2 / 12  # 1 + 4 + 1, in two parts
     kernel = np.ones(_NEIGHBOUR_LINES)
-    mean = np.convolve(rough, kernel, "same") / np.convolve(np.ones_like(rough), kernel, "same")
+    mean = np.convolve(squared_differences, kernel, "same") / np.convolve(
+        np.ones_like(squared_differences), kernel, "same"
+    )
     return np.sqrt(np.pad(mean, 1, mode="edge"))
 
 

@@ -30,8 +30,7 @@ def read_ansys_cards(text: str) -> tuple[ViscoelasticCard, ...]:
     Raises
     ------
     ReadError
-        If a table has an odd number of constants, another number of pairs than it says, or names
-        of parameters.
+        If a table has an odd number of constants, a wrong count of pairs, or names of parameters.
     """
     materials: dict[str, _Material] = {}
     table: list[float] | None = None
@@ -103,11 +102,11 @@ def _pair_terms(number: str, material: _Material, option: str) -> tuple[tuple[fl
             "modulus and time"
         )
     pairs = list(zip(values[::2], values[1::2], strict=True))
-    said = material.counts.get(key)
-    if said is not None and said != len(pairs):
+    stated_count = material.counts.get(key)
+    if stated_count is not None and stated_count != len(pairs):
         raise ReadError(
-            f"TB,PRONY,{number} {option} says {said} pairs and has {len(pairs)}; a TBDATA is "
-            "missing, or overwrites another"
+            f"TB,PRONY,{number} {option} says {stated_count} pairs and has {len(pairs)}; a TBDATA "
+            "is missing, or overwrites another"
         )
     for share, tau in pairs:
         if share and not tau > 0:

@@ -1,4 +1,4 @@
-"""Viscoelastic card of a solver, as its numbers stand, and the model that it means."""
+"""Viscoelastic card of a solver with its numbers, and the equivalent model."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ViscoelasticCard:
     name : str
         Name of the material, or the number of the property.
     keyword : str
-        The card that holds the relaxation.
+        Name of the card of the relaxation.
     relative : tuple of (float, float)
         Relative moduli of shear g_j and times tau_j, of the instantaneous modulus.
     bulk : tuple of (float, float)
@@ -52,7 +52,7 @@ class ViscoelasticCard:
     law : TemperatureLaw or None
         Law of the relaxation times.
     notes : tuple of str
-        What was not read, and what was taken for granted.
+        Unread parts of the card, and assumptions.
     """
 
     name: str
@@ -69,11 +69,11 @@ class ViscoelasticCard:
 
     @property
     def is_material(self) -> bool:
-        """Whether its model is of a material's modulus, not of a part's stiffness."""
+        """Whether its model is a material's modulus, not a part's stiffness."""
         return self.spring is None and self.table is None
 
     def convert_to_model(self, units: UnitSystem, modulus: float | None) -> GeneralizedMaxwell:
-        """Return the model in SI; of a material that of Young's modulus.
+        """Return the model in SI; for a material, of Young's modulus.
 
         Parameters
         ----------
@@ -95,8 +95,8 @@ class ViscoelasticCard:
                 spring.b / units.damping(1.0),
             )
         g = [share for share, _ in self.relative]
-        rest = 1 - sum(g)
-        if rest < -1e-9 or min(g, default=0.0) < 0:
+        remaining_share = 1 - sum(g)
+        if remaining_share < -1e-9 or min(g, default=0.0) < 0:
             raise ReadError(
                 f"{self.keyword} of {self.name}: relative moduli from {min(g):g} that sum to "
                 f"{sum(g):g}; expected none below 0 and a sum of at most 1"
@@ -105,12 +105,12 @@ class ViscoelasticCard:
         if self.modulus is not None:
             E_0 = self.modulus / units.stress(1.0)
             if self.is_long_term:
-                if rest <= 0:
+                if remaining_share <= 0:
                     raise ReadError(
                         f"{self.keyword} of {self.name}: nothing is left of the instantaneous "
                         "modulus, and the card has the relaxed one; its MODULI are INSTANTANEOUS"
                     )
-                E_0 /= rest
+                E_0 /= remaining_share
         if E_0 is None:
             raise ReadError(
                 f"{self.keyword} of {self.name} has relative moduli alone: give the instantaneous "
@@ -118,7 +118,7 @@ class ViscoelasticCard:
             )
         order = sorted(self.relative, key=lambda term: term[1])
         return GeneralizedMaxwell(
-            max(rest, 0.0) * E_0,
+            max(remaining_share, 0.0) * E_0,
             tuple(share * E_0 for share, _ in order),
             tuple(tau * units.time for _, tau in order),
         )
@@ -158,7 +158,7 @@ def parse_number(text: str, location: str) -> float:
     Raises
     ------
     ReadError
-        If it is none, such as the name of a parameter.
+        If it is not a number, such as the name of a parameter.
 
     >>> parse_number("1.5-3", "card"), parse_number("2.D1", "card")
     (0.0015, 20.0)

@@ -1,4 +1,4 @@
-"""Model of a solver card as a fit, with what a test could have determined of it."""
+"""Model of a solver card as a fit, with the arms that a test could have determined."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF
 
 METHOD = "card"
-"""Method of a fit whose model is that of a card."""
+"""Method of a fit whose model comes from a card."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,14 @@ class ImportedModel(Serialisable):
         Name of the material or property.
     keyword : str
     fit : Fit
-        What is kept: it has no errors, for no test stands behind it.
+        The model as a fit, without errors, because no test of it is known.
     test : Bench
-        The ramp and hold that was asked about.
+        The planned ramp and hold.
     arms : tuple of TestableArm
     testable_band : (float, float) or None
-        Where that test would know |K| to 10 % and the loss factor to 30 %, Hz.
+        Band in which that test would determine |K| to 10 % and the loss factor to 30 %, Hz.
     notes : tuple of str
-        What of the card was not read, and what was taken for granted.
+        Unread parts of the card, and assumptions.
     """
 
     schema = "dashpot/imported@1"
@@ -110,7 +110,7 @@ def import_card(
     stated_modulus: float | None = None,
     specimen: Specimen | None = None,
 ) -> ImportedModel:
-    """Return the model of a card as a fit, and what a test could have determined of it.
+    """Return the model of a card as a fit, with the arms that a test could have determined.
 
     Parameters
     ----------
@@ -122,8 +122,7 @@ def import_card(
     modulus : float, optional
         Instantaneous Young's modulus, Pa, of a card that has none.
     stated_modulus : float, optional
-        The instantaneous modulus in the comments of the file, Pa, which is taken where there is no
-        other.
+        The instantaneous modulus in the comments of the file, Pa, used if there is no other.
     specimen : Specimen, optional
 
     Raises
@@ -201,7 +200,7 @@ def _fit_table(table: FrequencyTable, name: str) -> tuple[GeneralizedMaxwell, fl
     Raises
     ------
     ReadError
-        If too few rows, or none with damping, are there.
+        If there are too few rows, or none with damping.
     """
     task = "fit complex modulus"
     fit_modulus = require_handler(task, next(iter(list_names(task)), ""))

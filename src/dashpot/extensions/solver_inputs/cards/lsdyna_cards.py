@@ -28,7 +28,7 @@ class KeywordBlock:
     lines: tuple[str, ...]
 
     def fields(self, index: int, width: int = _WIDTH) -> list[str]:
-        """Return the fields of a card: by commas, or of so many columns each."""
+        """Return the fields of a card: by commas, or in fields of fixed width."""
         line = self.lines[index] if index < len(self.lines) else ""
         if "," in line:
             return [word.strip() for word in line.split(",")]
@@ -125,7 +125,7 @@ def _read_single(block: KeywordBlock) -> ViscoelasticCard:
 def _read_network(
     blocks: list[KeywordBlock], springs: dict[str, tuple[str, list[float]]]
 ) -> tuple[ViscoelasticCard, ...]:
-    """Return the discrete elements of each pair of nodes as one model, side by side."""
+    """Return the discrete elements of each pair of nodes as one model, in parallel."""
     materials: dict[str, str] = {}
     for block in blocks:
         if block.name == "PART":

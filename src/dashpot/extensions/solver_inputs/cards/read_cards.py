@@ -1,4 +1,4 @@
-"""Viscoelastic cards of a file, whatever solver it is for."""
+"""Viscoelastic cards of a file, for any solver."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ READ = (
 
 
 def read_stated_units(text: str, name: str, units: str | None) -> UnitSystem:
-    """Return the unit system of a file: that which is given, or which dashpot wrote into it.
+    """Return the unit system of a file: the given one, or the one written by dashpot.
 
     Raises
     ------

@@ -5,8 +5,8 @@ The Cramer-Rao bound of white noise, with offset and drift of the load cell foun
 .. math:: C = \sigma^2 (J^T J)^{-1}, \qquad J = \partial F / \partial (k_\infty, k_j, \ln\tau_j, o,
     \dot o)
 
-with J over a baseline, the ramp and the hold. No unbiased fit does better. What the machine adds is
-not in it: ``dashpot plan`` has that.
+with J over a baseline, the ramp and the hold. No unbiased fit does better. It does not include
+effects of the machine: ``dashpot plan`` has that.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ _BAND_MARGIN = 100.0
 
 @dataclass(frozen=True)
 class TestableArm(Serialisable):
-    """Arm with the relative standard deviations that a test could have given it.
+    """Arm with the relative standard deviations by a possible test.
 
     Attributes
     ----------
     k, tau : float
         N/m or Pa, and s.
     k_sd, tau_sd : float
-        Relative; infinite where the test says nothing.
+        Relative; infinite where the test does not determine the arm.
     is_determined : bool
         k exceeds three standard deviations, and that of ln tau is below a half.
     """
@@ -81,8 +81,8 @@ def _compute_covariance(model: GeneralizedMaxwell, test: Bench) -> FloatArray:
     """Return the bound of k_inf, k, ln tau, offset and drift; huge if undetermined."""
     columns = test.sensitivity(model)
     count = max(round(test.baseline * test.rate), 1)
-    rest = -np.arange(count, 0, -1) / test.rate
-    time = np.concatenate((rest, test.time()))
+    baseline_time = -np.arange(count, 0, -1) / test.rate
+    time = np.concatenate((baseline_time, test.time()))
     J = np.zeros((len(time), columns.shape[1] + 2))
     J[count:, :-2] = columns
     J[:, -2], J[:, -1] = 1.0, time
@@ -99,7 +99,7 @@ def _find_known_band(
 ) -> tuple[float, float] | None:
     """Return the widest range of frequencies, Hz, in which stiffness and loss factor are known.
 
-    Below the inverse of the hold nothing is known, whatever the arms of the card.
+    Below the inverse of the hold time a test determines nothing.
     """
     low = 1 / (2 * np.pi * hold_time)
     high = 1 / (2 * np.pi * min(model.tau)) * _BAND_MARGIN

@@ -9,7 +9,7 @@ from dashpot.text_output.layout import Text, table
 
 
 def render_imported_model(result: ImportedModel) -> Text:
-    """Return the model, and what a test could have determined of each arm."""
+    """Return the model, and the expected errors of each arm in a test."""
     model, test = result.fit.model, result.test
     unit = "N/mm" if result.fit.unit == "N/m" else "MPa"
     end = f", b = {model.b:.5g} N s/m" if model.b else ""

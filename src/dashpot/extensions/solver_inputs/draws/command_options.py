@@ -13,7 +13,7 @@ from dashpot.cli._param_types import File
 
 
 def list_groups() -> list[list[CommandOption]]:
-    """Return the options that ask for draws from the uncertainty of a fit."""
+    """Return the options of draws from the uncertainty of a fit."""
     return [
         group(
             "Uncertainty",
@@ -34,7 +34,7 @@ def export_requested_draws(
     Raises
     ------
     UsageError
-        If something is said of draws, and none are asked for.
+        If options of draws are given without draws.
     """
     if choices["draws"] is None:
         for name in ("seed", "record"):

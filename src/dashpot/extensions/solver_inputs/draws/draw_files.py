@@ -53,11 +53,11 @@ class Draws(Serialisable):
     ----------
     target : str
     file : str
-        That of the fit itself.
+        Deck of the fit itself.
     files : tuple of str
         One of each draw.
     index : str
-        The table of what each does to the peak.
+        The table of the peak of each draw.
     seed : int
     peak, damping_ratio : float
         Peak and damping ratio of the fit itself, Hz and dimensionless.
@@ -85,7 +85,7 @@ def export_draws(
     output: str,
     choices: Mapping[str, Any],
 ) -> CommandResult:
-    """Write the solver input of a fit, those of its draws, and their index beside it.
+    """Write the solver input of a fit, those of its draws, and their index in the same folder.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def _format_spread(ln_sd: float) -> str:
 
 
 class _PeakFinder:
-    """Resonance of a mass on so many seals, at a compression and a temperature."""
+    """Resonance of a mass on seals, at a compression and a temperature."""
 
     def __init__(
         self, mass: float, seals: float, compression: float | None, temperature: float | None

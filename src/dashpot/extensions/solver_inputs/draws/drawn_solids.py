@@ -1,4 +1,4 @@
-r"""Solids drawn from the covariance of a fit, and from what its test leaves open.
+r"""Solids drawn from the covariance of a fit, with arms that its test does not resolve.
 
 An arm faster than the ramp is not in the fit, for the test hardly shows it. In each draw its
 relaxation time lies between what matters at the peak and the end of the valid band, or the fastest
@@ -43,12 +43,12 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _MIN_SHARE = 0.02
-"""Share of a stiffness that is left of it in every draw."""
+"""Smallest fraction of a stiffness in a draw."""
 _FASTEST_ARM_RATIO = 3.0
 """The fastest unresolved arm has its loss at so many times the frequency of the peak."""
 _MAX_ITERATIONS = 40
 _MIN_COLUMN_SHARE = 1e-9
-"""A column of which no more is left than this share is not seen at all."""
+"""A column with no more than this fraction left is invisible."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def draw_solids(
 def choose_unresolved_times(fit: Fit, peak: float) -> tuple[float, float] | None:
     """Return the relaxation times, s, of arms that act on a peak, Hz, above the valid band.
 
-    None where the test informs the peak, and where it says nothing of any frequency.
+    None if the test determines the peak, or no frequency at all.
     """
     high = fit.band[1]
     if not 0 < high < peak:
@@ -195,18 +195,19 @@ class _Sensitivities:
         magnitude = float(np.linalg.norm(remainder))
         linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
         residual = target - columns[:, linear] @ mean[linear]
-        follow = np.zeros(len(mean))
-        follow[self.fitted] = -coefficients
-        falling_indices = [i for i in linear if follow[i] < 0]
+        parameter_changes = np.zeros(len(mean))
+        parameter_changes[self.fitted] = -coefficients
+        falling_indices = [i for i in linear if parameter_changes[i] < 0]
         max_stiffness = min(
-            [(1 - _MIN_SHARE) * mean[i] / -follow[i] for i in falling_indices], default=model.k_0
+            [(1 - _MIN_SHARE) * mean[i] / -parameter_changes[i] for i in falling_indices],
+            default=model.k_0,
         )
         if magnitude <= _MIN_COLUMN_SHARE * float(np.linalg.norm(a)):
             k = share * max_stiffness
         else:
             k = truncated_normal(share, float(remainder @ residual) / magnitude**2, 1 / magnitude)
         k = min(k, max_stiffness, 10 * model.k_0)
-        step, part = values - mean + follow * k, 1.0
+        step, part = values - mean + parameter_changes * k, 1.0
         for _ in range(_MAX_ITERATIONS):
             solid = _build_solid(self.fit, self.names, mean, mean + part * step)
             combined = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))
@@ -220,7 +221,7 @@ class _Sensitivities:
         log_tau = np.log([*fitted.tau, *model.tau])
         total = 0.0
         for data in self.data:
-            rows = data.rows(log_tau, slopes=False)
+            rows = data.rows(log_tau, with_slopes=False)
             for sign, solid, at in (
                 (-1, fitted, slice(fitted.arms)),
                 (1, model, slice(fitted.arms, None)),

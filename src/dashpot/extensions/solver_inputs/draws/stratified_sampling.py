@@ -1,9 +1,9 @@
 r"""Latin hypercube samples of standard normal variables.
 
-Each of n draws lies in another of n strata of equal probability, in every variable (M. D. McKay,
-R. J. Beckman, W. J. Conover, *Technometrics* 21, 1979). The random correlations that n draws have
-besides are removed, as R. L. Iman and W. J. Conover (*Commun. Stat. Simul.* 11, 1982) do it: a sum
-of the variables then has its standard deviation in the draws to first order exactly.
+Each of n draws lies in another of n strata of equal probability, in every variable (M. D. McKay, R.
+J. Beckman, W. J. Conover, *Technometrics* 21, 1979). Random correlations of the n draws are
+removed, as R. L. Iman and W. J. Conover (*Commun. Stat. Simul.* 11, 1982) do it: a sum of the
+variables then has its standard deviation in the draws to first order exactly.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ class Run(NamedTuple):
     procedure : str
         Step and integrator.
     case : str
-        What was done to the seal.
+        Procedure applied to the seal.
     deviation : float
         Largest difference to the model over the peak.
     """
@@ -36,7 +36,7 @@ class Run(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """Whether the answer is that of the model."""
+        """Whether the solver's result agrees with the model."""
         return self.deviation <= MAX_RELATIVE_DIFFERENCE
 
 
@@ -61,9 +61,11 @@ def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> 
     Cases of a parallel dashpot stand in the place of the others where there is one.
     """
     matching_runs = [run for run in read_runs() if (run.target, run.form) == (target, form)]
-    damped = [run for run in matching_runs if run.case.endswith(WITH_DASHPOT)]
+    damped_runs = [run for run in matching_runs if run.case.endswith(WITH_DASHPOT)]
     runs = (
-        damped if with_dashpot and damped else [run for run in matching_runs if run not in damped]
+        damped_runs
+        if with_dashpot and damped_runs
+        else [run for run in matching_runs if run not in damped_runs]
     )
     if not runs:
         return [f"not solver-verified: only read. No solver here runs the form {form}"]
@@ -77,9 +79,9 @@ def format_procedures(target: str, form: str, *, with_dashpot: bool = False) -> 
                 variants_by_procedure.setdefault(run.procedure, []).append(
                     f"{run.deviation:.1e} {case}"
                 )
-        said = "; ".join(
+        procedure_text = "; ".join(
             f"{procedure}: {', '.join(variants)}"
             for procedure, variants in variants_by_procedure.items()
         )
-        lines += [f"  {word} under {said}"] * bool(variants_by_procedure)
+        lines += [f"  {word} under {procedure_text}"] * bool(variants_by_procedure)
     return lines

@@ -31,20 +31,20 @@ _CONVERGENCE_TOLERANCE = 1e-9
 
 
 def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
-    """Flow out of a chamber per area of jet, kg/(s m^2); below 0 where it flows in.
+    """Flow out of a chamber per area of jet, kg/(s m^2); negative for inflow.
 
     Parameters
     ----------
     pressure, density : array_like
-        In the chamber, Pa and kg/m^3; outside they are those of the ambient.
+        In the chamber, Pa and kg/m^3; outside they are those of the environment.
     """
     log_pressure = np.log(np.asarray(pressure, dtype=float) / AMBIENT_PRESSURE)
     return _compute_log_flux(log_pressure, np.log(np.asarray(density, dtype=float) / AIR_DENSITY))
 
 
-def _compute_log_flux(log_pressure: FloatArray, denser: FloatArray) -> FloatArray:
+def _compute_log_flux(log_pressure: FloatArray, log_density_ratio: FloatArray) -> FloatArray:
     """Return the same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
-    upstream = np.exp(np.where(log_pressure > 0, 0.5 * (log_pressure + denser), 0.0))
+    upstream = np.exp(np.where(log_pressure > 0, 0.5 * (log_pressure + log_density_ratio), 0.0))
     log_ratio = np.maximum(-np.abs(log_pressure), _LOG_CHOKED)
     # x^(2/g) - x^(1+1/g), without cancellation at x near 1
     flow_drop = -np.exp(2 / GAMMA * log_ratio) * np.expm1((1 - 1 / GAMMA) * log_ratio)
@@ -107,10 +107,10 @@ def _solve_implicit_step(
     In z with p/p_a = 1 + z|z| the flux is all but straight, so that Newton does not feel its
     infinite slope at rest; the answer lies between rest and the chamber without its opening.
     """
-    bound = _find_density(np.maximum(mass / volume, 1e-6 * AIR_DENSITY), n)
-    low, high = np.minimum(bound, 0.0), np.maximum(bound, 0.0)
+    density_bound = _find_density(np.maximum(mass / volume, 1e-6 * AIR_DENSITY), n)
+    low, high = np.minimum(density_bound, 0.0), np.maximum(density_bound, 0.0)
     # where nothing flows, the bound is the answer
-    z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), bound)
+    z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), density_bound)
     slope = np.sqrt(2 * AMBIENT_PRESSURE * AIR_DENSITY)
     for _ in range(_MAX_ITERATIONS):
         magnitude = np.abs(z)

@@ -59,12 +59,12 @@ def open_door(
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it, or what it reads.
     temperature : float, optional
-        Temperature of the seal, K, instead of what the file says.
+        Temperature of the seal, K, in place of the value in the file.
 
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     """
     door = path if isinstance(path, Door) else read_door(path)
     modes = None
@@ -106,7 +106,7 @@ def get_shear(choice: SealChoice, temperature: float | None) -> Shear:
     ReadError
         If a fit cannot be read.
     DataError
-        If it is of no part, of another temperature, or its length is not known.
+        If it belongs to no part, has another temperature, or its length is not known.
     """
     shear_choice, band = choice.shear, None
     values: list[float | Solid] = []
@@ -176,12 +176,12 @@ def door_file(
     band : (float, float), optional
         Band of the FRFs and modes, Hz; 1 to 200 Hz by default.
     temperature : float, optional
-        Temperature of the seal, K, instead of what the file says.
+        Temperature of the seal, K, in place of the value in the file.
 
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     """
     assembly, fit = open_door(path, temperature=temperature)
     band = band or BAND
@@ -313,8 +313,8 @@ def _check_seal_line(
 ) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     norm = float(np.linalg.norm(line.points[0] - line.points[-1]))
-    pieces = np.diff(line.arc_length).tolist()
-    yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, pieces)
+    segment_lengths = np.diff(line.arc_length).tolist()
+    yield checks.line_closed(line.length, 0.0 if line.is_closed else norm, segment_lengths)
     yield checks.stations_suffice(estimate_station_error(assembly, max_hz), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     compressions = stations.compression

@@ -42,7 +42,7 @@ def describe_file(path: Path) -> dict[str, Any]:
 
 
 def page(result: DoorResult) -> KindPage:
-    """Return what the page of a door shows, in the form of the other kinds."""
+    """Return the contents of the page of a door, in the format of the other kinds."""
     rows = tuple(
         Row(
             f"Mode {i}",
@@ -99,7 +99,7 @@ def predict_open_files(
     files : sequence of path
         The door's own first.
     folder : path
-        Where they are put together; what was there is removed.
+        Folder into which they are copied; its old contents are removed.
     fit_test : callable, optional
         Fits the open relaxation test, whose fit the door may name.
     """

@@ -47,7 +47,7 @@ class Assembly:
         Raises
         ------
         DataError
-            If neither says them, or the rigid modes contradict themselves.
+            If neither is available, or the rigid modes are inconsistent.
         """
         rigid, modes = self.door.rigid, self.modes
         choice = self.door.modes
@@ -78,7 +78,7 @@ class Assembly:
             Pitch of the stations, m; by default the one stated.
         friction_sticks : bool
             The friction of the seal sticks, as under small vibration; else it may slip, and the
-            system answers at a level.
+            response depends on amplitude.
         """
         door = self.door
         bodies = [self.body()]

@@ -10,13 +10,13 @@ from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import SIZES
 
 NOT_THERE = 0.3
-"""m, beyond which shapes are not those of this door."""
+"""Distance above which mode shapes belong to another door, m."""
 MAX_MASS_RATIO = 2.0
 """Ratio of masses, so too."""
 MAX_CLOSING_RATIO = 10.0
 """Times the longest of the other pieces, beyond which that which closes a line skips points."""
 HELD_BY_SEAL = 0.01
-"""Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
+"""Share of energy or loss in the seal above which its test matters for a mode."""
 
 
 @criterion("distance from the valid band, a factor", "<=", 1.0, "the valid band of the fit")
@@ -90,13 +90,13 @@ def seal_touches(
 def lateral_restraint_present(motions: int, slowest: float | None) -> Finding:
     """Hinges, latch or the shear of the seal support the door sideways."""
     has_several_motions = motions > 1
-    from_text = "" if slowest is None else f" from {slowest:.3g} Hz"
+    frequency_text = "" if slowest is None else f" from {slowest:.3g} Hz"
     return Finding(
         "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
         motions,
         failure=f"In-plane motion is held by nothing: no shear is given, and {motions} "
         f"motion{'s' * has_several_motions} {'are' if has_several_motions else 'is'} "
-        f"free{from_text}",
+        f"free{frequency_text}",
         remedy="Give across and along in [seal.shear].",
     )
 
@@ -179,14 +179,16 @@ def mode_shapes_cover_points(distance: float, point_name: str) -> Finding:
 @criterion(
     "ratio of masses", "x/", 1.05, "5 %: trim is often left out", other_grade="stop beyond 2"
 )
-def masses_agree(stated_mass: float, implied: float) -> Finding:
+def masses_agree(stated_mass: float, implied_mass: float) -> Finding:
     """The rigid-body modes have the mass that [door] states."""
     return Finding(
-        f"The rigid modes weigh {implied:.4g} kg; [door] gives {stated_mass:.4g} kg",
-        implied / stated_mass,
+        f"The rigid modes weigh {implied_mass:.4g} kg; [door] gives {stated_mass:.4g} kg",
+        implied_mass / stated_mass,
         "The modal masses or the units of the modes are wrong, or the modes are of another door",
         "Check the mass in [door], and the units of the modes.",
-        grade="limit" if 1 / MAX_MASS_RATIO <= implied / stated_mass <= MAX_MASS_RATIO else "stop",
+        grade="limit"
+        if 1 / MAX_MASS_RATIO <= implied_mass / stated_mass <= MAX_MASS_RATIO
+        else "stop",
     )
 
 

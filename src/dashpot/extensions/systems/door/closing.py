@@ -3,10 +3,10 @@ r"""Closing motion of a door onto its seal.
 .. math:: I\ddot\theta = -\sum_i M_i, \qquad \delta_s = (\delta_{c,s} - \ell_s\theta)_+
 
 The angle falls from where the door has its speed to closed, in steps: over each the kinetic energy
-loses the work of every term, so that energy balances by construction and the time follows as
-step over mean speed, to second order. The arms of the seal answer a compression that is straight
-within a step exactly, whatever their times; air leaves by
-:mod:`dashpot.extensions.systems.door.air_flow`. Any number of doors close side by side.
+loses the work of every term, so that energy balances by construction and the time follows as step
+over mean speed, to second order. The arms of the seal answer a compression that is straight within
+a step exactly, whatever their times; air leaves by :mod:`dashpot.extensions.systems.door.air_flow`.
+Any number of doors are computed simultaneously.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ class ClosingDoor:
     compression : array, shape (stations,)
         With the door closed, m; below 0 where the seal does not reach.
     length : array, shape (stations,)
-        m of seal that each stands for, by the factor of its joints where it is stiffer.
+        Length of seal that each station represents, m, times the stiffness factor of its joints.
     section : SealSection
         One metre of it.
     weight : (float, float)
         Moments of gravity against closing, N m, by the cosine and the sine of the angle.
     setup : ClosingSetup
-        All else.
+        All other data.
     """
 
     inertia: float
@@ -111,7 +111,7 @@ class ClosingDoor:
         )
 
     def resisting(self, angle: FloatArray) -> dict[str, FloatArray]:
-        """Moments against closing that the angle alone decides, N m."""
+        """Moments against closing that depend only on the angle, N m."""
         setup, entries = self.setup, {}
         if setup.friction:
             entries[HINGE] = np.full_like(angle, setup.friction)
@@ -135,14 +135,14 @@ class ClosingHistory:
     kinetic, time : array, shape (n + 1, doors)
         J, nan once a door has stopped, and s.
     work : mapping of str to array, shape (n, doors)
-        Work of every term in every step, J: what it took from the motion.
+        Work of every term in every step, J: the energy that it removed from the motion.
     stored : mapping of str to array, shape (doors,)
         The part of the work that it would give back, J, at the end of the march; nan for
         doors that stopped.
     pressure : mapping of str to array, shape (n + 1, doors)
         Highest gauge pressure in the chambers, Pa.
     returned : float
-        For the first door, if it stopped: kinetic energy with which it comes back, J.
+        For the first door, if it stopped: kinetic energy of its rebound, J.
     """
 
     angle: FloatArray
@@ -166,7 +166,7 @@ class ClosingHistory:
 
 @dataclass
 class _Doors:
-    """Doors as they stand in the middle of a march."""
+    """State of the doors during time integration."""
 
     door: ClosingDoor
     seal: PressedSeal
@@ -177,20 +177,24 @@ class _Doors:
     def from_angle(
         cls,
         door: ClosingDoor,
-        closed: FloatArray,
+        closed_compression: FloatArray,
         load: FloatArray,
         dashpot: FloatArray,
         angle: float,
     ) -> _Doors:
         """Return the doors at an angle, with their compressions and seal forces."""
-        geometry: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
+        geometry: dict[str, Any] = {
+            "lever": door.lever,
+            "closed": closed_compression,
+            "angle": angle,
+        }
         share = door.length * load[:, None]
         seal = PressedSeal(door.section, share=share, dashpot=dashpot, **geometry)
-        airs = [
+        air_chambers = [
             Chambers(name, chamber_air, length=door.length, **geometry)
             for name, chamber_air in door.setup.airs
         ]
-        return cls(door, seal, airs, angle)
+        return cls(door, seal, air_chambers, angle)
 
     def copy_state(self) -> _Doors:
         """Return the same, which the next step leaves where they are."""
@@ -199,7 +203,7 @@ class _Doors:
         )
 
     def compute_stored_energy(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Return what every term would give back of its work in all the steps, J."""
+        """Return the recoverable work of every term in all steps, J."""
         stored_energy = {
             name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work
         }
@@ -232,7 +236,7 @@ class _Doors:
 
 class _Instants(NamedTuple):
     work: dict[str, FloatArray | float]
-    taken: FloatArray
+    total_work: FloatArray
     seconds: FloatArray
 
 
@@ -275,12 +279,12 @@ def simulate_closing(
     pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
     kinetic, time = np.zeros((2, n + 1, doors))
     kinetic[0] = 0.5 * door.inertia * (np.asarray(speed) / door.edge) ** 2
-    moment, returned = np.zeros(doors), 0.0
+    moment, returned_energy = np.zeros(doors), 0.0
     for i in range(n):
         # of one door alone it is asked with what it comes back
         previous_state = state.copy_state() if doors == 1 else state
         energy_done = state.step(float(angle[i + 1]), kinetic[i], moment)
-        kinetic[i + 1] = kinetic[i] - energy_done.taken
+        kinetic[i + 1] = kinetic[i] - energy_done.total_work
         is_moving = kinetic[i + 1] > 0
         kinetic[i + 1, ~is_moving] = np.nan
         for name, values in energy_done.work.items():
@@ -288,19 +292,21 @@ def simulate_closing(
         for chamber in state.chambers:
             pressure[chamber.name][i + 1] = np.where(is_moving, chamber.gauge, 0.0)
         time[i + 1] = time[i] + np.where(is_moving, energy_done.seconds, 0.0)
-        moment = energy_done.taken / float(angle[i] - angle[i + 1])
+        moment = energy_done.total_work / float(angle[i] - angle[i + 1])
         if not is_moving.any():
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
             if doors == 1:
-                returned = _compute_rebound_energy(previous_state, angle[i::-1])
+                returned_energy = _compute_rebound_energy(previous_state, angle[i::-1])
             break
-    stopped = np.isnan(kinetic[-1])
+    is_stopped = np.isnan(kinetic[-1])
     stored_energy = {
-        name: np.where(stopped, np.nan, row)
+        name: np.where(is_stopped, np.nan, row)
         for name, row in state.compute_stored_energy(work).items()
     }
-    return ClosingHistory(angle, kinetic, time, dict(work), stored_energy, dict(pressure), returned)
+    return ClosingHistory(
+        angle, kinetic, time, dict(work), stored_energy, dict(pressure), returned_energy
+    )
 
 
 def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
@@ -313,8 +319,8 @@ def _compute_rebound_energy(state: _Doors, angle: FloatArray) -> float:
             trial = copy(state.seal).step(step_angle, np.full(1, 1e-3))
             moment = np.full(1, (trial[0][0] + trial[1][0]) / turned_angle)
         energy_done = state.step(step_angle, kinetic, moment)
-        kinetic = np.maximum(kinetic - energy_done.taken, 0.0)
-        moment = energy_done.taken / turned_angle
+        kinetic = np.maximum(kinetic - energy_done.total_work, 0.0)
+        moment = energy_done.total_work / turned_angle
         if not kinetic[0]:
             break
     return float(kinetic[0])

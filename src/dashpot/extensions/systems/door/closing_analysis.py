@@ -44,7 +44,7 @@ class Share(Serialisable):
     ----------
     name : str
     work : float
-        J; below 0 where it helped.
+        J; negative if it helped.
     stored : float
         The part of the work that it would give back, J; nan of a door that stopped.
     peak_moment : float
@@ -101,7 +101,7 @@ class Scatter(Serialisable):
     least_contact_force: FloatArray
 
     def quantile(self, part: float) -> float:
-        """Return the speed that closes so many of the doors, m/s."""
+        """Return the speed that closes a fraction of the doors, m/s."""
         return float(np.quantile(self.least_speed, part, method="higher"))
 
     @property
@@ -134,7 +134,7 @@ class SealDoubt:
         s: so long, times the stiffness, is the dashpot that they may hide as. inf where the test
         does not limit it.
     highest : float
-        To which frequency it informs, Hz: what is slower hides nothing.
+        Upper end of its valid band, Hz.
     """
 
     relative: float = 0.0
@@ -146,8 +146,8 @@ class SealDoubt:
         """Return the uncertainty of a fit: its covariance, and arms that look like a delay.
 
         A fast arm and clocks that differ are one column of the fit: the lead that was found may be
-        all of the arms', and more by as much as the clocks may hide. A hold alone, a bent ramp and
-        a sweep limit neither.
+        all of the arms', and more by as much as the clocks may hide. A fit of the hold alone, a
+        nonlinear ramp and a sweep limit neither.
         """
         names = fit.estimate.parameters
         is_stiffness = np.array([name.startswith("k_") for name in names], dtype=float)
@@ -192,7 +192,7 @@ class ClosingAnalysis:
     ----------
     door : ClosingDoor
     speed : float
-        At the edge where it began, m/s.
+        Initial speed at the edge, m/s.
     march : ClosingHistory
         Every step of it.
     terms : tuple of Share
@@ -201,7 +201,7 @@ class ClosingAnalysis:
     interval : (float, float) or None
         Between which limits the uncertainty of the seal leaves that; None where it is not known.
     monotone : bool
-        Whether every faster door that was tried closes too.
+        Whether every faster computed door closes as well.
     scatter : Scatter or None
     """
 
@@ -221,7 +221,7 @@ class ClosingAnalysis:
 
     @property
     def energy(self) -> float:
-        """Kinetic, where it began, J."""
+        """Initial kinetic energy, J."""
         return float(self.march.kinetic[0, 0])
 
     @property
@@ -234,12 +234,12 @@ class ClosingAnalysis:
         """Distance of the edge from closed where the door stops, m; None if it closes."""
         if self.is_latched:
             return None
-        last = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
-        return self.door.edge * float(self.march.angle[last])
+        last_step = int(np.flatnonzero(np.isfinite(self.march.kinetic[:, 0]))[-1])
+        return self.door.edge * float(self.march.angle[last_step])
 
     @property
     def rebound(self) -> float:
-        """Speed of the edge of a door that comes back, m/s."""
+        """Rebound speed of the edge, m/s."""
         return self.door.edge * float(np.sqrt(2 * self.march.returned / self.door.inertia))
 
     @property
@@ -281,26 +281,26 @@ def close_door(
     line : SealLine, optional
         With its section and compression; by default the door's own.
     speed : str or float
-        At the edge where it begins, m/s.
+        Initial speed at the edge, m/s.
     seal_uncertainty : SealDoubt, optional
-        What of the seal is not known.
+        Uncertainty of the seal.
     steps : int
         Steps of the angle over which the seal is pressed.
 
     Raises
     ------
     DataError
-        If the door lacks what closing needs, or the speed is not > 0.
+        If the door lacks values for closing, or the speed is not > 0.
     """
     v = convert_to_si(speed, "velocity")
     if not 0 < v <= FASTEST:
         raise DataError(
             f"a closing speed of {v:g} m/s; expected > 0 and at most {FASTEST:g} m/s, such as 1m/s"
         )
-    moving = door if isinstance(door, ClosingDoor) else make_closing_door(door, line)
-    closing_march = simulate_closing(moving, np.array([v]), steps=steps)
+    closing_door = door if isinstance(door, ClosingDoor) else make_closing_door(door, line)
+    closing_march = simulate_closing(closing_door, np.array([v]), steps=steps)
     closing = ClosingAnalysis(
-        moving,
+        closing_door,
         v,
         closing_march,
         tuple(_list_energy_shares(closing_march)),
@@ -311,21 +311,21 @@ def close_door(
     )
     load, hidden = np.ones(1), np.zeros(1)
     if seal_uncertainty is not None:
-        extremes = seal_uncertainty.extremes(moving.section.solid.maxwell, closing.frequency)
+        extremes = seal_uncertainty.extremes(closing_door.section.solid.maxwell, closing.frequency)
         load, hidden = (
             np.append(values, two) for values, two in zip((load, hidden), extremes, strict=True)
         )
     min_speed, limited = np.full(len(load), np.inf), np.isfinite(hidden)
     min_speed[limited] = find_least_speed(
-        moving, load=load[limited], dashpot=hidden[limited], steps=steps
+        closing_door, load=load[limited], dashpot=hidden[limited], steps=steps
     )
-    minimum, variation = float(min_speed[0]), moving.setup.variation
+    minimum, variation = float(min_speed[0]), closing_door.setup.variation
     return replace(
         closing,
         minimum=minimum,
         interval=None if seal_uncertainty is None else (float(min_speed[1]), float(min_speed[2])),
-        monotone=_check_faster_doors(moving, minimum),
-        scatter=None if variation is None else simulate_scatter(moving, variation, minimum),
+        monotone=_check_faster_doors(closing_door, minimum),
+        scatter=None if variation is None else simulate_scatter(closing_door, variation, minimum),
     )
 
 
@@ -389,8 +389,8 @@ def find_least_speed(
     high, low = np.full(doors, half_mass), np.zeros(doors)
     energy_left = spare(high)
     while np.isnan(energy_left).any() and high.max() < half_mass * FASTEST**2:
-        stopped = np.isnan(energy_left)
-        low, high = np.where(stopped, high, low), np.where(stopped, 4 * high, high)
+        is_stopped = np.isnan(energy_left)
+        low, high = np.where(is_stopped, high, low), np.where(is_stopped, 4 * high, high)
         energy_left = spare(high)
     never_closes, slope = np.isnan(energy_left), np.ones(doors)
     for _ in range(_TRIES):
@@ -455,7 +455,7 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     ratio = door.length / reduced_door.length[group]
     groups = np.zeros((n, len(reduced_door.lever)))
     groups[np.arange(n), group] = ratio
-    rough = find_least_speed(
+    coarse_speeds = find_least_speed(
         reduced_door,
         compression=compressions @ groups,
         load=load,
@@ -465,7 +465,7 @@ def simulate_scatter(door: ClosingDoor, variation: Tolerances, minimum: float) -
     nominal = find_least_speed(reduced_door, steps=_COARSE_STEPS, tolerance=_COARSE_TOLERANCE)[0]
     # few stations and steps miss alike in every door what the nominal one shows of it
     scale = minimum / nominal if 0 < nominal < np.inf and np.isfinite(minimum) else 1.0
-    speed = scale * rough
+    speed = scale * coarse_speeds
     force = load[:, None] * door.section.force(compressions)
     return Scatter(variation, speed, compressions.min(axis=1), force.min(axis=1))
 

@@ -31,7 +31,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
     ----------
     result : ClosingResult
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     closing_result = result.closing
     strips: list[tuple[Panel, ...]] = [
@@ -51,7 +51,7 @@ def closing(result: ClosingResult, *, stamp: str = "") -> Picture:
 
 
 def make_energy_waterfall(closing: ClosingAnalysis) -> Panel:
-    """Return the energy that each term takes, the largest first, and the rest."""
+    """Return the energy absorbed by each term, the largest first, and the rest."""
     rows = [("door", 0.0, closing.energy)]
     at = closing.energy
     for energy_term in sorted(closing.terms, key=lambda term: -abs(term.work)):
@@ -123,7 +123,7 @@ def make_moments_panel(closing: ClosingAnalysis) -> Panel:
         -np.diff(closing.march.angle),
     )
     is_shown = np.isfinite(closing.march.kinetic[1:, 0]) & (midpoint <= axis_limit)
-    marks: list[Mark] = [Rule(0.0, REF, across=True)]
+    marks: list[Mark] = [Rule(0.0, REF, is_horizontal=True)]
     highest = []
     pens = [Pen(colour, 1.8) for colour in sequential(5)]
     pens += [Pen(colour, 1.8, (6, 3)) for colour in sequential(5)]

@@ -36,16 +36,21 @@ class PressedSeal:
         lever: FloatArray,
         share: FloatArray,
         dashpot: FloatArray,
-        closed: FloatArray,
+        closed_compression: FloatArray,
         angle: float,
     ) -> None:
-        self.section, self.lever, self.share, self.closed = section, lever, share, closed
+        self.section, self.lever, self.share, self.closed = (
+            section,
+            lever,
+            share,
+            closed_compression,
+        )
         solid = section.solid.maxwell
         self.k_inf, self.b = solid.k_inf, solid.b + dashpot[:, None]
         self.k, self.tau = np.array(solid.k), np.array(solid.tau)
-        self.at = np.maximum(closed - lever * angle, 0.0)
+        self.at = np.maximum(closed_compression - lever * angle, 0.0)
         self.path = section.path(self.at)
-        self.arms = np.zeros((*closed.shape, len(self.k)))
+        self.arms = np.zeros((*closed_compression.shape, len(self.k)))
 
     def step(self, angle: float, seconds: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Press on to an angle: work of the relaxed force and of the rest, J, shape (doors,)."""
@@ -93,11 +98,11 @@ class Chambers:
         *,
         lever: FloatArray,
         length: FloatArray,
-        closed: FloatArray,
+        closed_compression: FloatArray,
         angle: float,
     ) -> None:
         self.name, self.kind = name, kind
-        self.lever, self.length, self.closed = lever, length, closed
+        self.lever, self.length, self.closed = lever, length, closed_compression
         self.volume, self.opening = self._compute_chamber_geometry(angle)
         self.density = np.full(self.volume.shape, air_flow.AIR_DENSITY)
 
@@ -132,6 +137,6 @@ class Chambers:
         return np.asarray(self.pressure.max(axis=1) - air_flow.AMBIENT_PRESSURE)
 
     def compute_stored_energy(self) -> FloatArray:
-        """Return what the air would give back, J, shape (doors,)."""
+        """Return the stored energy of the air, J, shape (doors,)."""
         row = air_flow.compute_stored_energy(self.density, self.volume, self.kind.exponent)
         return np.asarray(row.sum(axis=1))

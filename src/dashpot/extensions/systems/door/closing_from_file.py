@@ -33,16 +33,16 @@ def close_file(
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it.
     speed : float
-        At the door's edge where it begins, m/s.
+        Initial speed at the door's edge, m/s.
     temperature : float, optional
-        Temperature of the seal, K, instead of what the file says.
+        Temperature of the seal, K, in place of the value in the file.
 
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     DataError
-        If the file lacks what closing needs.
+        If the file lacks values for closing.
     """
     assembly, fit = open_door(path, temperature=temperature)
     with add_file_to_errors(path):

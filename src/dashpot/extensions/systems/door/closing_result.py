@@ -65,7 +65,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def _headline(self) -> str:
-        """The least speed that closes the door, and whether the speed asked for does."""
+        """The lowest speed that closes the door, and whether the stated speed does."""
         closing = self.closing
         if not math.isfinite(closing.minimum):
             return "no speed closes the door"

@@ -28,9 +28,9 @@ class DoorPosition(NamedTuple):
     angle : float
         From closed, rad.
     pressed, gap : array, shape (doors, stations)
-        How far the seal is pressed, and what it lacks to its counterpart, m, >= 0.
+        Compression of the seal, and its gap to the counterpart, m, >= 0.
     length : array, shape (stations,)
-        m of seal that each stands for.
+        Length of seal that each station represents, m.
     lever : array, shape (stations,)
         By how much the gap grows with the angle, m.
     """
@@ -76,7 +76,7 @@ class Vents(Air):
     Attributes
     ----------
     width : float
-        Width of the bulb where it is pressed, m.
+        Width of the compressed bulb, m.
     section : float
         Area of the free bulb's hollow, m^2.
     opening : float
@@ -93,7 +93,7 @@ class Vents(Air):
         require_nonnegative("the vents: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """Return the hollow less what is pressed out of it."""
+        """Return the free volume of the hollow under compression."""
         hollow = self.section - self.width * door.pressed
         if (hollow <= 0).any():
             raise DataError(
@@ -163,7 +163,7 @@ class Cabin(Air):
         require_nonnegative("the cabin: ", opening=self.opening)
 
     def chambers(self, door: DoorPosition) -> tuple[FloatArray, FloatArray]:
-        """Return the cabin with what the door still encloses, and its vents with the open gap."""
+        """Return the cabin with the volume behind the door, and its vents with the open gap."""
         volume = self.volume + self.area * self.lever * door.angle
         opening = self.opening + (door.gap @ door.length)[:, None]
         return np.full_like(opening, volume), opening
@@ -206,7 +206,7 @@ class CheckStrap:
     Attributes
     ----------
     angle, moment : tuple of float
-        From closed, rad, rising; N m against closing, below 0 where it helps.
+        From closed, rad, rising; N m against closing, negative if it helps.
     """
 
     angle: tuple[float, ...]
@@ -231,12 +231,12 @@ class Tolerances:
     load : float
         Tolerance of the seal's force, a part of it: likewise.
     correlation : float or None
-        Length along the line over which the gap forgets itself, m; None moves it as one.
+        Correlation length of the gap along the line, m; None: the gap varies as a whole.
     count : int
         Doors drawn.
     seed : int
     limit : float or None
-        Speed that a door may need, m/s.
+        Largest allowed closing speed, m/s.
     """
 
     gap: float = 0.0
@@ -299,15 +299,15 @@ class ClosingSetup:
         named_parts = (
             ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
         )  # fmt: skip
-        airs = tuple((name, air) for name, air in named_parts if air is not None)
-        object.__setattr__(self, "airs", airs)
+        named_air_parts = tuple((name, air) for name, air in named_parts if air is not None)
+        object.__setattr__(self, "airs", named_air_parts)
 
 
 def _validate_table(
     owner: str, x: tuple[float, ...], y: tuple[float, ...], *, from_zero: bool = False
 ) -> None:
-    rises = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
-    if len(x) != len(y) or not rises or not np.isfinite([*x, *y]).all():
+    is_rising = len(x) >= 2 and bool((np.diff(x) > 0).all()) and (x[0] == 0 or not from_zero)
+    if len(x) != len(y) or not is_rising or not np.isfinite([*x, *y]).all():
         begins = "from 0 " if from_zero else ""
         raise DataError(
             f"{owner}: {len(x)} places and {len(y)} values; expected as many of both, at least "

@@ -97,7 +97,7 @@ class SealChoice:
     length : float or None
         Length of that specimen, m; None where the fit states it.
     temperature : float or None
-        K; None is that of the fit.
+        K; None for the temperature of the fit.
     pitch : float or None
         Wanted distance of its stations, m.
     shear : ShearChoice
@@ -120,15 +120,15 @@ class ModesChoice:
     ----------
     path : str
     unit : str or None
-        Unit of the coordinates, where the file does not say.
+        Default unit of the coordinates.
     modal_mass : float or None
-        Modal mass of every mode, where the file does not say, kg.
+        Default modal mass of every mode, kg.
     damping : float or None
-        Damping ratio of every mode, instead of what the file says.
+        Damping ratio of every mode, in place of the value in the file.
     most : float
-        Modes above this frequency are left out, Hz.
+        Modes above this frequency are omitted, Hz.
     is_hung : bool
-        They are those of the door as it hangs, without rigid motions.
+        The modes belong to the hung door, without rigid motions.
     """
 
     path: str
@@ -181,7 +181,7 @@ class Door(EqualByValue):
         How the body shakes: a file, or words such as ``"0.01g^2/Hz"``; "" if it does not.
     base_along : (float, float, float)
     closing : ClosingSetup
-        What else meets it as it closes.
+        Data for the closing analysis.
     leak : LeakSetup or None
         Pressure on its seal.
     source : Source or None

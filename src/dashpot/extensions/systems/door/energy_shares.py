@@ -20,7 +20,7 @@ class EnergyShare:
     energy : float
         Part of the energy that all springs store.
     loss : float
-        What it adds to the loss factor of the mode.
+        Its contribution to the loss factor of the mode.
     """
 
     name: str

@@ -40,35 +40,35 @@ MAX_MODES = 6
 _CLASSES = 4
 """Number of classes of compression."""
 _SHAPE_POINTS = 240
-"""Places along the line at which a shape is drawn."""
+"""Number of points along the line at which a shape is drawn."""
 _BAND_WIDTH = 0.16
 """Width of the band of the largest motion, over the door's larger side."""
 _IN_PLANE = 0.1
 """Largest motion across the plane, over that in it, of a mode in the plane."""
 _BAND_RATIO = 1.2
-"""About the modes that the seal holds: how far their FRF is shown, as a factor."""
+"""Factor by which the shown frequencies extend below and above the modes that the seal holds."""
 _SCALES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
-"""Lengths that the line beneath a door may have, m."""
+"""Possible lengths of the scale bar, m."""
 _DIRECTION_COLOURS = {"out": "warm", "in": "cold"}
-"""Colours of what goes out and in."""
+"""Colours of outward and inward motion."""
 _INSIDE = {"out": 0.5, "in": 1.5}
-"""Distance of the words from the line, in widths of a band, inwards."""
+"""Distance of a label from the line, inwards, in widths of a band."""
 _AVERAGED_STATIONS = 17
-"""Places over which the direction of a band is averaged."""
+"""Number of points over which the direction of a band is averaged."""
 _FEW_LINES = 12
 """Lines of an FRF below which all of it is shown."""
 _MIN_ENERGY_SHARE = 0.01
-"""Share of the energy from which the seal is said to hold a mode."""
+"""Smallest share of the energy in the seal of a mode that the seal holds."""
 
 
 def door(result: DoorResult, *, stamp: str = "") -> Picture:
-    """Return the seal line by its compression, the first modes as the line moves, and FRFs.
+    """Return the compression of the seal line, its motion in the first modes, and FRFs.
 
     Parameters
     ----------
     result : DoorResult
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     strips: list[tuple[Panel, ...]] = []
     view = View.from_result(result)
@@ -101,11 +101,11 @@ class View:
     Attributes
     ----------
     axes : (int, int)
-        The two along which the line is longest, the second upright.
+        The two coordinates along which the line is longest; the second points up in the figure.
     mirrored : bool
-        Whether the first one runs to the left.
+        Whether the first coordinate points to the left.
     outward : array, shape (3,)
-        Against the way in which the door presses its seal, on average.
+        Mean outward normal, opposite to the direction in which the door presses its seal.
     """
 
     axes: tuple[int, int]
@@ -121,15 +121,15 @@ class View:
     def from_line(cls, line: SealLine) -> View:
         """Return the view of a seal line."""
         first, second = sorted(np.argsort(np.ptp(line.points, axis=0))[1:].tolist())
-        inward = line.normal_at(line.arc_length).mean(axis=0)
-        magnitude = float(np.linalg.norm(inward))
+        inward_normal = line.normal_at(line.arc_length).mean(axis=0)
+        magnitude = float(np.linalg.norm(inward_normal))
         axis_vector = np.eye(3)[next(k for k in range(3) if k not in (first, second))]
-        outward = -inward / magnitude if magnitude > 0 else axis_vector
-        right_part = np.cross(np.eye(3)[second], outward)
-        return cls((first, second), bool(right_part[first] < 0), outward)
+        outward_normal = -inward_normal / magnitude if magnitude > 0 else axis_vector
+        right_part = np.cross(np.eye(3)[second], outward_normal)
+        return cls((first, second), bool(right_part[first] < 0), outward_normal)
 
     def project_points(self, vectors: FloatArray) -> FloatArray:
-        """Places or motions, shape (n, 3), as they are drawn, shape (n, 2)."""
+        """Return points or motions, shape (n, 3), in the plane of the figure, shape (n, 2)."""
         projected = vectors[:, list(self.axes)].copy()
         projected[:, 0] *= -1 if self.mirrored else 1
         return np.asarray(projected)
@@ -182,29 +182,29 @@ def make_line_panel(result: DoorResult, view: View) -> Panel:
 
 
 def mark_classes(
-    points: FloatArray, values: FloatArray, touches: BoolArray, *, unit: str
+    points: FloatArray, values: FloatArray, has_contact: BoolArray, *, unit: str
 ) -> list[Mark]:
-    """Return stations in a few classes of their values, and those that do not touch."""
+    """Return stations coloured by classes of their values, and those without contact."""
     x, y = points.T
     marks: list[Mark] = []
-    if touches.any():
-        low, high = float(values[touches].min()), float(values[touches].max())
+    if has_contact.any():
+        low, high = float(values[has_contact].min()), float(values[has_contact].max())
         count = _CLASSES if high - low > 1e-6 else 1
         edges = np.linspace(low, high, count + 1)
         rank = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, count - 1)
         for k, colour in enumerate(sequential(count)):
-            is_in_class = touches & (rank == k)
+            is_in_class = has_contact & (rank == k)
             label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} {unit}"
             if is_in_class.any():
                 marks.append(Dots(x[is_in_class], y[is_in_class], colour, label, size=5.0))
-    if not touches.all():
-        is_open = ~touches
+    if not has_contact.all():
+        is_open = ~has_contact
         marks.append(Dots(x[is_open], y[is_open], "bad", "does not touch", size=5.0, hollow=True))
     return marks
 
 
 def make_compression_panel(result: DoorResult) -> Panel:
-    """Return how far the seal is pressed along its line, and the depth of its test."""
+    """Return the compression along the seal line, and the depth of the seal's test."""
     stations = result.stations
     arc_length = np.zeros(0) if stations is None else stations.along
     length = 0.0 if result.door.line is None else result.door.line.length
@@ -212,11 +212,14 @@ def make_compression_panel(result: DoorResult) -> Panel:
     if stations is not None and stations.compression is not None:
         mm = convert_to_unit(stations.compression, "mm")
     law = None if result.fit is None else result.fit.elastic_law
-    marks: list[Mark] = [Line(arc_length, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
+    marks: list[Mark] = [
+        Line(arc_length, mm, FIT, "compression"),
+        Rule(0.0, REF, is_horizontal=True),
+    ]
     limits = [mm, np.zeros(1)]
     if law is not None:
         tested = convert_to_unit(law.depth, "mm")
-        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
+        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", is_horizontal=True))
         limits.append(np.array([tested]))
     return Panel(
         Scale("along the line, m", (0.0, length)),
@@ -230,8 +233,8 @@ def make_compression_panel(result: DoorResult) -> Panel:
 def make_shape_panels(result: DoorResult, view: View) -> list[Panel]:
     """Return the motion of the line in each of the first modes.
 
-    Across the plane of the door as a band on the line, outwards where it goes out, inwards where it
-    goes in; in its plane as the line itself, moved.
+    Motion normal to the plane of the door is a band on the line, drawn outwards or inwards; motion
+    in the plane is the line displaced.
     """
     line = result.door.line
     if line is None:
@@ -302,15 +305,15 @@ def _draw_plane_motion(rest_points: FloatArray, change: FloatArray, size: float)
 def _make_motion_bands(
     rest_points: FloatArray, normal_motion: FloatArray, size: float
 ) -> list[Mark]:
-    """Return a motion across the plane as bands on the line, rings where it stands still."""
+    """Return a motion normal to the plane as bands on the line, with rings at its nodes."""
     normal = _compute_outward_normals(rest_points)
-    scaled = normal_motion / float(np.abs(normal_motion).max())
-    edge = rest_points + size * scaled[:, None] * normal
+    scaled_motion = normal_motion / float(np.abs(normal_motion).max())
+    edge = rest_points + size * scaled_motion[:, None] * normal
     marks: list[Mark] = []
-    # each stretch of one sign, from where it stands still to where it does again
-    sign_changes = np.flatnonzero(np.diff(np.sign(scaled)) != 0) + 1
+    # each stretch of one sign, from node to node
+    sign_changes = np.flatnonzero(np.diff(np.sign(scaled_motion)) != 0) + 1
     for stretch in np.split(np.arange(len(rest_points)), sign_changes):
-        sense = "out" if scaled[stretch].mean() > 0 else "in"
+        sense = "out" if scaled_motion[stretch].mean() > 0 else "in"
         ring = np.concatenate([rest_points[stretch], edge[stretch][::-1]])
         marks.append(
             Ring(ring[:, 0], ring[:, 1], _DIRECTION_COLOURS[sense], f"seal line goes {sense}")
@@ -321,8 +324,11 @@ def _make_motion_bands(
         marks.append(
             Dots(node_points[:, 0], node_points[:, 1], "ink", "stands still", size=6.0, hollow=True)
         )
-    for sense, index in (("out", int(np.argmax(scaled))), ("in", int(np.argmin(scaled)))):
-        if (scaled[index] > 0) == (sense == "out") and abs(scaled[index]) > _IN_PLANE:
+    for sense, index in (
+        ("out", int(np.argmax(scaled_motion))),
+        ("in", int(np.argmin(scaled_motion))),
+    ):
+        if (scaled_motion[index] > 0) == (sense == "out") and abs(scaled_motion[index]) > _IN_PLANE:
             offset = _INSIDE[sense] * size
             x, y = (rest_points[index] - offset * normal[index]).tolist()
             marks.append(Tag(x - 0.4 * size, y, sense, "ink", bold=True, end=True))
@@ -330,14 +336,14 @@ def _make_motion_bands(
 
 
 def _compute_outward_normals(rest_points: FloatArray) -> FloatArray:
-    """Across the line in its plane, away from its middle, of length 1, shape (n, 2)."""
+    """Return the unit outward normals of the line in its plane, shape (n, 2)."""
     tangent = np.gradient(rest_points, axis=0)
     if np.allclose(rest_points[0], rest_points[-1]):
         tangent[0] = tangent[-1] = rest_points[1] - rest_points[-2]
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     outward_sum = float(np.sum(normal * (rest_points - rest_points.mean(axis=0))))
-    # round a corner it turns slowly, or a band inside it would fold
+    # smoothed around a corner, where a band on the inside would otherwise overlap itself
     kernel = np.ones(_AVERAGED_STATIONS) / _AVERAGED_STATIONS
     padded_values = np.concatenate(
         [normal[-_AVERAGED_STATIONS - 1 : -1], normal, normal[1 : _AVERAGED_STATIONS + 1]]
@@ -346,13 +352,15 @@ def _compute_outward_normals(rest_points: FloatArray) -> FloatArray:
         padded_values = np.pad(
             normal, ((_AVERAGED_STATIONS, _AVERAGED_STATIONS), (0, 0)), mode="edge"
         )
-    smoothed = np.column_stack([np.convolve(item, kernel, mode="same") for item in padded_values.T])
-    smoothed = smoothed[_AVERAGED_STATIONS:-_AVERAGED_STATIONS]
-    return np.asarray(smoothed if outward_sum > 0 else -smoothed)
+    smoothed_normals = np.column_stack(
+        [np.convolve(item, kernel, mode="same") for item in padded_values.T]
+    )
+    smoothed_normals = smoothed_normals[_AVERAGED_STATIONS:-_AVERAGED_STATIONS]
+    return np.asarray(smoothed_normals if outward_sum > 0 else -smoothed_normals)
 
 
 def _extract_real_motion(change: ComplexArray) -> FloatArray:
-    """Return the real motion when most of it is at its largest."""
+    """Return the motion at the phase of its largest component."""
     top = change.ravel()[int(np.abs(change).argmax())]
     return np.asarray((change / top).real)
 
@@ -377,7 +385,7 @@ def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> 
         is_shown, shown_range, seal_modes = np.ones(len(f), dtype=bool), full_range, []
     f, curves = f[is_shown], [np.abs(frf.value)[is_shown] for frf in (sealed, bare_frf)]
     band = (0.0, np.inf) if result.fit is None else result.fit.band
-    tops = [
+    peak_tags = [
         Tag(
             hz,
             float(np.interp(hz, f, curves[0])),
@@ -387,16 +395,16 @@ def make_frf_panel(result: DoorResult, index: int, *, height: float = 230.0) -> 
         )
         for number, hz in seal_modes[:MAX_MODES]
     ]
-    words = "with the seal"
+    label = "with the seal"
     lines = [
         line
-        for line in split_at_band(band, f, curves[0], words, text=f"{words}, extrapolated")
+        for line in split_at_band(band, f, curves[0], label, text=f"{label}, extrapolated")
         if np.isfinite(line.y).any()
     ]
     return Panel(
         Scale("frequency, Hz", shown_range),
         Scale("accelerance, 1/kg", compute_padded_log_limits(*curves, margin=2.0), log=True),
-        (Line(f, curves[1], Pen("ref", 1.6), "without the seal"), *lines, *tops),
+        (Line(f, curves[1], Pen("ref", 1.6), "without the seal"), *lines, *peak_tags),
         title=name if name == result.driven.name else f"{name}, driven at {result.driven.name}",
         height=height,
         note=f"of {full_range[0]:g} to {full_range[1]:g} Hz" if seal_modes else "",

@@ -56,7 +56,7 @@ class StateLeak(Serialisable):
     density : float
         Density of the air, kg/m^3.
     retained : float
-        Part of the force that aging leaves.
+        Fraction of the force after aging.
     """
 
     _keys = (
@@ -108,7 +108,7 @@ def compute_contact_force(
     ----------
     section : SealSection
     compression : array
-        Where it relaxed, m.
+        Compression at which it relaxed, m.
     gap : float
         g, m.
     time : float

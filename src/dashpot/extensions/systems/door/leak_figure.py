@@ -24,7 +24,7 @@ def draw_leak(result: LeakResult, *, stamp: str = "") -> Picture:
     ----------
     result : LeakResult
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     caption = (
         "Speed of the car at which the pressure lifts the seal: of the first station in every "
@@ -83,7 +83,7 @@ def draw_line(result: LeakResult) -> Panel:
     if limit is not None:
         limit_speed = float(convert_to_unit(limit, "km/h"))
         speeds.append(np.array([limit_speed]))
-        marks.append(Rule(limit_speed, REF, f"limit {limit_speed:.0f} km/h", across=True))
+        marks.append(Rule(limit_speed, REF, f"limit {limit_speed:.0f} km/h", is_horizontal=True))
     max_speed = compute_padded_limits(*speeds)[1]
     return Panel(
         Scale("along the line, m", (0.0, float(arc_length[-1]))),

@@ -42,14 +42,14 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
     path : path or Door
         TOML, as :func:`~dashpot.extensions.systems.door.read.read_door` reads it.
     temperature : float, optional
-        Temperature of the new seal, K, instead of what the file says.
+        Temperature of the new seal, K, in place of the value in the file.
 
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     DataError
-        If the file lacks what a leak speed needs.
+        If the file lacks values for a leak speed.
     """
     assembly, fit = open_door(path, temperature=temperature)
     door = assembly.door
@@ -102,7 +102,7 @@ def find_leak_speeds(path: str | Path | Door, *, temperature: float | None = Non
 
 
 def _evaluate_retention(state: LeakState) -> tuple[Interval, list[Check]]:
-    """Return the part of the force that aging leaves, with 95 % limits, and failed checks of it."""
+    """Return the fraction of force after aging, with 95 % limits, and its failed checks."""
     aging = state.aging
     if aging is None:
         half_width = NORMAL * state.retained_sd

@@ -44,7 +44,7 @@ def leak_page(result: LeakResult) -> KindPage:
         table_title="The first station lifts at",
         groups=(group("", result.facts),),
         sources=result.sources,
-        folds=(
+        collapsible_sections=(
             CollapsibleSection(
                 "On the door", "leak speed of every station as described", None,
                 Picture("leak-door", "Leak speed of every station, seen from outside.",

@@ -32,7 +32,7 @@ class LeakResult(HasChecks, HasVerdict, Serialisable):
     compression : array, shape (n,)
         Compression of each station, m.
     states : tuple of StateLeak
-        The first is that of the door as its file describes it.
+        The first is the state of the door file.
     checks : tuple of Check
     """
 

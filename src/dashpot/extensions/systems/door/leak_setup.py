@@ -1,4 +1,4 @@
-"""Pressure on the seal of a door, and the states in which its leak speed is asked."""
+"""Pressure on the seal of a door, and the states for which its leak speed is computed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class AgingChoice:
 
 @dataclass(frozen=True)
 class LeakState:
-    """State of the seal in which its leak speed is asked.
+    """State of the seal for which its leak speed is computed.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class LeakState:
     temperature : float or None
         K; None is that of the seal of the door.
     retained : float
-        Part of the force that aging leaves, F/F0.
+        Fraction of the force after aging, F/F0.
     retained_sd : float
         Its standard error.
     aging : AgingChoice or None
@@ -112,11 +112,11 @@ class LeakSetup:
     gap_sd : float
         Standard error of the gap, the same along the line, m.
     force_sd : float
-        Standard deviation of the force of seals about that of the tested specimen, a part of it.
+        Relative standard deviation of the force of seals about that of the tested specimen.
     limit : float or None
         Speed up to which the seal must not leak, m/s.
     states : tuple of LeakState
-        Beside that of the door as its file describes it.
+        States in addition to that of the door file.
     """
 
     lip: float

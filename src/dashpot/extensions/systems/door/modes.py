@@ -36,7 +36,7 @@ class DoorMode(Serialisable):
     shares : tuple of EnergyShare
         Shares of each hinge, the latch, the bumpers, the seal, and the door itself.
     without_seal : float or None
-        Frequency of the same motion without the seal, Hz; None if none is like it.
+        Frequency of the same motion without the seal, Hz; None if no mode is similar.
     """
 
     _keys = (
@@ -57,11 +57,11 @@ class DoorMode(Serialisable):
         return sum(share.loss for share in self.shares)
 
     def share(self, name: str) -> float:
-        """Part of the energy that one of its parts stores; 0 of what is not there."""
+        """Fraction of the energy that one of its parts stores; 0 for a missing part."""
         return sum(share.energy for share in self.shares if share.name == name)
 
     def loss_share(self, name: str) -> float:
-        """Part of the loss that one of its parts makes; 0 where next to nothing is lost."""
+        """Fraction of the loss in one of its parts; 0 if hardly any energy is lost."""
         loss = sum(share.loss for share in self.shares if share.name == name)
         return loss / self.loss_factor if self.loss_factor > _LOSSLESS else 0.0
 
@@ -96,7 +96,7 @@ def door_modes(assembly: Assembly, max_hz: float) -> tuple[DoorMode, ...]:
 
 
 def estimate_station_error(assembly: Assembly, max_hz: float) -> float:
-    """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
+    """Largest relative change of a frequency up to one, Hz, with twice as many stations."""
     line, pitch = assembly.door.line, assembly.door.pitch
     # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
     half_pitch = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
@@ -136,13 +136,13 @@ def find_farthest_point(assembly: Assembly, modes: FreeModes) -> tuple[float, st
 
 
 def count_free_motions(system: System) -> int:
-    """Motions that stretch no spring; those of a whole car that flies are none."""
+    """Motions that stretch no spring, without rigid motions of a free car."""
     flying = 0 if system.grounds else 6
     return max(len(system.dofs) - int(np.linalg.matrix_rank(_scale_stretches(system))) - flying, 0)
 
 
 def count_lateral_free_motions(assembly: Assembly) -> tuple[int, float | None]:
-    r"""Motions that nothing holds unless the seal answers sideways, and the slowest of them, Hz.
+    r"""Motions restrained only by the seal's lateral stiffness, and the slowest of them, Hz.
 
     Those by whose shapes the springs of the door are at rest less than a tenth of what they were
     with a seal as stiff sideways as normal to its line: :math:`K\phi = \rho K_1\phi`, with

@@ -39,12 +39,12 @@ def make_line_mounts(
     line : SealLine
         With its section.
     body, ground : str
-        What it lies between.
+        Bodies that it connects.
     pitch : str or float
         Wanted distance of the mounts, m.
     friction_sticks : bool
         Friction sticks, as under small vibration: a spring beside the arms. Otherwise the mounts
-        have it, and what they are depends on how far they move.
+        have the friction, and depend on amplitude.
 
     Raises
     ------

@@ -50,13 +50,13 @@ _MODES = frozenset(
 )
 _CLOSING = frozenset({"closing_in_valid_band", "faster_closings_latch"})
 _MIN_ENERGY_SHARE = 0.01
-"""Share of the energy from which the seal is said to hold a mode."""
+"""Smallest share of the energy in the seal of a mode that the seal holds."""
 _ROWS = 12
 """Modes in the table; all stand in the document."""
 _REMARKED_SHARE = 0.05
 """Share of doors beyond the limit that is remarked."""
 _HINGES = ("edge", "soft", "ref", "hottest")
-"""Colours of what holds a door beside seal and latch."""
+"""Colours of the supports of a door other than seal and latch."""
 _SIDE, _THIRD = 290.0, 376.0
 """Widths of the line, and of the three figures below, px."""
 
@@ -77,12 +77,12 @@ class ModeRow(NamedTuple):
     frequency: str
     frequency_without_seal: str
     damping: str
-    holds: tuple[Bar, ...]
+    energy_bars: tuple[Bar, ...]
     seal_energy: str
-    loses: tuple[Bar, ...]
+    loss_bars: tuple[Bar, ...]
     seal_loss: str
     extrapolation: str
-    marked: bool
+    is_marked: bool
 
 
 class ModesTable(NamedTuple):
@@ -91,7 +91,7 @@ class ModesTable(NamedTuple):
     rows: tuple[ModeRow, ...]
     parts: tuple[tuple[str, str], ...]
     note: str
-    more: int
+    hidden_count: int
 
 
 def door_html(*results: DoorResult | ClosingResult) -> str:
@@ -102,27 +102,29 @@ def door_html(*results: DoorResult | ClosingResult) -> str:
     return str(template.render(build_page_contents(result, closed)))
 
 
-def build_page_contents(result: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
-    """Return what the page of a door holds: how it vibrates, how it closes, or both."""
-    results = [item for item in (result, closed) if item is not None]
+def build_page_contents(
+    result: DoorResult | None, closing_result: ClosingResult | None
+) -> dict[str, Any]:
+    """Return the contents of the page of a door: vibration, closing, or both."""
+    results = [item for item in (result, closing_result) if item is not None]
     checks = tuple(dict.fromkeys(check for result in results for check in result.checks))
     sources = tuple(dict.fromkeys(source for result in results for source in result.sources))
     verdict = _combine_verdicts(results, checks)
     names = dict.fromkeys(source.file for source in sources)
-    folds = tuple(_make_sections(result, closed))
+    folds = tuple(_make_sections(result, closing_result))
     return {
         **make_verdict_contents("door", verdict, checks, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
         "beside": " ".join(sentence(result._headline) for result in results),
-        "lights": tuple(make_door_indicators(result, closed, checks, verdict)),
-        "figures": dict(_make_figures(result, closed))
+        "lights": tuple(make_door_indicators(result, closing_result, checks, verdict)),
+        "figures": dict(_make_figures(result, closing_result))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
         "modes": ModesTable((), (), "", 0) if result is None else make_mode_table(result),
-        "closing_notes": () if closed is None else _list_closing_notes(closed),
-        "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
+        "closing_notes": () if closing_result is None else _list_closing_notes(closing_result),
+        "speed": "" if closing_result is None else f"{closing_result.closing.speed:.2f} m/s",
         "folds": folds,
-        "files": tuple(_attach_files(result, closed)),
+        "files": tuple(_attach_files(result, closing_result)),
     }
 
 
@@ -135,7 +137,7 @@ def _combine_verdicts(
 
 
 def format_door_summary(result: DoorResult | ClosingResult) -> str:
-    """Return the mass, what holds it, and the seal."""
+    """Return the mass, its mounts, and the seal."""
     door = result.door
     sentences = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
     if door.line is not None:
@@ -150,7 +152,7 @@ def format_door_summary(result: DoorResult | ClosingResult) -> str:
 
 def make_door_indicators(
     result: DoorResult | None,
-    closed: ClosingResult | None,
+    closing_result: ClosingResult | None,
     checks: Sequence[Check],
     verdict: Verdict,
 ) -> Iterator[Light]:
@@ -165,13 +167,15 @@ def make_door_indicators(
             "Modes", _MODES, f"{len(result.modes)} to {result.band[1]:g}{NBSP}Hz",
             f"{len(outside)} held by the seal, {factors}" if factors else "",
         ))  # fmt: skip
-    if closed is not None:
-        speed_text = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
-        topics.append(Topic("Closing", _CLOSING, speed_text, _format_speed_interval(closed)))
+    if closing_result is not None:
+        speed_text = f"from {closing_result.closing.minimum:.3g}{NBSP}m/s"
+        topics.append(
+            Topic("Closing", _CLOSING, speed_text, _format_speed_interval(closing_result))
+        )
     yield from make_indicators(
-        checks, Topic("Seal line", message=_format_line_note(result, closed)), *topics
+        checks, Topic("Seal line", message=_format_line_note(result, closing_result)), *topics
     )
-    scatter = None if closed is None else closed.closing.scatter
+    scatter = None if closing_result is None else closing_result.closing.scatter
     share_above_limit = None if scatter is None else scatter.share_above_limit
     if share_above_limit is not None and scatter is not None:
         class_name = (
@@ -189,14 +193,14 @@ def make_door_indicators(
         )
 
 
-def _format_speed_interval(closed: ClosingResult) -> str:
-    interval = closed.closing.interval
+def _format_speed_interval(closing_result: ClosingResult) -> str:
+    interval = closing_result.closing.interval
     if interval is None or not math.isfinite(interval[1]):
         return ""
     return f"from {interval[0]:.3g} to {interval[1]:.3g}{NBSP}m/s"
 
 
-def _format_line_note(result: DoorResult | None, closed: ClosingResult | None) -> str:
+def _format_line_note(result: DoorResult | None, closing_result: ClosingResult | None) -> str:
     compressions = np.zeros(0)
     if (
         result is not None
@@ -204,8 +208,8 @@ def _format_line_note(result: DoorResult | None, closed: ClosingResult | None) -
         and result.stations.compression is not None
     ):
         compressions = result.stations.compression
-    elif closed is not None:
-        compressions = closed.closing.door.compression
+    elif closing_result is not None:
+        compressions = closing_result.closing.door.compression
     if not len(compressions):
         return ""
     low, high = (
@@ -235,8 +239,8 @@ def _format_seal_note(result: DoorResult) -> str:
     )
 
 
-def _list_closing_notes(closed: ClosingResult) -> tuple[str, str]:
-    closing = closed.closing
+def _list_closing_notes(closing_result: ClosingResult) -> tuple[str, str]:
+    closing = closing_result.closing
     seal = sum(term.work for term in closing.terms if term.name.startswith(SEAL))
     total_work = sum(term.work for term in closing.terms)
     first = (
@@ -285,12 +289,12 @@ def _make_rows(result: DoorResult) -> Iterator[ModeRow]:
             _make_share_bars({share.name: share.loss for share in mode.shares}, colours),
             f"{100 * lossy:.1f}",
             "" if math.isnan(excess) else "inside" if excess <= 1 else f"×{excess:.3g}",
-            marked=mode.share(SEAL) >= _MIN_ENERGY_SHARE and excess > 1,
+            is_marked=mode.share(SEAL) >= _MIN_ENERGY_SHARE and excess > 1,
         )
 
 
 def _make_share_bars(shares: dict[str, float], colours: dict[str, str]) -> tuple[Bar, ...]:
-    """Return what each part has, side by side, of all of it."""
+    """Return the share of each part in the total."""
     total, bar_start, bars = sum(shares.values()), 0.0, []
     for name, colour in colours.items():
         width = 100 * shares.get(name, 0.0) / total if total > 0 else 0.0
@@ -304,7 +308,7 @@ def _make_share_bars(shares: dict[str, float], colours: dict[str, str]) -> tuple
 
 
 def _make_figures(
-    result: DoorResult | None, closed: ClosingResult | None
+    result: DoorResult | None, closing_result: ClosingResult | None
 ) -> Iterator[tuple[str, RenderedFigure]]:
     """Every figure of the page by its name."""
     if result is not None:
@@ -321,8 +325,8 @@ def _make_figures(
         if result.frfs:
             words = "Accelerance with the seal and without, where the seal holds a mode"
             yield _render_panel("frf", make_frf_panel(result, 0, height=220.0), _THIRD, words)
-    if closed is not None:
-        closing = closed.closing
+    if closing_result is not None:
+        closing = closing_result.closing
         yield _render_panel(
             "waterfall",
             make_energy_waterfall(closing),
@@ -347,7 +351,7 @@ def _render_panel(
 
 
 def _make_sections(
-    result: DoorResult | None, closed: ClosingResult | None
+    result: DoorResult | None, closing_result: ClosingResult | None
 ) -> Iterator[CollapsibleSection]:
     if (
         result is not None
@@ -362,12 +366,15 @@ def _make_sections(
         yield CollapsibleSection(
             "Every share", "per cent of the energy, and of the loss", _make_share_table(result)
         )
-    if closed is not None:
-        panels = ((make_moments_panel(closed.closing),), (make_speed_panel(closed.closing),))
+    if closing_result is not None:
+        panels = (
+            (make_moments_panel(closing_result.closing),),
+            (make_speed_panel(closing_result.closing),),
+        )
         words = "Moments against closing, and the speed of the edge over the way"
         yield CollapsibleSection("As it closes", "moments and speed over the way",
-        _make_term_table(closed),
-                   Picture("course", words, panels, 2, stamp(closed.sources)))  # fmt: skip
+        _make_term_table(closing_result),
+                   Picture("course", words, panels, 2, stamp(closing_result.sources)))  # fmt: skip
 
 
 def _format_line_facts(result: DoorResult) -> str:
@@ -396,17 +403,19 @@ def _make_share_table(result: DoorResult) -> TextTable:
     return TextTable(header, tuple(rows))
 
 
-def _make_term_table(closed: ClosingResult) -> TextTable:
+def _make_term_table(closing_result: ClosingResult) -> TextTable:
     rows = tuple(
         (term.name, round_to_error(term.work, digits=3), round_to_error(term.stored, digits=3),
          round_to_error(term.peak_moment, digits=3))
-        for term in closed.closing.terms
+        for term in closing_result.closing.terms
     )  # fmt: skip
     return TextTable(("term", "J", "recoverable, J", "highest moment, N m"), rows)
 
 
-def _attach_files(result: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
-    for name, item in (("door", result), ("closing", closed)):
+def _attach_files(
+    result: DoorResult | None, closing_result: ClosingResult | None
+) -> Iterator[Attachment]:
+    for name, item in (("door", result), ("closing", closing_result)):
         if item is not None:
             document = f"{name}.json"
             yield attachment(

@@ -89,12 +89,12 @@ class SpecimenSpread(Serialisable):
     mean_sd : float
         Standard deviation of its error, which all cars share.
     specimens : int or None
-        That were tested; None where the scatter is stated.
+        Number of tested seals; None where the scatter is stated.
     between_square, within_square : float
         Variance of the means of the specimens, and that part of it which repeated tests or the
         fits' own errors explain.
     within_freedom : int
-        Degrees of freedom of the second; 0 where it is known.
+        Degrees of freedom of the second; 0 if it is known.
     """
 
     _keys = (EVERY_FIELD,)
@@ -147,7 +147,7 @@ class DoorLimit(NamedTuple):
     value : float
         Hz or m/s.
     is_upper : bool
-        Whether it is the most that is accepted; else the least.
+        Whether it is an upper limit; else a lower one.
     """
 
     quantity: str
@@ -213,7 +213,7 @@ class DoorQuantity(Serialisable):
 
 @dataclass(frozen=True, repr=False)
 class DoorPopulation(HasVerdict, Serialisable):
-    """Doors of many cars, whose seals scatter.
+    """Doors of many cars with scattered seals.
 
     Attributes
     ----------
@@ -336,7 +336,7 @@ def predict_population(
     band: tuple[float, float] | None = None,
     temperature: float | None = None,
 ) -> DoorPopulation:
-    """Predict modes and closing speed of many cars, whose seals scatter as those of a lot.
+    """Predict modes and closing speed of many cars with seals scattered as in a lot.
 
     Parameters
     ----------
@@ -344,7 +344,7 @@ def predict_population(
         As :func:`~dashpot.extensions.systems.door.analyse_file.door_file` takes it.
     lot : path or lot, optional
         The seals that were tested, as ``dashpot batch`` wrote them. The mean stiffness of the cars
-        is that of the lot, not that of the one seal of the door's fit.
+        is the lot's mean, not that of the seal in the door's fit.
     spread : float or str, optional
         Standard deviation of the stiffness between seals instead, 0.04 or ``"4%"``; the mean is
         that of the door's fit, with its error.
@@ -358,9 +358,10 @@ def predict_population(
     Raises
     ------
     ReadError
-        If a file cannot be read, or what it says cannot be.
+        If a file cannot be read, or holds an impossible value.
     DataError
-        If neither or both of lot and spread are given, or a limit is of what the door has not.
+        If neither or both of lot and spread are given, or a limit concerns a quantity that the door
+        lacks.
     """
     if (lot is None) is (spread is None):
         raise DataError(
@@ -521,7 +522,7 @@ def _follow_modes(
 def _follow_closing(
     assembly: Assembly, u: FloatArray, *, is_wanted: bool
 ) -> list[tuple[str, FloatArray, float | None]]:
-    """Return the least closing speed for the factors e^u; nothing of a door that does not close."""
+    """Return the lowest closing speed for the factors e^u; None if a door does not close."""
     if assembly.door.closing in (None, ClosingSetup()) and not is_wanted:
         return []
     speed = find_least_speed(make_closing_door(assembly.door), load=np.exp(u))
@@ -588,13 +589,13 @@ def describe_quantity(
 
 
 def _make_share_function(
-    dense: FloatArray, is_beyond: BoolArray, edges: IndexArray
+    u_grid: FloatArray, is_beyond: BoolArray, edges: IndexArray
 ) -> Callable[[FloatArray, FloatArray], FloatArray]:
     """Return a function that gives the share of a normal u beyond the limit.
 
     Parameters
     ----------
-    dense : array, shape (n,)
+    u_grid : array, shape (n,)
         ln factors at which the quantity was compared with its limit.
     is_beyond : bool array, shape (n,)
         Whether it lies beyond it there.
@@ -608,7 +609,7 @@ def _make_share_function(
     """
     from scipy.special import ndtr
 
-    bounds = (dense[edges] + dense[edges + 1]) / 2
+    bounds = (u_grid[edges] + u_grid[edges + 1]) / 2
     first = bool(is_beyond[0])
 
     def share(mean: FloatArray, sd: FloatArray) -> FloatArray:

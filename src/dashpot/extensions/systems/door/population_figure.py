@@ -27,7 +27,7 @@ def draw_population(population: DoorPopulation, *, stamp: str = "") -> Picture:
     ----------
     population : DoorPopulation
     stamp : str
-        What the figure says of its origin; by default the files.
+        Origin of the data, printed below the figure; by default the files.
     """
     quantities = [
         quantity

@@ -117,26 +117,26 @@ def _write_leak(result: LeakResult, picture: str | None, output: str | None) -> 
 
 
 def _merge_door_results(
-    result: DoorResult | None, closed: ClosingResult | None, *, is_verbose: bool
+    result: DoorResult | None, closing_result: ClosingResult | None, *, is_verbose: bool
 ) -> CommandResult:
     """Return how it vibrates, how it closes, or both."""
-    if closed is None:
+    if closing_result is None:
         assert result is not None  # noqa: S101
         return CommandResult(
             result, door(result, every=is_verbose), result.checks, verdict=result.verdict
         )
     if result is None:
-        return CommandResult.from_result(closed)
-    stated_text, shuts = door(result, every=is_verbose), closing_text(closed.closing)
-    checks = tuple(dict.fromkeys((*result.checks, *closed.checks)))
+        return CommandResult.from_result(closing_result)
+    stated_text, shuts = door(result, every=is_verbose), closing_text(closing_result.closing)
+    checks = tuple(dict.fromkeys((*result.checks, *closing_result.checks)))
     text = Text(
         [*stated_text.lines, *shuts.lines],
         [*stated_text.details, *shuts.details],
         stated_text.requested_lines,
     )
     return CommandResult(
-        DoorPrediction(result, closed),
+        DoorPrediction(result, closing_result),
         text,
         checks,
-        verdict=verdict(checks, headline=closed._headline),
+        verdict=verdict(checks, headline=closing_result._headline),
     )

@@ -34,20 +34,20 @@ from dashpot.reading.toml import Section, Vector, read_tables
 MAX_SIZE = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
 LIGHTEST, HEAVIEST = 0.05, 500.0
-"""kg, of a door: from that of a glove box to a gate's."""
+"""kg, of a door: from a glove box lid to a gate."""
 _Z = (0.0, 0.0, 1.0)
 
 
 def read_door(path: str | Path) -> Door:
     """Return the door that a TOML file describes.
 
-    Each table is read by its own function; a key that none knows is refused. Other files that it
-    names lie beside it.
+    Each table is read by its own function; an unknown key is refused. Other files that it names lie
+    beside it.
 
     Raises
     ------
     ReadError
-        If the file is not TOML, or a table lacks a key, has one too many, or says what cannot be.
+        If the file is not TOML, or a table lacks a key, has an unknown one, or an impossible value.
     """
     raw, tables = read_tables(path)
     for name in tables:
@@ -117,20 +117,20 @@ _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
 
 
 def _read_rigid_body(section: Section) -> RigidPart:
-    """Mass and inertia, or those of an even plate of that width and height."""
-    section.needs("mass", "centre")
+    """Mass and inertia, or those of a uniform plate of that width and height."""
+    section.require_keys("mass", "centre")
     mass = section.quantity("mass", "mass") or 0.0
     inertia = section.vector("inertia", "moment of inertia")
     if inertia is None:
         if "width" not in section or "height" not in section:
             raise ReadError(
-                f"{section.where}: inertia is missing: three moments in kg*m^2, or width (along x) "
-                "and height (along y) of an even plate"
+                f"{section.location}: inertia is missing: three moments in kg*m^2, or width "
+                "(along x) and height (along y) of an even plate"
             )
         w, h = (section.quantity(name, "length") or 0.0 for name in ("width", "height"))
         inertia = (mass * h**2 / 12, mass * w**2 / 12, mass * (w**2 + h**2) / 12)
     if not mass > 0 or min(inertia) < 0:
-        raise ReadError(f"{section.where}: mass {mass:g} kg, inertia {inertia}; expected > 0")
+        raise ReadError(f"{section.location}: mass {mass:g} kg, inertia {inertia}; expected > 0")
     motions = section.words("motions") or RigidPart.motions
     return RigidPart(mass, inertia, _read_place(section, "centre"), motions)
 
@@ -141,11 +141,11 @@ def _read_door(location: _TableLocation, entries: Any) -> dict[str, Any]:
     rigid = _read_rigid_body(section) if "mass" in section else None
     if rigid is not None and not LIGHTEST <= rigid.mass <= HEAVIEST:
         raise ReadError(
-            f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
+            f"{section.location}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
             f"{HEAVIEST:g} kg: is its unit kg?"
         )
     for name, size in sizes.items():
-        SIZES["door"].refuse(size or 0.0, f"{section.where}: {name} = {size or 0.0:g} m")
+        SIZES["door"].refuse(size or 0.0, f"{section.location}: {name} = {size or 0.0:g} m")
     return {"rigid": rigid, **sizes}
 
 
@@ -173,18 +173,23 @@ def _read_supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]
 
 
 def _read_support(location: _TableLocation, section: Section, name: str) -> Support:
-    section.needs("at")
+    section.require_keys("at")
     direction, fit = section.direction("along"), location.path(section.word("fit"))
     direction_count = 1 if direction else 3
     stiffness = _read_directional_values(section, "stiffness", direction_count)
     damping = _read_directional_values(section, "damping", direction_count)
     if bool(stiffness) == bool(fit):
-        raise ReadError(f"{section.where}: give its stiffness, or the fit of the part: one of both")
+        raise ReadError(
+            f"{section.location}: give its stiffness, or the fit of the part: one of both"
+        )
     if fit and direction is None:
-        raise ReadError(f"{section.where}: along is missing, the direction in which the part acts")
+        raise ReadError(
+            f"{section.location}: along is missing, the direction in which the part acts"
+        )
     if len(stiffness) not in {0, direction_count} or len(damping) not in {0, direction_count}:
         raise ReadError(
-            f"{section.where}: {len(stiffness)} stiffnesses and {len(damping)} dampings; expected "
+            f"{section.location}: {len(stiffness)} stiffnesses and {len(damping)} dampings; "
+            "expected "
             + ("one of each, along one direction" if direction else "one of each, or x, y and z")
         )
     return Support(
@@ -201,10 +206,12 @@ def _read_support(location: _TableLocation, section: Section, name: str) -> Supp
 def _read_directional_values(
     section: Section, name: Literal["stiffness", "damping"], direction_count: int
 ) -> tuple[float, ...]:
-    """Return stiffness or damping along each way; one number is that of all."""
+    """Return stiffness or damping in each direction; one number applies to all."""
     values = section.quantities(name, name) or ()
     if any(not 0 <= value < 1e12 for value in values):
-        raise ReadError(f"{section.where}: a stiffness or a damping is below 0 or beyond any part")
+        raise ReadError(
+            f"{section.location}: a stiffness or a damping is below 0 or beyond any part"
+        )
     return values * direction_count if len(values) == 1 else values
 
 
@@ -214,7 +221,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
         "friction",
     )  # fmt: skip
-    section.needs("fit", "points")
+    section.require_keys("fit", "points")
     points, columns = _read_point_columns(location, section)
     normal_columns = [columns[name] for name in _NORMAL_KEYS if name in columns]
     normal = normal_columns if len(normal_columns) == 3 else section.direction("normal") or _Z
@@ -232,7 +239,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
     line = SealLine(points[order], compressions, normal=normals, joints=joints)
     if line.length > MAX_SIZE:
         raise ReadError(
-            f"{section.where}: the seal line is {line.length:.4g} m long; expected at most "
+            f"{section.location}: the seal line is {line.length:.4g} m long; expected at most "
             f"{MAX_SIZE:g} m: is the unit of its points mm?"
         )
     choice = SealChoice(
@@ -244,7 +251,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
         _read_friction(location, section.entries.get("friction")),
     )
     if choice.pitch:
-        _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
+        _refuse_more(f"{section.location}: pitch", line.length / choice.pitch, "stations")
     return {"line": line, "seal": choice}
 
 
@@ -257,11 +264,11 @@ def _read_point_columns(
         return _read_line_file(location.path(points), section.word("unit"))
     if not isinstance(points, list):
         raise ReadError(
-            f"{section.where}: points = {points!r}; expected a file of x, y, z, or a list such as "
-            '["0, 0, 0 mm", "1100, 0, 0 mm"]'
+            f"{section.location}: points = {points!r}; expected a file of x, y, z, or a list "
+            'such as ["0, 0, 0 mm", "1100, 0, 0 mm"]'
         )
-    _refuse_more(section.where, len(points), "points")
-    rows = [Section(section.where, {"points": row}, ("points",)) for row in points]
+    _refuse_more(section.location, len(points), "points")
+    rows = [Section(section.location, {"points": row}, ("points",)) for row in points]
     return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
 
 
@@ -311,27 +318,29 @@ def _read_compression(
     """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
     given_keys = [name for name in ("compression", "gap") if name in section.entries]
     if len(given_keys) > 1:
-        raise ReadError(f"{section.where}: compression and gap say the same; keep one")
+        raise ReadError(f"{section.location}: compression and gap say the same; keep one")
     names = [*filter(columns.__contains__, _COMPRESSION_KEYS), *given_keys]
     if len(names) > 1:
-        raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
+        raise ReadError(f"{section.location}: compression or gap stands there twice; keep one")
     if not names:
         return None
     (name,) = names
     values = np.array(columns[name] if name in columns else section.quantities(name, "length"))
     if len(values) not in {1, count}:
-        raise ReadError(f"{section.where}: {len(values)} of {name} for {count} points")
+        raise ReadError(f"{section.location}: {len(values)} of {name} for {count} points")
     if name == "gap":
         height = _read_size(section, "height")
         if height is None:
             raise ReadError(
-                f"{section.where}: height is missing: what the free seal stands tall, of which the "
-                "compression in the gap follows"
+                f"{section.location}: height is missing: what the free seal stands tall, of which "
+                "the compression in the gap follows"
             )
         values = height - values
     max_depth = float(np.abs(values).max())
     if max_depth > MAX_SIZE / 100:
-        raise ReadError(f"{section.where}: {name} makes a compression of {max_depth:g} m: in mm?")
+        raise ReadError(
+            f"{section.location}: {name} makes a compression of {max_depth:g} m: in mm?"
+        )
     return np.broadcast_to(values, count)
 
 
@@ -358,7 +367,7 @@ def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | Non
     if entries is None:
         return None
     row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
-    row.needs("mu")
+    row.require_keys("mu")
     mu, friction_across, friction_along = (
         row.number(name) or 0.0 for name in ("mu", "across", "along")
     )
@@ -375,7 +384,7 @@ def _tilt_normals(
     """Normals of the pieces, leant outwards of the line by an angle, rad."""
     if not abs(tilt) <= _MAX_NORMAL_ANGLE:
         raise ReadError(
-            f"{section.where}: tilt = {np.degrees(tilt):.4g} deg; expected at most "
+            f"{section.location}: tilt = {np.degrees(tilt):.4g} deg; expected at most "
             f"{np.degrees(_MAX_NORMAL_ANGLE):.0f} deg either way"
         )
     runs = np.diff(points, axis=0)
@@ -392,7 +401,7 @@ def _tilt_normals(
 def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     joints = []
     for row in location.parse_tables(rows, "name", "at", "length", "factor"):
-        row.needs("at", "length", "factor")
+        row.require_keys("at", "length", "factor")
         position, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
         joints.append(
             Joint(position, length, row.number("factor") or 0.0, row.word("name") or "joint")
@@ -402,7 +411,7 @@ def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
 
 def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
-    section.needs("file")
+    section.require_keys("file")
     max_hz = section.quantity("most", "frequency")
     return {
         "modes": ModesChoice(
@@ -419,10 +428,10 @@ def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
 def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
     points = []
     for i, row in enumerate(location.parse_tables(entries, "name", "at", "along", "on"), start=1):
-        row.needs("at")
+        row.require_keys("at")
         body = row.word("on") or "door"
         if body not in {"door", "body"}:
-            raise ReadError(f"{row.where}: on = '{body}'; expected door or body")
+            raise ReadError(f"{row.location}: on = '{body}'; expected door or body")
         name = row.word("name") or f"point {i}"
         points.append(DoorPoint(name, _read_place(row, "at"), row.direction("along") or _Z, body))
     names = [point.name for point in points]
@@ -434,7 +443,7 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
 
 def _read_base(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "psd", "along")
-    section.needs("psd")
+    section.require_keys("psd")
     word = section.word("psd") or ""
     direction = section.direction("along") or _Z
     path = location.folder / word
@@ -451,7 +460,7 @@ def _read_size(section: Section, name: str) -> float | None:
     if value is None:
         return None
     if not value > 0:
-        raise ReadError(f"{section.where}: {name} = {value:g} m; expected a length > 0")
+        raise ReadError(f"{section.location}: {name} = {value:g} m; expected a length > 0")
     return _refuse_implausible(section, name, (value, 0.0, 0.0))[0]
 
 
@@ -460,8 +469,8 @@ def _refuse_implausible(section: Section, name: str, lengths: Vector) -> Vector:
     max_length = max(map(abs, lengths))
     if max_length > MAX_SIZE:
         raise ReadError(
-            f"{section.where}: {name} reaches {max_length:g} m; expected at most {MAX_SIZE:g} m: "
-            "is the unit mm?"
+            f"{section.location}: {name} reaches {max_length:g} m; expected at most {MAX_SIZE:g} "
+            "m: is the unit mm?"
         )
     return lengths
 

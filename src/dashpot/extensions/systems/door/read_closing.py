@@ -86,14 +86,14 @@ def read_closing(
 
 
 def _check(table: Section) -> CheckStrap:
-    table.needs("angle", "moment")
+    table.require_keys("angle", "moment")
     return CheckStrap(
         table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
     )
 
 
 def _read_latch(width: float | None, table: Section) -> Latch:
-    table.needs("travel", "force")
+    table.require_keys("travel", "force")
     return Latch(
         table.quantities("travel", "length") or (),
         table.quantities("force", "force") or (),
@@ -103,17 +103,17 @@ def _read_latch(width: float | None, table: Section) -> Latch:
 
 
 def _read_vents(table: Section) -> Vents:
-    table.needs("width", "hollow", "hole", "spacing")
+    table.require_keys("width", "hollow", "hole", "spacing")
     width, hollow, hole, spacing = (
         table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
     )
     if not spacing > 0:
-        raise ReadError(f"{table.where}: spacing = {spacing:g} m; expected a distance > 0")
+        raise ReadError(f"{table.location}: spacing = {spacing:g} m; expected a distance > 0")
     return Vents(*_read_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
 
 
 def _read_inter_seal_air(table: Section) -> Between:
-    table.needs("width", "depth")
+    table.require_keys("width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
     )
@@ -121,7 +121,7 @@ def _read_inter_seal_air(table: Section) -> Between:
 
 
 def _read_cabin(width: float | None, area: float | None, table: Section) -> Cabin:
-    table.needs("volume", "opening")
+    table.require_keys("volume", "opening")
     return Cabin(
         *_read_air(table),
         table.quantity("volume", "volume") or 0.0,
@@ -135,7 +135,7 @@ def _read_variation(table: Section) -> Tolerances:
     doors, seed = table.number("doors"), table.number("seed") or 0.0
     for name, value in (("doors", doors or 0.0), ("seed", seed)):
         if value != int(value) or value < 0:
-            raise ReadError(f"{table.where}: {name} = {value:g}; expected a whole number >= 0")
+            raise ReadError(f"{table.location}: {name} = {value:g}; expected a whole number >= 0")
     return Tolerances(
         table.quantity("gap", "length") or 0.0,
         table.quantity("force", "strain") or 0.0,
@@ -151,7 +151,9 @@ def _read_air(table: Section) -> tuple[float, float]:
     entries = {"adiabatic": ADIABATIC, "isothermal": ISOTHERMAL}
     process = table.word("process") or "adiabatic"
     if process not in entries:
-        raise ReadError(f"{table.where}: process = '{process}'; expected adiabatic or isothermal")
+        raise ReadError(
+            f"{table.location}: process = '{process}'; expected adiabatic or isothermal"
+        )
     discharge = table.number("discharge")
     return DISCHARGE if discharge is None else discharge, entries[process]
 
@@ -163,5 +165,5 @@ def _read_or_default(
     if value is None:
         value = default
     if value is None:
-        raise ReadError(f"{table.where}: {name} is missing, and [door] has no width and height")
+        raise ReadError(f"{table.location}: {name} is missing, and [door] has no width and height")
     return value

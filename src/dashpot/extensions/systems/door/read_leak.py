@@ -18,7 +18,7 @@ _STATE_KEYS = (
     "aging_temperature", "density",
 )  # fmt: skip
 _MAX_STATES = 50
-"""States; nobody compares more."""
+"""Largest number of states."""
 
 
 def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], str]) -> LeakSetup:
@@ -30,15 +30,15 @@ def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], st
         Name of the table in messages.
     entries : mapping
     path : callable
-        From a name in the file to the file beside the door's own.
+        Function from a file name in the door file to its path.
 
     Raises
     ------
     ReadError
-        If a key is unknown, missing or cannot be.
+        If a key is unknown or missing, or a value impossible.
     """
     table = Section(location, entries, _KEYS)
-    table.needs("lip")
+    table.require_keys("lip")
     rows = table.entries.get("state", [])
     rows = [rows] if isinstance(rows, dict) else rows
     if not isinstance(rows, list) or len(rows) > _MAX_STATES:
@@ -64,14 +64,14 @@ def _read_state(row: Section, number: int, path: Callable[[str | None], str]) ->
     time, retained_fraction = row.quantity("time", "time"), row.quantity("retained", "strain")
     aging = None
     if "aging" in row:
-        row.needs("aging_time", "aging_temperature")
+        row.require_keys("aging_time", "aging_temperature")
         aging = AgingChoice(
             path(row.word("aging")),
             row.quantity("aging_time", "time") or 0.0,
             row.quantity("aging_temperature", "temperature") or 0.0,
         )
     elif "aging_time" in row or "aging_temperature" in row:
-        raise ReadError(f"{row.where}: aging is missing, the file of the aging law")
+        raise ReadError(f"{row.location}: aging is missing, the file of the aging law")
     return LeakState(
         row.word("name") or f"state {number}",
         row.quantity("gap", "length") or 0.0,

@@ -41,7 +41,7 @@ def read_modes(
         Modal mass of every mode, where the file does not say: 1 t for shapes that a code in mm, t
         and s has normalised, kg.
     damping : float, optional
-        Damping ratio of every mode, instead of what the file says.
+        Damping ratio of every mode, in place of the value in the file.
 
     Raises
     ------

@@ -32,7 +32,7 @@ class BaseResponse(Serialisable):
     name : str
     sealed : RandomResponse
     bare : RandomResponse or None
-        None where nothing else damps what the base shakes.
+        Response without the seal; None if there is no other damping.
     """
 
     _keys = (Key("point", "name"), "sealed", "bare")
@@ -197,7 +197,7 @@ class DoorResult(HasChecks, HasVerdict, Serialisable):
 
     @property
     def _table_columns(self) -> Series:
-        """The modes, with what the seal stores and loses of each."""
+        """The modes, with the stored energy and the loss of the seal in each."""
         seal = [(mode.share(SEAL), mode.loss_share(SEAL)) for mode in self.modes]
         return {
             "mode": (list(range(1, len(self.modes) + 1)), ""),

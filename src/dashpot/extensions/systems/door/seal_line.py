@@ -16,7 +16,7 @@ from dashpot.datamodel.seal_line import SealSection, Stations
 from dashpot.registry import require_handler
 
 CLOSURE_TOLERANCE = 1e-6
-"""Part of its length by which the ends of a line may lie apart, and it is closed."""
+"""Distance of the ends, relative to the length, up to which a line counts as closed."""
 _CORNER_COSINE = np.cos(np.radians(30.0))
 """Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
 _PARALLEL_SINE = 0.01
@@ -54,14 +54,14 @@ class SealLine(EqualByValue):
         m; repeat the first at the end to close the line.
     compression : float or array, shape (n,), optional
         Compression of the seal at each point, m, straight between them: its free height less the
-        gap that it fills, so below 0 where it does not reach. None is the compression of its test.
+        gap, so negative without contact. None is the compression of its test.
     section : SealSection or Solid, optional
         One metre of the seal, N/m per m; without it the line is its geometry.
     normal : (float, float, float) or array, shape (n, 3) or (n - 1, 3)
         Direction in which the seal is pressed, of the line, at each point or of each piece
         between two; need not have length 1.
     joints : tuple of Joint
-        Where it is stiffer or softer: corners, splices.
+        Joints with another stiffness: corners, splices.
     """
 
     points: FloatArray
@@ -170,7 +170,7 @@ class SealLine(EqualByValue):
         Parameters
         ----------
         body, ground : str
-            What it lies between.
+            Bodies that it connects.
         pitch : str or float
             Wanted distance of the mounts, m.
         """
@@ -235,7 +235,7 @@ def _divide_cells(breaks: FloatArray, requested_length: float) -> tuple[FloatArr
 
 
 def _validate_points(value: npt.ArrayLike) -> FloatArray:
-    """Points that make a line, or what is wrong with them."""
+    """Return the points of a line, or an error message."""
     points = np.array(value, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
         raise DataError(
@@ -259,7 +259,7 @@ def _validate_points(value: npt.ArrayLike) -> FloatArray:
 
 
 def _validate_normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
-    """Unit normals at each point, or of each piece, or what is wrong with them."""
+    """Return unit normals at each point or of each piece, or an error message."""
     normal, count = np.array(value, dtype=float), len(points)
     if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
         raise DataError(
@@ -340,7 +340,7 @@ def _compute_distance(first: FloatArray, second: FloatArray) -> float:
     return min(_from_piece(point, piece) for point, piece in points_and_pieces)
 
 
-def _from_piece(point: FloatArray, piece: FloatArray) -> float:
-    vector = piece[1] - piece[0]
-    ratio = np.clip((point - piece[0]) @ vector / (vector @ vector), 0.0, 1.0)
-    return float(np.linalg.norm(point - piece[0] - ratio * vector))
+def _from_piece(point: FloatArray, segment: FloatArray) -> float:
+    vector = segment[1] - segment[0]
+    ratio = np.clip((point - segment[0]) @ vector / (vector @ vector), 0.0, 1.0)
+    return float(np.linalg.norm(point - segment[0] - ratio * vector))

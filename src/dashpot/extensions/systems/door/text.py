@@ -20,7 +20,8 @@ _ROUNDING = 1e-9
 def door(result: DoorResult, *, every: bool = False) -> Text:
     """Return the seal line, the modes with their energy shares, and the response to a base.
 
-    Of many modes those of which the seal has most; `every` shows what each part has of them.
+    Of many modes only those with the largest share of the seal; `every` shows the share of each
+    part.
     """
     lines = _format_line(result)
     if not result.modes:
