@@ -274,6 +274,18 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     )
 
 
+@criterion(source="by the limits of every spectrum that the values allow")
+def values_enough(count: int, values: str, *, are_limited: bool) -> Finding:
+    """A curve has enough values to limit the arms that the model does not have."""
+    return Finding(
+        f"{count} {values} limit the arms that the model does not have",
+        failure=f"{count} {values} are too few to limit the arms that the model does not have. What "
+        "these would change is in no interval.",
+        remedy=f"Measure at more {values}.",
+        always_fails=not are_limited,
+    )
+
+
 def run_plateau_checks(
     model: GeneralizedMaxwell,
     se: float,

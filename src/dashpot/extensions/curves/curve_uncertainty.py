@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
 from dashpot.datamodel.bounds import BandError, Ended, EndOfHold
 from dashpot.datamodel.parameter_estimate import Interval
 from dashpot.fitting.admissible_spectra import (
@@ -60,8 +61,6 @@ KNOTS_PER_DECADE = 4
 DIGITS_ERROR = 1e-4
 # points per decade of the grid of the nearest spectrum
 PER_DECADE = 12
-#: fewest values of a curve whose limits are computed
-MIN_FREE_POINTS = 8
 _SPRINGS, _DASHPOTS = {"k_inf", "glass"}, {"b", "flow"}
 
 
@@ -118,8 +117,10 @@ def weight_curve(
     *,
     window: tuple[float, float],
     common: float = COMMON_ERROR,
-) -> CurveData:
+) -> CurveData | None:
     """Weight a curve by its residual about the nearest non-negative spectrum.
+
+    None where so few values follow some spectrum exactly: they show no scatter.
 
     Parameters
     ----------
@@ -138,6 +139,8 @@ def weight_curve(
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
     best, _ = solve_linear(columns, rows.target, positive=True)
     fitted_curve = columns @ best
+    if np.linalg.matrix_rank(columns[:, best > 0]) >= len(fitted_curve):
+        return None
     active = np.linalg.qr(columns[:, best > 0])[0]
     weight, effective = np.empty(len(fitted_curve)), 0.0
     for start in range(0, len(fitted_curve), n):
@@ -207,7 +210,8 @@ def find_valid_band(
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
     The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance,
-    `add_shift_errors` adds those of a master curve to the errors of a solid.
+    `add_shift_errors` adds those of a master curve to the errors of a solid. The errors are infinite
+    where so few values limit nothing.
     """
     if not has_loss_band(solid, band):
         return band, None
@@ -216,7 +220,11 @@ def find_valid_band(
     errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
     if add_shift_errors is not None:
         errors = add_shift_errors(solid, errors)
-    return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
+    try:
+        return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
+    except FitError:
+        infinite = (np.inf, np.inf)
+        return band, BandError(band, infinite, infinite)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,10 +311,10 @@ def limit_end_of_curve(
     extra: Sequence[float],
     level: float = 0.95,
     spectra: AdmissibleSpectra | None = None,
-) -> EndOfHold:
+) -> EndOfHold | None:
     """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
 
-    The limits contain the fit.
+    The limits contain the fit. None where so few values limit nothing.
 
     Parameters
     ----------
@@ -324,29 +332,32 @@ def limit_end_of_curve(
     spectra : AdmissibleSpectra, optional
         Those of :func:`find_admissible_spectra`, where they are known already.
     """
-    if spectra is None:
-        spectra = find_admissible_spectra(data, time=time, extra=extra, level=level)
+    try:
+        if spectra is None:
+            spectra = find_admissible_spectra(data, time=time, extra=extra, level=level)
 
-    def compute_limits(times: float) -> Interval:
-        return _compute_curve_limits(spectra, curve_kind, times * time)
+        def compute_limits(times: float) -> Interval:
+            return _compute_curve_limits(spectra, curve_kind, times * time)
 
-    k_end, k_rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
-    if curve_kind == "creep":
-        # k = 1/J falls by J'/J^2
-        slope_limit = (
-            compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
+        k_end, k_rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
+        if curve_kind == "creep":
+            # k = 1/J falls by J'/J^2
+            slope_limit = (
+                compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
+            )
+        else:
+            slope_limit = compute_upper_limit(spectra, spectra.slope_at(time))
+        end = EndOfHold(
+            end_time=time,
+            k_end=k_end,
+            k_3end=compute_limits(3),
+            k_10end=compute_limits(10),
+            k_inf=(0.0, k_rest[1]),
+            slope_limit=slope_limit,
+            test_kind=curve_kind,
         )
-    else:
-        slope_limit = compute_upper_limit(spectra, spectra.slope_at(time))
-    end = EndOfHold(
-        end_time=time,
-        k_end=k_end,
-        k_3end=compute_limits(3),
-        k_10end=compute_limits(10),
-        k_inf=(0.0, k_rest[1]),
-        slope_limit=slope_limit,
-        test_kind=curve_kind,
-    )
+    except FitError:
+        return None
     return end.widen_to_contain(model)
 
 

@@ -30,7 +30,7 @@ from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import find_quantum
-from dashpot.extensions.curves.checks import plateau_determined
+from dashpot.extensions.curves.checks import plateau_determined, values_enough
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.creep.load_noise import load_rows
 from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
@@ -43,7 +43,6 @@ from dashpot.extensions.curves.creep.retardation_spectrum import (
 )
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
-    MIN_FREE_POINTS,
     CurveData,
     find_admissible_spectra,
     limit_end_of_curve,
@@ -564,7 +563,7 @@ def _limit_end_and_band(
     band: tuple[float, float],
     *,
     origin: Superposition | UnshiftedCurve | None = None,
-) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of some data, and the valid band of their retardations."""
     spectra = find_admissible_spectra(data, time=time, extra=lam)
     end = limit_end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
@@ -655,9 +654,9 @@ def _fit_curve(
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     end, error = None, None
-    if len(t) >= MIN_FREE_POINTS:
-        flowing = _make_curve_block(t, values, weight, window, flows=True)
-        curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
+    flowing = _make_curve_block(t, values, weight, window, flows=True)
+    curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
+    if curve_with_flow is not None:
         end, band, error = _limit_end_and_band(
             curve_with_flow, float(t[-1]), best.model, creep.lam, band, origin=origin
         )
@@ -676,6 +675,7 @@ def _fit_curve(
         *_run_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
         *_run_plateau_checks(creep, end, unit),
+        values_enough(len(t), "times", are_limited=end is not None),
         checks.compliance_residual_small(best.estimate.rms, best.model.arms),
         loss_factor_determined(error),
     )

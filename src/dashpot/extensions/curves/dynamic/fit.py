@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
@@ -29,12 +29,13 @@ from dashpot.extensions.curves.checks import (
     loss_positive,
     run_plateau_checks,
     storage_rises,
+    values_enough,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
-    MIN_FREE_POINTS,
     CurveData,
     find_admissible_spectra,
+    find_valid_band,
     fit_single_test,
     limit_end_of_curve,
     weight_curve,
@@ -50,6 +51,11 @@ from dashpot.extensions.curves.relaxation_spectrum import (
 )
 from dashpot.extensions.curves.shift_uncertainty import find_band_with_shift_errors
 from dashpot.extensions.curves.superposition.superpose import superpose
+from dashpot.fitting.admissible_spectra import (
+    AdmissibleSpectra,
+    compute_end_limits,
+    deviance_limit,
+)
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
@@ -67,7 +73,9 @@ from dashpot.fitting.fractional_model.family_selection import (
     select_family,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
+from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
+from dashpot.fitting.relaxation_likelihood import build_fitted_data
 from dashpot.fitting.valid_band import find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.preprocessing.checks import check_temperature
@@ -220,11 +228,13 @@ def fit_dynamic(
     family_choice = select_family(selection, family)
     selection = family_choice.best
     band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
-    end, band_error = None, None
     curve = _weight_sweep(data, sets[0])
     find_band = partial(_find_valid_band, data, curve, band, origin=origin)
-    # relaxation tests beside it see further
-    if not records:
+    if records:
+        end, band, band_error = _limit_with_records(
+            data, records, curve, sets[1:], family_choice.arms, selection.solid, band
+        )
+    else:
         tau = family_choice.arms.model.tau
         end = _limit_end(data, curve, selection, tau)
         band, band_error = find_band(selection.solid, tau)
@@ -261,6 +271,7 @@ def fit_dynamic(
                 *_run_checks(
                     selection, data, records, end, [n for item in sets for n in item.freedom]
                 ),
+                values_enough(len(data.frequency), "frequencies", are_limited=end is not None),
                 *family_choice.checks(other),
                 *overlap_check,
                 loss_factor_determined(band_error),
@@ -319,12 +330,13 @@ def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Resid
 class _Set(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record.
 
-    And the degrees of freedom that its own fit left of each.
+    And the degrees of freedom that its own fit left of each; its scatter, N, of a record.
     """
 
     block: DataBlock
     rows: tuple[DataBlock, ...]
     freedom: tuple[float, ...]
+    scatter: float = 1.0
 
 
 def _select_one_temperature(
@@ -439,15 +451,14 @@ def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     sets = []
     for block in blocks:
         fit = fit_single_test([block], [block.exact], max_arms)
-        factor = 1 / fit.scatter[0]
-        sets.append(_Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.freedom))
+        scatter = fit.scatter[0]
+        rows = (block.exact.scale_rows(1 / scatter),)
+        sets.append(_Set(block.scale_rows(1 / scatter), rows, fit.freedom, scatter))
     return sets
 
 
 def _weight_sweep(data: DynamicTest, sweep: _Set) -> CurveData | None:
     """Return the lines of a sweep with their errors; None if they are few."""
-    if len(data.frequency) < MIN_FREE_POINTS:
-        return None
     window = (
         1 / (_DASHPOT_RATIO * float(data.omega.max())),
         _SLOW_ARM_RATIO / float(data.omega.min()),
@@ -463,6 +474,60 @@ def _limit_end(
         return None
     slowest = 1 / float(data.omega.min())
     return limit_end_of_curve(curve, "sweep", time=slowest, model=selection.model, extra=tau)
+
+
+@dataclass(frozen=True, eq=False)
+class _WithoutDashpot:
+    """A relaxation test beside a sweep, in which the fastest arms stand for a dashpot."""
+
+    data: RelaxationData
+
+    @property
+    def window(self) -> tuple[float, float]:
+        return self.data.window
+
+    def rows(self, log_tau: FloatArray, *, slopes: bool) -> RelaxationRows:
+        rows = self.data.rows(log_tau, slopes=slopes)
+        return rows._replace(dashpot=np.zeros_like(rows.dashpot))
+
+
+def _limit_with_records(
+    data: DynamicTest,
+    records: Sequence[RampHold],
+    curve: CurveData | None,
+    sets: Sequence[_Set],
+    selection: SelectedModel,
+    solid: Solid,
+    band: tuple[float, float],
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """Return the limits at the end of the holds, and the valid band of sweep and tests together.
+
+    They are of every spectrum that neither the sweep nor the tests reject.
+    """
+    model, estimate = selection.model, selection.estimate
+    relaxations = [
+        build_fitted_data(
+            record, item.block.scale_rows(item.scatter), model, item.scatter * residual
+        )
+        for record, item, residual in zip(records, sets, estimate.residuals[2:], strict=True)
+    ]
+    spectra = AdmissibleSpectra(
+        [*([] if curve is None else [curve]), *map(_WithoutDashpot, relaxations)],
+        fastest=float(data.omega.max()),
+        limit=deviance_limit(0.95, estimate.dof),
+        extra=model.tau,
+    )
+    end = compute_end_limits(
+        relaxations,
+        time=max(record.hold_time for record in records),
+        model=model,
+        dof=estimate.dof,
+        spectra=spectra,
+    ).widen_to_contain(model)
+    band, error = find_valid_band(spectra, solid, band)
+    if error is not None:
+        error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
+    return end, band, error
 
 
 def _find_valid_band(
@@ -533,7 +598,13 @@ def _run_checks(
     all_checks = [
         *of_arms,
         *run_plateau_checks(
-            model, float(error[0]), end, unit=data.unit, first=fastest, extra=extra
+            model,
+            float(error[0]),
+            # a hold ends elsewhere
+            None if records else end,
+            unit=data.unit,
+            first=fastest,
+            extra=extra,
         ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
