@@ -210,8 +210,8 @@ def find_valid_band(
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
     The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance,
-    `add_shift_errors` adds those of a master curve to the errors of a solid. The errors are infinite
-    where so few values limit nothing.
+    `add_shift_errors` adds those of a master curve to the errors of a solid. The errors are
+    infinite where so few values limit nothing.
     """
     if not has_loss_band(solid, band):
         return band, None
@@ -339,7 +339,10 @@ def limit_end_of_curve(
         def compute_limits(times: float) -> Interval:
             return _compute_curve_limits(spectra, curve_kind, times * time)
 
-        k_end, k_rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
+        k_end, k_rest = (
+            compute_limits(1),
+            compute_limits(AT_REST if curve_kind == "creep" else np.inf),
+        )
         if curve_kind == "creep":
             # k = 1/J falls by J'/J^2
             slope_limit = (

@@ -232,7 +232,13 @@ def fit_dynamic(
     find_band = partial(_find_valid_band, data, curve, band, origin=origin)
     if records:
         end, band, band_error = _limit_with_records(
-            data, records, curve, sets[1:], family_choice.arms, selection.solid, band
+            data,
+            curve,
+            records,
+            sets[1:],
+            selection=family_choice.arms,
+            solid=selection.solid,
+            band=band,
         )
     else:
         tau = family_choice.arms.model.tau
@@ -493,9 +499,10 @@ class _WithoutDashpot:
 
 def _limit_with_records(
     data: DynamicTest,
-    records: Sequence[RampHold],
     curve: CurveData | None,
+    records: Sequence[RampHold],
     sets: Sequence[_Set],
+    *,
     selection: SelectedModel,
     solid: Solid,
     band: tuple[float, float],
