@@ -205,12 +205,12 @@ def find_valid_band(
     band: tuple[float, float],
     *,
     creep: bool = False,
-    add_shift_errors: Callable[[Solid, ErrorFunction], ErrorFunction] | None = None,
+    add_errors: Callable[[Solid, ErrorFunction], ErrorFunction] | None = None,
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
     The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance,
-    `add_shift_errors` adds those of a master curve to the errors of a solid. The errors are
+    `add_errors` adds those of shifts, or of a rig, to the errors of a solid. The errors are
     infinite where so few values limit nothing.
     """
     if not has_loss_band(solid, band):
@@ -218,8 +218,8 @@ def find_valid_band(
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, MIN_LINES)).tolist()
     errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
-    if add_shift_errors is not None:
-        errors = add_shift_errors(solid, errors)
+    if add_errors is not None:
+        errors = add_errors(solid, errors)
     try:
         return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
     except FitError:

@@ -14,6 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyOption, require_choice
 from dashpot.base.provenance import Step, list_sources, list_steps
+from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -76,7 +77,7 @@ from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
 from dashpot.fitting.relaxation_likelihood import build_fitted_data
-from dashpot.fitting.valid_band import find_informed_band
+from dashpot.fitting.valid_band import ErrorFunction, find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import Solid
@@ -156,6 +157,7 @@ def fit_dynamic(
     thorough: bool = False,
     max_arms: int = 6,
     family: FamilyOption = "maxwell",
+    common_errors: Sequence[ComplexArray] = (),
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
 
@@ -193,6 +195,9 @@ def fit_dynamic(
     family : "maxwell", "fractional" or "auto"
         Arms, a fractional Zener model, or the one that BIC prefers, as in
         :func:`~dashpot.fitting.relaxation.fit`; of one temperature.
+    common_errors : sequence of array
+        Relative changes of the lines, in order of frequency, by one standard deviation of each
+        error that all of them share; of one temperature without `tests`.
 
     Returns
     -------
@@ -229,7 +234,9 @@ def fit_dynamic(
     selection = family_choice.best
     band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
     curve = _weight_sweep(data, sets[0])
-    find_band = partial(_find_valid_band, data, curve, band, origin=origin)
+    find_band = partial(
+        _find_valid_band, data, curve, band, origin=origin, common_errors=common_errors
+    )
     if records:
         end, band, band_error = _limit_with_records(
             data,
@@ -310,12 +317,17 @@ def fit_complex_modulus(
     arms: int | Literal["auto"] = "auto",
     family: FamilyOption = "maxwell",
     specimen: Specimen | None = None,
+    common_errors: Sequence[ComplexArray] = (),
 ) -> Fit:
-    """Fit a solid to a complex modulus, Pa, at frequencies, Hz, as a dynamic test is fitted."""
+    """Fit a solid to a complex modulus, Pa, at frequencies, Hz, as a dynamic test is fitted.
+
+    `common_errors` holds one standard deviation of what spoils all lines together: the relative
+    change of each, for each cause.
+    """
     test = DynamicTest(
         frequency, modulus.real, modulus.imag, specimen=specimen or Specimen(), units="SI"
     )
-    return fit_dynamic(test, arms=arms, family=family)
+    return fit_dynamic(test, arms=arms, family=family, common_errors=common_errors)
 
 
 def _get_relative_errors(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
@@ -545,6 +557,7 @@ def _find_valid_band(
     tau: Sequence[float],
     *,
     origin: Superposition | UnshiftedCurve,
+    common_errors: Sequence[ComplexArray],
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return where in a band a sweep knows a solid, Hz, and the errors there.
 
@@ -553,10 +566,39 @@ def _find_valid_band(
     if curve is None:
         return band, None
     spectra = find_admissible_spectra(curve, time=1 / float(data.omega.min()), extra=tau)
-    band, error = find_band_with_shift_errors(spectra, solid, band, origin=origin)
+    if common_errors:
+        add_errors = partial(_CommonErrors, data.frequency, common_errors)
+        band, error = find_valid_band(spectra, solid, band, add_errors=add_errors)
+    else:
+        band, error = find_band_with_shift_errors(spectra, solid, band, origin=origin)
     if error is not None:
         error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
     return band, error
+
+
+@dataclass(frozen=True, eq=False)
+class _CommonErrors:
+    """Relative errors of a solid at a frequency, with those that all lines share."""
+
+    frequency: FloatArray
+    relative_changes: Sequence[ComplexArray]
+    solid: Solid
+    errors: ErrorFunction
+
+    def __call__(self, frequency: float) -> tuple[float, float]:
+        """Return the relative errors of stiffness and loss factor at a frequency, Hz."""
+        K = complex(self.solid.complex_stiffness(omega=2 * np.pi * frequency))
+        log_lines = np.log(self.frequency)
+        changed = K * np.array(
+            [1 + np.interp(np.log(frequency), log_lines, item) for item in self.relative_changes]
+        )
+        sizes = np.abs(changed) / abs(K) - 1
+        factors = (changed.imag / changed.real) / (K.imag / K.real) - 1
+        stiffness, loss_factor = self.errors(frequency)
+        return (
+            float(np.hypot(stiffness, NORMAL * np.linalg.norm(sizes))),
+            float(np.hypot(loss_factor, NORMAL * np.linalg.norm(factors))),
+        )
 
 
 def _compute_misfit_in_band(
