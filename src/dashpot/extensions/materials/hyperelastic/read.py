@@ -73,7 +73,7 @@ def read_stress_strain(
     """
     measures = measures or Measures()
     with channels.open_file(path, options) as file:
-        mode_notes = []
+        mode_notes: list[str] = []
         if mode is None:
             (_, mode, is_compression), mode_notes = _find_mode(file.table.header)
         is_compression = is_compression or mode == "volumetric"
