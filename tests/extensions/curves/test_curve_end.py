@@ -128,6 +128,33 @@ def test_fit_modulus_of_few_values_limits_the_end_where_they_show_scatter() -> N
     assert end.k_end[0] < ZENER.relaxation(end.end_time) < end.k_end[1]
 
 
+@pytest.mark.parametrize(("times", "share"), [(5, 0.5), (16, 0.5), (20, 0.35), (20, 0.5)])
+def test_what_seems_to_flow_may_rest_long_after_a_creep_test(times: float, share: float) -> None:
+    """A retardation of so many holds is a flow to it: at rest a part is no softer than so."""
+    time, glass = np.arange(5401) / 100.0, 1 / 400.0
+    parts = (0.3 * glass, 3.0), (share * glass, 50.0 * times)
+
+    def integrate_compliance(t: np.ndarray) -> np.ndarray:
+        t = np.maximum(t, 0.0)
+        creeping = sum(size * (t + late * np.expm1(-t / late)) for size, late in parts)
+        return glass * t + creeping
+
+    ramps = integrate_compliance(time - 4.0) - integrate_compliance(time - 4.2)
+    random = np.random.default_rng(3)
+    fit = dp.fit(
+        dp.CreepTest(
+            time=time,
+            displacement=1.5 / 0.2 * ramps + 1e-6 * random.standard_normal(len(time)),
+            force=1.5 * np.clip((time - 4.0) / 0.2, 0, 1)
+            + 2e-3 * random.standard_normal(len(time)),
+            units="SI",
+        )
+    )
+    end = fit.evidence.end_of_hold
+    assert end is not None
+    assert 1 / ((1.3 + share) * glass) < end.k_inf[1]
+
+
 def test_values_that_some_spectrum_follows_exactly_are_too_few() -> None:
     """Nine values of a power law: as many parameters are as good as any."""
     solid, t = Solid.power_law("", 1e6, 2e6, 0.05, 0.3), np.geomspace(0.1, 1000.0, 9)

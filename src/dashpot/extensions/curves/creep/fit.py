@@ -42,6 +42,7 @@ from dashpot.extensions.curves.creep.retardation_spectrum import (
     make_retardation_block,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
+    AT_REST,
     MIN_FITTED_SHARE,
     CurveData,
     find_admissible_spectra,
@@ -565,6 +566,9 @@ def _limit_end_and_band(
     origin: Superposition | UnshiftedCurve | None = None,
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of some data, and the valid band of their retardations."""
+    # what may still come is slow retardation or flow: to time T either may stand for the other
+    shortest, longest = data.window
+    data = replace(data, window=(shortest, max(longest, AT_REST * time)))
     spectra = find_admissible_spectra(data, time=time, extra=lam)
     end = limit_end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
     return end, *find_band_with_shift_errors(spectra, model, band, origin=origin, creep=True)
