@@ -210,8 +210,8 @@ def find_valid_band(
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
     The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance,
-    `add_errors` adds those of shifts, or of a rig, to the errors of a solid. The errors are
-    infinite where so few values limit nothing.
+    `add_errors` adds those of shifts, or of a rig, to the errors of a solid. No errors where so few
+    values limit nothing.
     """
     if not has_loss_band(solid, band):
         return band, None
@@ -223,8 +223,14 @@ def find_valid_band(
     try:
         return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
     except FitError:
-        infinite = (np.inf, np.inf)
-        return band, BandError(band, infinite, infinite)
+        return band, None
+
+
+def is_limited(
+    end: EndOfHold | None, error: BandError | None, solid: Solid, band: tuple[float, float]
+) -> bool:
+    """Return whether the values of a curve limit its end, and its solid in a band."""
+    return end is not None and (error is not None or not has_loss_band(solid, band))
 
 
 @dataclass(frozen=True, eq=False)
@@ -418,7 +424,9 @@ def fit_single_test(
     blocks: Sequence[DataBlock], samples: Sequence[DataBlock], max_arms: int
 ) -> SingleTestFit:
     """Fit one test with as many arms as it supports, up to `max_arms`."""
-    max_arms = min(max_arms, max_determinable_arms(blocks))
+    # half of the values are left to show their scatter
+    value_count = sum(len(block.evaluate(np.zeros(0), False).target) for block in samples)
+    max_arms = min(max_arms, max_determinable_arms(blocks), max((value_count // 2 - 1) // 2, 1))
     best = solve_orders(blocks, max_arms)[-1]
     peaks = [find_largest_target(block) for block in samples]
     estimate = estimate_covariance(best, samples, peak=max(peaks))

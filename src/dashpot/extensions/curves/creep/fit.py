@@ -46,6 +46,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
     CurveData,
     find_admissible_spectra,
+    is_limited,
     limit_end_of_curve,
     weight_curve,
 )
@@ -679,7 +680,7 @@ def _fit_curve(
         *_run_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
         *_run_plateau_checks(creep, end, unit),
-        values_enough(len(t), "times", are_limited=end is not None),
+        values_enough(len(t), "times", are_limited=is_limited(end, error, best.model, band)),
         checks.compliance_residual_small(best.estimate.rms, best.model.arms),
         loss_factor_determined(error),
     )

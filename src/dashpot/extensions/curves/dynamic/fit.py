@@ -38,6 +38,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
     find_admissible_spectra,
     find_valid_band,
     fit_single_test,
+    is_limited,
     limit_end_of_curve,
     weight_curve,
 )
@@ -284,7 +285,11 @@ def fit_dynamic(
                 *_run_checks(
                     selection, data, records, end, [n for item in sets for n in item.freedom]
                 ),
-                values_enough(len(data.frequency), "frequencies", are_limited=end is not None),
+                values_enough(
+                    len(data.frequency),
+                    "frequencies",
+                    are_limited=is_limited(end, band_error, selection.solid, band),
+                ),
                 *family_choice.checks(other),
                 *overlap_check,
                 loss_factor_determined(band_error),

@@ -24,6 +24,7 @@ from dashpot.extensions.curves.curve_uncertainty import (
     CurveData,
     find_admissible_spectra,
     fit_single_test,
+    is_limited,
     limit_end_of_curve,
     weight_curve,
 )
@@ -155,7 +156,7 @@ def fit_modulus(
         residuals_white(selection.estimate.kappa, selection.estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
         *selection.check_arm_count("1" if weights == "relative" else unit),
-        values_enough(len(t), "times", are_limited=end is not None),
+        values_enough(len(t), "times", are_limited=is_limited(end, band_error, model, band)),
         loss_factor_determined(band_error),
     )
     step = Step(
