@@ -274,7 +274,7 @@ def test_a_fit_that_spends_freedom_on_few_lines_leaves_no_more_than_their_scatte
             assert ("data_agree" not in list_failed_checks(result)) == agrees
 
 
-def test_a_sweep_beside_a_relaxation_test_knows_what_every_spectrum_says() -> None:
+def test_fit_dynamic_with_a_relaxation_test_states_the_error_of_every_spectrum() -> None:
     """The covariance of the arms that were found misses most of the error at the end of a hold."""
     fastest, slowest = 2 * np.pi * 50.0, 1e6
     tau = tuple(np.geomspace(0.1 / fastest, slowest, 60).tolist())
@@ -296,7 +296,7 @@ def test_a_sweep_beside_a_relaxation_test_knows_what_every_spectrum_says() -> No
         assert from_json(to_json(result)) == result
 
 
-def test_five_lines_that_a_model_of_their_own_meets_are_no_contradiction() -> None:
+def test_fit_dynamic_accepts_five_lines_beside_a_relaxation_test() -> None:
     lines, two = np.geomspace(0.1, 50.0, 5), GeneralizedMaxwell(200.0, (80.0, 60.0), (0.03, 3.0))
     for seed in range(6):
         held = ramp_hold(two, noise=2e-3, seed=seed)
@@ -308,7 +308,7 @@ def test_five_lines_that_a_model_of_their_own_meets_are_no_contradiction() -> No
                 assert result.verdict.use != "use"
 
 
-def test_a_sweep_of_few_lines_leaves_the_relaxation_test_its_weight() -> None:
+def test_fit_dynamic_weighs_a_sweep_of_few_lines_by_its_scatter() -> None:
     """As many arms as nine lines allow follow them: their scatter seemed none, and they ruled."""
     tau, failed = (0.003, 0.015, 0.075, 0.5, 16.4), 0
     five = GeneralizedMaxwell(200.0, (20.0, 20.0, 20.0, 120.0, 18.0), tau)
