@@ -296,7 +296,7 @@ def test_fit_dynamic_with_a_relaxation_test_states_the_error_of_every_spectrum()
         assert from_json(to_json(result)) == result
 
 
-def test_fit_dynamic_accepts_five_lines_beside_a_relaxation_test() -> None:
+def test_fit_dynamic_accepts_five_lines_with_a_relaxation_test() -> None:
     lines, two = np.geomspace(0.1, 50.0, 5), GeneralizedMaxwell(200.0, (80.0, 60.0), (0.03, 3.0))
     for seed in range(6):
         held = ramp_hold(two, noise=2e-3, seed=seed)
