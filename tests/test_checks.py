@@ -827,6 +827,7 @@ CURVES = [
         1.301,
     ),
     Case("bands_overlap", lambda x: curves.bands_overlap((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
+    Case("values_enough", lambda x: curves.values_enough(5, "times", are_limited=bool(x)), 1, 0),
 ]
 CREEP = [
     Case("load_begins_at_rest", judge_integer(lambda n: creep.load_begins_at_rest(load(n))), 5, 4),

@@ -122,8 +122,73 @@ def test_a_sweep_tells_its_storage_in_hertz() -> None:
     )
 
 
-def test_fit_modulus_of_few_values_has_no_end_limits() -> None:
-    assert fit_modulus(curve(ZENER, T[::12]), arms=1).evidence.end_of_hold is None
+def test_fit_modulus_of_few_values_limits_the_end_where_they_show_scatter() -> None:
+    end = fit_modulus(curve(ZENER, T[::12]), arms=1).evidence.end_of_hold
+    assert end is not None
+    assert end.k_end[0] < ZENER.relaxation(end.end_time) < end.k_end[1]
+
+
+@pytest.mark.parametrize(("times", "share"), [(5, 0.5), (16, 0.5), (20, 0.35), (20, 0.5)])
+def test_what_seems_to_flow_may_rest_long_after_a_creep_test(times: float, share: float) -> None:
+    """A retardation of so many holds is a flow to it: at rest a part is no softer than so."""
+    time, glass = np.arange(5401) / 100.0, 1 / 400.0
+    parts = (0.3 * glass, 3.0), (share * glass, 50.0 * times)
+
+    def integrate_compliance(t: np.ndarray) -> np.ndarray:
+        t = np.maximum(t, 0.0)
+        creeping = sum(size * (t + late * np.expm1(-t / late)) for size, late in parts)
+        return glass * t + creeping
+
+    ramps = integrate_compliance(time - 4.0) - integrate_compliance(time - 4.2)
+    random = np.random.default_rng(3)
+    fit = dp.fit(
+        dp.CreepTest(
+            time=time,
+            displacement=1.5 / 0.2 * ramps + 1e-6 * random.standard_normal(len(time)),
+            force=1.5 * np.clip((time - 4.0) / 0.2, 0, 1)
+            + 2e-3 * random.standard_normal(len(time)),
+            units="SI",
+        )
+    )
+    end = fit.evidence.end_of_hold
+    assert end is not None
+    assert 1 / ((1.3 + share) * glass) < end.k_inf[1]
+
+
+def test_values_that_some_spectrum_follows_exactly_are_too_few() -> None:
+    """Nine values of a power law: as many parameters are as good as any."""
+    solid, t = Solid.power_law("", 1e6, 2e6, 0.05, 0.3), np.geomspace(0.1, 1000.0, 9)
+    error = 5e-3 * np.random.default_rng(3).standard_normal(9)
+    fit = fit_modulus(t, np.array([solid.relaxation(time) for time in t]) * (1 + error))
+    assert fit.evidence.end_of_hold is None
+    assert fit.verdict.use == "use with care"
+    assert "values_enough" in [check.name for check in fit.verdict.failed_checks]
+    assert from_json(to_json(fit)) == fit
+
+
+@pytest.mark.parametrize("count", [4, 5, 6, 7])
+def test_a_sweep_of_few_lines_claims_no_more_than_it_knows(count: int) -> None:
+    for seed in range(6):
+        random = np.random.default_rng([count, seed])
+        solid = Solid.power_law(
+            "", 1e6, random.uniform(0.3, 2) * 1e6, 1e-4, random.uniform(0.1, 0.5)
+        )
+        if seed % 2:
+            tau = 10.0 ** random.uniform(-3, 1, 5)
+            solid = Solid.arms("", 1e6, random.uniform(0.05, 0.6, 5) * 1e6, tau)
+        f = np.geomspace(0.1, 10.0 ** random.uniform(0.5, 2), count)
+        value = np.array([solid.stiffness(2 * np.pi * line) for line in f])
+        storage, loss = 1 + 0.01 * random.standard_normal((2, count))
+        fit = dp.fit(dp.DynamicTest(f, value.real * storage, value.imag * loss, units="SI"))
+        if fit.verdict.use != "use":
+            continue
+        stiffness, loss_factor = fit.evidence.band_error.max_errors
+        lines = np.geomspace(*fit.band, 9)
+        wanted = np.array([solid.stiffness(2 * np.pi * line) for line in lines])
+        found = fit.model.complex_stiffness(omega=2 * np.pi * lines)
+        ratio = (found.imag / found.real) / (wanted.imag / wanted.real)
+        assert np.abs(np.abs(found) / np.abs(wanted) - 1).max() <= stiffness
+        assert np.abs(ratio - 1).max() <= loss_factor
 
 
 # -- how often ------------------------------------------------------------------------------------

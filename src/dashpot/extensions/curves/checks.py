@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp, lgamma, log, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +30,9 @@ MAX_MISFIT = 0.05
 MORE_TOGETHER = 1.3
 # ratio of scatters above which the tests are of different solids
 CONTRADICTION_RATIO = 3.0
+# chance of a scatter as small as the least that is allowed: 2.5 standard deviations
+MIN_CHANCE = 0.0062
+_GAMMA_TERMS = 1000
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
 MIN_PLATEAU_RATIO = 0.8
 # largest decline at the end of a curve, relative to its total decline
@@ -274,6 +278,18 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     )
 
 
+@criterion(source="by the limits of every spectrum that the values allow")
+def values_enough(count: int, values: str, *, are_limited: bool) -> Finding:
+    """A curve has enough values to limit the arms that the model does not have."""
+    return Finding(
+        f"{count} {values} limit the arms that the model does not have",
+        failure=f"{count} {values} are too few to limit the arms that the model does not have. "
+        "What these would change is in no interval.",
+        remedy=f"Measure at more {values}.",
+        always_fails=not are_limited,
+    )
+
+
 def run_plateau_checks(
     model: GeneralizedMaxwell,
     se: float,
@@ -330,7 +346,7 @@ def few_arms_sufficient(
     "scatter jointly / alone",
     "<=",
     MORE_TOGETHER,
-    other_grade=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTION_RATIO:g}",
+    other_grade=f"what chance shows in few lines; stop beyond {CONTRADICTION_RATIO:g}, more in few",
     fit_status=Status.TESTS_DISAGREE,
 )
 def data_agree(
@@ -344,10 +360,12 @@ def data_agree(
         Residual of each curve with the joint model, over that of a fit to its test alone.
     names : sequence of str
     freedom : sequence of float
-        Degrees of freedom of the latter: a scatter of :math:`\nu` is known to
-        :math:`1/\sqrt{2\nu}`.
+        Degrees of freedom of the latter: few of them may leave a scatter far too small.
     """
-    limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
+    limits = [
+        max(MORE_TOGETHER, 1 / _compute_least_scatter(max(value, 1.0), MIN_CHANCE))
+        for value in freedom
+    ]
     worst_index = int(np.argmax(np.asarray(residual_ratios) / limits))
     return Finding(
         f"The joint model has {residual_ratios[worst_index]:.3g} times the residual of the own fit "
@@ -356,9 +374,30 @@ def data_agree(
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
-        limit=float(limits[worst_index]),
-        grade="stop" if residual_ratios[worst_index] > CONTRADICTION_RATIO else None,
+        limit=limits[worst_index],
+        grade="stop"
+        if residual_ratios[worst_index] / limits[worst_index] > CONTRADICTION_RATIO / MORE_TOGETHER
+        else None,
     )
+
+
+def _compute_least_scatter(freedom: float, chance: float) -> float:
+    r"""Return the least scatter of so many degrees of freedom over the true one, by chance.
+
+    .. math:: P(a, x) = \frac{x^a e^{-x}}{\Gamma(a + 1)} \sum_{n\ge0} \frac{x^n}{(a+1)\cdots(a+n)},
+        \qquad s^2/\sigma^2 = x/a, \quad a = \nu/2
+
+    >>> round(_compute_least_scatter(1.0, 0.05), 4)
+    0.0627
+    """
+    a = freedom / 2
+    low, high = log(1e-300), log(a)
+    for _ in range(60):
+        x = exp((low + high) / 2)
+        terms = np.cumprod(np.append(1.0, x / (a + np.arange(1, _GAMMA_TERMS))))
+        is_rarer = a * log(x) - x - lgamma(a + 1) + log(float(terms.sum())) < log(chance)
+        low, high = (log(x), high) if is_rarer else (low, log(x))
+    return sqrt(exp(low) / a)
 
 
 @criterion("gap, a factor", "<=", 10.0, "our choice: a decade")

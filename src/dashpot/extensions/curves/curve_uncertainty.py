@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base import dataclass, field
 from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
 from dashpot.datamodel.bounds import BandError, Ended, EndOfHold
 from dashpot.datamodel.parameter_estimate import Interval
 from dashpot.fitting.admissible_spectra import (
@@ -60,8 +61,6 @@ KNOTS_PER_DECADE = 4
 DIGITS_ERROR = 1e-4
 # points per decade of the grid of the nearest spectrum
 PER_DECADE = 12
-#: fewest values of a curve whose limits are computed
-MIN_FREE_POINTS = 8
 _SPRINGS, _DASHPOTS = {"k_inf", "glass"}, {"b", "flow"}
 
 
@@ -120,8 +119,10 @@ def weight_curve(
     *,
     window: tuple[float, float],
     common_error: float = COMMON_ERROR,
-) -> CurveData:
+) -> CurveData | None:
     """Weight a curve by its residual about the nearest non-negative spectrum.
+
+    None where so few values follow some spectrum exactly: they show no scatter.
 
     Parameters
     ----------
@@ -140,6 +141,8 @@ def weight_curve(
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)
     best, _ = solve_linear(columns, rows.target, positive=True)
     fitted_curve = columns @ best
+    if np.linalg.matrix_rank(columns[:, best > 0]) >= len(fitted_curve):
+        return None
     active = np.linalg.qr(columns[:, best > 0])[0]
     weight, effective = np.empty(len(fitted_curve)), 0.0
     for start in range(0, len(fitted_curve), n):
@@ -204,21 +207,32 @@ def find_valid_band(
     band: tuple[float, float],
     *,
     creep: bool = False,
-    add_shift_errors: Callable[[Solid, ErrorFunction], ErrorFunction] | None = None,
+    add_errors: Callable[[Solid, ErrorFunction], ErrorFunction] | None = None,
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band of a curve, which ends at a gap, and how well its solid is known there.
 
     The parameters are those of :func:`find_hold_band`; `creep` where the spectra are of compliance,
-    `add_shift_errors` adds those of a master curve to the errors of a solid.
+    `add_errors` adds those of shifts, or of a rig, to the errors of a solid. No errors where so few
+    values limit nothing.
     """
     if not has_loss_band(solid, band):
         return band, None
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, MIN_LINES)).tolist()
     errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
-    if add_shift_errors is not None:
-        errors = add_shift_errors(solid, errors)
-    return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
+    if add_errors is not None:
+        errors = add_errors(solid, errors)
+    try:
+        return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
+    except FitError:
+        return band, None
+
+
+def is_limited(
+    end: EndOfHold | None, error: BandError | None, solid: Solid, band: tuple[float, float]
+) -> bool:
+    """Return whether the values of a curve limit its end, and its solid in a band."""
+    return end is not None and (error is not None or not has_loss_band(solid, band))
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,10 +321,10 @@ def limit_end_of_curve(
     extra: Sequence[float],
     level: float = 0.95,
     spectra: AdmissibleSpectra | None = None,
-) -> EndOfHold:
+) -> EndOfHold | None:
     """Return the limits of a curve at its end, at 3 and 10 times that time, and of its plateau.
 
-    The limits contain the fit.
+    The limits contain the fit. None where so few values limit nothing.
 
     Parameters
     ----------
@@ -328,29 +342,35 @@ def limit_end_of_curve(
     spectra : AdmissibleSpectra, optional
         Those of :func:`find_admissible_spectra`, where they are known already.
     """
-    if spectra is None:
-        spectra = find_admissible_spectra(data, time=time, extra=extra, level=level)
+    try:
+        if spectra is None:
+            spectra = find_admissible_spectra(data, time=time, extra=extra, level=level)
 
-    def compute_limits(times: float) -> Interval:
-        return _compute_curve_limits(spectra, curve_kind, times * time)
+        def compute_limits(times: float) -> Interval:
+            return _compute_curve_limits(spectra, curve_kind, times * time)
 
-    k_end, k_rest = compute_limits(1), compute_limits(AT_REST if curve_kind == "creep" else np.inf)
-    if curve_kind == "creep":
-        # k = 1/J falls by J'/J^2
-        slope_limit = (
-            compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
+        k_end, k_rest = (
+            compute_limits(1),
+            compute_limits(AT_REST if curve_kind == "creep" else np.inf),
         )
-    else:
-        slope_limit = compute_upper_limit(spectra, spectra.slope_at(time))
-    end = EndOfHold(
-        end_time=time,
-        k_end=k_end,
-        k_3end=compute_limits(3),
-        k_10end=compute_limits(10),
-        k_inf=(0.0, k_rest[1]),
-        slope_limit=slope_limit,
-        test_kind=curve_kind,
-    )
+        if curve_kind == "creep":
+            # k = 1/J falls by J'/J^2
+            slope_limit = (
+                compute_upper_limit(spectra, _compute_creep_slope(spectra, time)) * k_end[1] ** 2
+            )
+        else:
+            slope_limit = compute_upper_limit(spectra, spectra.slope_at(time))
+        end = EndOfHold(
+            end_time=time,
+            k_end=k_end,
+            k_3end=compute_limits(3),
+            k_10end=compute_limits(10),
+            k_inf=(0.0, k_rest[1]),
+            slope_limit=slope_limit,
+            test_kind=curve_kind,
+        )
+    except FitError:
+        return None
     return end.widen_to_contain(model)
 
 
@@ -408,7 +428,9 @@ def fit_single_test(
     blocks: Sequence[DataBlock], samples: Sequence[DataBlock], max_arms: int
 ) -> SingleTestFit:
     """Fit one test with as many arms as it supports, up to `max_arms`."""
-    max_arms = min(max_arms, max_determinable_arms(blocks))
+    # half of the values are left to show their scatter
+    value_count = sum(len(block.evaluate(np.zeros(0), False).target) for block in samples)
+    max_arms = min(max_arms, max_determinable_arms(blocks), max((value_count // 2 - 1) // 2, 1))
     best = solve_orders(blocks, max_arms)[-1]
     peaks = [find_largest_target(block) for block in samples]
     estimate = estimate_covariance(best, samples, peak=max(peaks))

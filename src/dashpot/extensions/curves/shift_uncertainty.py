@@ -97,7 +97,5 @@ def find_band_with_shift_errors(
     creep: bool = False,
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return the valid band of a curve as `find_valid_band`, with the errors of its shifts."""
-    add_shift_errors = (
-        partial(MasterCurveErrors, origin) if isinstance(origin, Superposition) else None
-    )
-    return find_valid_band(spectra, solid, band, creep=creep, add_shift_errors=add_shift_errors)
+    add_errors = partial(MasterCurveErrors, origin) if isinstance(origin, Superposition) else None
+    return find_valid_band(spectra, solid, band, creep=creep, add_errors=add_errors)

@@ -227,7 +227,7 @@ def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Findi
     )
     return Finding(
         f"{sentence(format_arm_count(arm_count))[:-1]} {verb} {remainder} rms, "
-        f"{format_arm_count(supported_count)} leave {supported_text}",
+        f"{format_arm_count(supported_count)} leave{'s' * (supported_count < 2)} {supported_text}",
         float(supported_count),
         "What too few arms miss is in no interval",
         Remedy(f"Use {format_arm_count(supported_count)}.", "arms", f"{supported_count}"),

@@ -119,6 +119,31 @@ def test_a_relaxation_in_strain_and_stress_is_refused_with_the_line_that_fits_it
     assert type(record).__name__ == "StressStrainTest"
 
 
+@pytest.mark.parametrize(
+    ("lines", "mode"),
+    [
+        (["# equibiaxial test"], "equibiaxial"),
+        (["Method: Bi-axial extension"], "equibiaxial"),
+        (["Pure shear, 23 degC"], "planar"),
+        (["Volumetric compression of a cylinder"], "volumetric"),
+        (["Uniaxial tension"], "uniaxial"),
+        (["Specimen 3"], "uniaxial"),
+        (["After a biaxial test:", "uniaxial tension"], "uniaxial"),
+    ],
+)
+def test_the_header_names_the_mode_where_no_option_does(
+    tmp_path: Path, lines: list[str], mode: str
+) -> None:
+    path = tmp_path / "a.csv"
+    rows = (f"{strain},{0.01 * strain}" for strain in range(0, 60, 3))
+    path.write_text("\n".join([*lines, "strain [%],nominal stress [MPa]", *rows]))
+    test = read_stress_strain(path, None)
+    assert test.mode == mode
+    is_named = any("as its header says" in note for note in test.source.notes)
+    assert is_named == (len(lines) == 1 and lines[0] != "Specimen 3")
+    assert read_stress_strain(path, "uniaxial").mode == "uniaxial"
+
+
 def test_a_strain_that_goes_on_is_no_relaxation(tmp_path: Path) -> None:
     strain = np.linspace(0, 50, 200)
     columns = [strain / 5, strain, 0.01 * strain]

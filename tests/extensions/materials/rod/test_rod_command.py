@@ -11,7 +11,9 @@ from kit import shell
 
 import dashpot as dp
 from dashpot.extensions.materials.rod.datamodel import RodErrors
+from dashpot.extensions.materials.rod.fit import fit_rod
 from dashpot.extensions.materials.rod.wave_equation import rod_modulus
+from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.solids.part_geometry import Disc, bonded_cylinder
 from dashpot.workflow.example_files import EXAMPLES
 from dashpot.workflow.json_archive import from_json
@@ -208,6 +210,31 @@ def test_rest_is_taken_at_its_word_no_further_than_its_lines_scatter():
     sure = RodErrors(gain=0.001, phase=0.001)
     frf = dp.FRF(HZ, shaken(elements=40), "transmissibility", units="SI")
     assert rod_modulus(frf, Disc(0.02, 0.02), mass=31.4e-3, density=1e3, errors=sure).errors == sure
+
+
+def test_the_band_knows_what_sensors_may_be_off_by():
+    """Verdict and prediction hold where gain and phase are off by what is said."""
+    draw = np.random.default_rng(8).standard_normal
+    truth = rubber(HZ)
+    for _ in range(6):
+        gain, phase = draw(2) * [0.01, np.radians(1.0)]
+        value = shaken() * np.exp(gain + 1j * phase)
+        value = value * (1 + 0.003 * (draw(len(HZ)) + 1j * draw(len(HZ))))
+        fit = fit_rod(
+            rod_modulus(
+                dp.FRF(HZ, value, "transmissibility", units="SI"), Disc(0.02, 0.02),
+                mass=31.4e-3, density=1000.0, errors=RodErrors(glue=0.0),
+            )
+        )  # fmt: skip
+        inside = (fit.band[0] <= HZ) & (fit.band[1] >= HZ)
+        stiffness, loss_factor = fit.evidence.band_error.max_errors
+        ratio = fit.solid.complex_stiffness(omega=2 * np.pi * HZ[inside]) / truth[inside]
+        size, turned = np.abs(ratio) - 1, np.abs(np.angle(ratio) / np.angle(truth[inside]))
+        assert np.abs(size).max() <= stiffness
+        assert turned.max() <= loss_factor
+        assert 0.05 < loss_factor <= 0.3
+        formal = parameter_band(fit, HZ[inside]).storage
+        assert np.ptp(formal, axis=0).max() < 4 * stiffness * truth[inside].real.max()
 
 
 @pytest.mark.slow

@@ -248,7 +248,8 @@ def displacement_residual_small(test: LoadHold, residual: FloatArray) -> Finding
 def compliance_residual_small(relative_misfit: float, arms: int) -> Finding:
     """The model fits the creep compliance."""
     return Finding(
-        f"{format_arm_count(arms)} leave {100 * relative_misfit:.2g} % rms of the compliance",
+        f"{format_arm_count(arms)} leave{'s' * (arms < 2)} {100 * relative_misfit:.2g} % rms of "
+        "the compliance",
         relative_misfit,
         "They do not follow the curve",
         Remedy("Cut off where the instrument's inertia oscillates, or use more arms.", "arms"),

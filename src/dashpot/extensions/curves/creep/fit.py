@@ -30,7 +30,7 @@ from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import find_quantum
-from dashpot.extensions.curves.checks import plateau_determined
+from dashpot.extensions.curves.checks import plateau_determined, values_enough
 from dashpot.extensions.curves.creep import checks
 from dashpot.extensions.curves.creep.load_noise import load_rows
 from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
@@ -42,10 +42,11 @@ from dashpot.extensions.curves.creep.retardation_spectrum import (
     make_retardation_block,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
+    AT_REST,
     MIN_FITTED_SHARE,
-    MIN_FREE_POINTS,
     CurveData,
     find_admissible_spectra,
+    is_limited,
     limit_end_of_curve,
     weight_curve,
 )
@@ -567,8 +568,11 @@ def _limit_end_and_band(
     band: tuple[float, float],
     *,
     origin: Superposition | UnshiftedCurve | None = None,
-) -> tuple[EndOfHold, tuple[float, float], BandError | None]:
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of some data, and the valid band of their retardations."""
+    # what may still come is slow retardation or flow: to time T either may stand for the other
+    shortest, longest = data.window
+    data = replace(data, window=(shortest, max(longest, AT_REST * time)))
     spectra = find_admissible_spectra(data, time=time, extra=lam)
     end = limit_end_of_curve(data, "creep", time=time, model=model, extra=lam, spectra=spectra)
     return end, *find_band_with_shift_errors(spectra, model, band, origin=origin, creep=True)
@@ -659,9 +663,9 @@ def _fit_curve(
     creep, unit = best.spectrum, curve.stiffness_unit
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     end, error = None, None
-    if len(t) >= MIN_FREE_POINTS:
-        flowing = _make_curve_block(t, values, weight, window, has_flow=True)
-        curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
+    flowing = _make_curve_block(t, values, weight, window, has_flow=True)
+    curve_with_flow = weight_curve(flowing, t, window=(window[0], 10 * window[1]))
+    if curve_with_flow is not None:
         end, band, error = _limit_end_and_band(
             curve_with_flow, float(t[-1]), best.model, creep.lam, band, origin=origin
         )
@@ -680,6 +684,7 @@ def _fit_curve(
         *_run_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1])),
         *_run_plateau_checks(creep, end, unit),
+        values_enough(len(t), "times", are_limited=is_limited(end, error, best.model, band)),
         checks.compliance_residual_small(best.estimate.rms, best.model.arms),
         loss_factor_determined(error),
     )

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from dashpot.base import dataclass, replace
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import FamilyOption, require_choice
 from dashpot.base.provenance import Step, list_sources, list_steps
+from dashpot.base.reported_values import NORMAL
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
@@ -29,13 +30,15 @@ from dashpot.extensions.curves.checks import (
     loss_positive,
     run_plateau_checks,
     storage_rises,
+    values_enough,
 )
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
-    MIN_FREE_POINTS,
     CurveData,
     find_admissible_spectra,
+    find_valid_band,
     fit_single_test,
+    is_limited,
     limit_end_of_curve,
     weight_curve,
 )
@@ -50,6 +53,11 @@ from dashpot.extensions.curves.relaxation_spectrum import (
 )
 from dashpot.extensions.curves.shift_uncertainty import find_band_with_shift_errors
 from dashpot.extensions.curves.superposition.superpose import superpose
+from dashpot.fitting.admissible_spectra import (
+    AdmissibleSpectra,
+    compute_end_limits,
+    deviance_limit,
+)
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
@@ -67,8 +75,10 @@ from dashpot.fitting.fractional_model.family_selection import (
     select_family,
 )
 from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
+from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.fitting.order_selection import SelectedModel, select_order, validate_arm_count
-from dashpot.fitting.valid_band import find_informed_band
+from dashpot.fitting.relaxation_likelihood import build_fitted_data
+from dashpot.fitting.valid_band import ErrorFunction, find_informed_band
 from dashpot.numerics.design_matrices.block import DataBlock, design_block
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import Solid
@@ -148,6 +158,7 @@ def fit_dynamic(
     thorough: bool = False,
     max_arms: int = 6,
     family: FamilyOption = "maxwell",
+    common_errors: Sequence[ComplexArray] = (),
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
 
@@ -185,6 +196,9 @@ def fit_dynamic(
     family : "maxwell", "fractional" or "auto"
         Arms, a fractional Zener model, or the one that BIC prefers, as in
         :func:`~dashpot.fitting.relaxation.fit`; of one temperature.
+    common_errors : sequence of array
+        Relative changes of the lines, in order of frequency, by one standard deviation of each
+        error that all of them share; of one temperature without `tests`.
 
     Returns
     -------
@@ -220,11 +234,21 @@ def fit_dynamic(
     family_choice = select_family(selection, family)
     selection = family_choice.best
     band, overlap_check = _find_band(data, records, sets[1:], selection.model.k_0)
-    end, band_error = None, None
     curve = _weight_sweep(data, sets[0])
-    find_band = partial(_find_valid_band, data, curve, band, origin=origin)
-    # relaxation tests beside it see further
-    if not records:
+    find_band = partial(
+        _find_valid_band, data, curve, band, origin=origin, common_errors=common_errors
+    )
+    if records:
+        end, band, band_error = _limit_with_records(
+            data,
+            curve,
+            records,
+            sets[1:],
+            selection=family_choice.arms,
+            solid=selection.solid,
+            band=band,
+        )
+    else:
         tau = family_choice.arms.model.tau
         end = _limit_end(data, curve, selection, tau)
         band, band_error = find_band(selection.solid, tau)
@@ -261,6 +285,11 @@ def fit_dynamic(
                 *_run_checks(
                     selection, data, records, end, [n for item in sets for n in item.record_dof]
                 ),
+                values_enough(
+                    len(data.frequency),
+                    "frequencies",
+                    are_limited=is_limited(end, band_error, selection.solid, band),
+                ),
                 *family_choice.checks(other),
                 *overlap_check,
                 loss_factor_determined(band_error),
@@ -293,12 +322,17 @@ def fit_complex_modulus(
     arms: int | Literal["auto"] = "auto",
     family: FamilyOption = "maxwell",
     specimen: Specimen | None = None,
+    common_errors: Sequence[ComplexArray] = (),
 ) -> Fit:
-    """Fit a solid to a complex modulus, Pa, at frequencies, Hz, as a dynamic test is fitted."""
+    """Fit a solid to a complex modulus, Pa, at frequencies, Hz, as a dynamic test is fitted.
+
+    `common_errors` holds one standard deviation of what spoils all lines together: the relative
+    change of each, for each cause.
+    """
     test = DynamicTest(
         frequency, modulus.real, modulus.imag, specimen=specimen or Specimen(), units="SI"
     )
-    return fit_dynamic(test, arms=arms, family=family)
+    return fit_dynamic(test, arms=arms, family=family, common_errors=common_errors)
 
 
 def _get_relative_errors(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
@@ -319,12 +353,13 @@ def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Resid
 class _Set(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record.
 
-    And the degrees of freedom of each after its own fit.
+    Beside them the degrees of freedom of each after its own fit, and of a record its scatter, N.
     """
 
     block: DataBlock
     record_blocks: tuple[DataBlock, ...]
     record_dof: tuple[float, ...]
+    scatter: float = 1.0
 
 
 def _select_one_temperature(
@@ -441,17 +476,14 @@ def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
     sets = []
     for block in blocks:
         fit = fit_single_test([block], [block.exact], max_arms)
-        factor = 1 / fit.scatter[0]
-        sets.append(
-            _Set(block.scale_rows(factor), (block.exact.scale_rows(factor),), fit.record_dof)
-        )
+        scatter = fit.scatter[0]
+        record_blocks = (block.exact.scale_rows(1 / scatter),)
+        sets.append(_Set(block.scale_rows(1 / scatter), record_blocks, fit.record_dof, scatter))
     return sets
 
 
 def _weight_sweep(data: DynamicTest, sweep: _Set) -> CurveData | None:
     """Return the lines of a sweep with their errors; None if they are few."""
-    if len(data.frequency) < MIN_FREE_POINTS:
-        return None
     window = (
         1 / (_DASHPOT_RATIO * float(data.omega.max())),
         _SLOW_ARM_RATIO / float(data.omega.min()),
@@ -469,6 +501,61 @@ def _limit_end(
     return limit_end_of_curve(curve, "sweep", time=slowest, model=selection.model, extra=tau)
 
 
+@dataclass(frozen=True, eq=False)
+class _WithoutDashpot:
+    """A relaxation test beside a sweep, in which the fastest arms stand for a dashpot."""
+
+    data: RelaxationData
+
+    @property
+    def window(self) -> tuple[float, float]:
+        return self.data.window
+
+    def rows(self, log_tau: FloatArray, *, with_slopes: bool) -> RelaxationRows:
+        rows = self.data.rows(log_tau, with_slopes=with_slopes)
+        return rows._replace(dashpot=np.zeros_like(rows.dashpot))
+
+
+def _limit_with_records(
+    data: DynamicTest,
+    curve: CurveData | None,
+    records: Sequence[RampHold],
+    sets: Sequence[_Set],
+    *,
+    selection: SelectedModel,
+    solid: Solid,
+    band: tuple[float, float],
+) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
+    """Return the limits at the end of the holds, and the valid band of sweep and tests together.
+
+    They are of every spectrum that neither the sweep nor the tests reject.
+    """
+    model, estimate = selection.model, selection.estimate
+    relaxations = [
+        build_fitted_data(
+            record, item.block.scale_rows(item.scatter), model, item.scatter * residual
+        )
+        for record, item, residual in zip(records, sets, estimate.residuals[2:], strict=True)
+    ]
+    spectra = AdmissibleSpectra(
+        [*([] if curve is None else [curve]), *map(_WithoutDashpot, relaxations)],
+        fastest=float(data.omega.max()),
+        limit=deviance_limit(0.95, estimate.dof),
+        extra=model.tau,
+    )
+    end = compute_end_limits(
+        relaxations,
+        time=max(record.hold_time for record in records),
+        model=model,
+        dof=estimate.dof,
+        spectra=spectra,
+    ).widen_to_contain(model)
+    band, error = find_valid_band(spectra, solid, band)
+    if error is not None:
+        error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
+    return end, band, error
+
+
 def _find_valid_band(
     data: DynamicTest,
     curve: CurveData | None,
@@ -477,6 +564,7 @@ def _find_valid_band(
     tau: Sequence[float],
     *,
     origin: Superposition | UnshiftedCurve,
+    common_errors: Sequence[ComplexArray],
 ) -> tuple[tuple[float, float], BandError | None]:
     """Return where in a band a sweep knows a solid, Hz, and the errors there.
 
@@ -485,10 +573,39 @@ def _find_valid_band(
     if curve is None:
         return band, None
     spectra = find_admissible_spectra(curve, time=1 / float(data.omega.min()), extra=tau)
-    band, error = find_band_with_shift_errors(spectra, solid, band, origin=origin)
+    if common_errors:
+        add_errors = partial(_CommonErrors, data.frequency, common_errors)
+        band, error = find_valid_band(spectra, solid, band, add_errors=add_errors)
+    else:
+        band, error = find_band_with_shift_errors(spectra, solid, band, origin=origin)
     if error is not None:
         error = replace(error, misfit=_compute_misfit_in_band(solid, data, band))
     return band, error
+
+
+@dataclass(frozen=True, eq=False)
+class _CommonErrors:
+    """Relative errors of a solid at a frequency, with those that all lines share."""
+
+    frequency: FloatArray
+    relative_changes: Sequence[ComplexArray]
+    solid: Solid
+    errors: ErrorFunction
+
+    def __call__(self, frequency: float) -> tuple[float, float]:
+        """Return the relative errors of stiffness and loss factor at a frequency, Hz."""
+        K = complex(self.solid.complex_stiffness(omega=2 * np.pi * frequency))
+        log_lines = np.log(self.frequency)
+        changed = K * np.array(
+            [1 + np.interp(np.log(frequency), log_lines, item) for item in self.relative_changes]
+        )
+        sizes = np.abs(changed) / abs(K) - 1
+        factors = (changed.imag / changed.real) / (K.imag / K.real) - 1
+        stiffness, loss_factor = self.errors(frequency)
+        return (
+            float(np.hypot(stiffness, NORMAL * np.linalg.norm(sizes))),
+            float(np.hypot(loss_factor, NORMAL * np.linalg.norm(factors))),
+        )
 
 
 def _compute_misfit_in_band(
@@ -537,7 +654,13 @@ def _run_checks(
     all_checks = [
         *arm_checks,
         *run_plateau_checks(
-            model, float(error[0]), end, unit=data.unit, first=fastest, extra=sweep_advice
+            model,
+            float(error[0]),
+            # a hold ends elsewhere
+            None if records else end,
+            unit=data.unit,
+            first=fastest,
+            extra=sweep_advice,
         ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),

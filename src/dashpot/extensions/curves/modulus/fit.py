@@ -17,14 +17,14 @@ from dashpot.datamodel.bounds import BandError, EndOfHold
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.specimen import Specimen
-from dashpot.extensions.curves.checks import modulus_falls, run_plateau_checks
+from dashpot.extensions.curves.checks import modulus_falls, run_plateau_checks, values_enough
 from dashpot.extensions.curves.curve_uncertainty import (
     MIN_FITTED_SHARE,
-    MIN_FREE_POINTS,
     BeforeCurve,
     CurveData,
     find_admissible_spectra,
     fit_single_test,
+    is_limited,
     limit_end_of_curve,
     weight_curve,
 )
@@ -156,6 +156,7 @@ def fit_modulus(
         residuals_white(selection.estimate.kappa, selection.estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
         *selection.check_arm_count("1" if weights == "relative" else unit),
+        values_enough(len(t), "times", are_limited=is_limited(end, band_error, model, band)),
         loss_factor_determined(band_error),
     )
     step = Step(
@@ -195,8 +196,6 @@ def fit_modulus(
 
 def _weight_values(t: FloatArray, block: DataBlock) -> CurveData | None:
     """Return the values of a curve with their errors; None if they are few."""
-    if len(t) < MIN_FREE_POINTS:
-        return None
     shortest, longest = _get_window(t)
     return weight_curve(block, np.maximum(t, t[1]), window=(shortest, 10 * longest))
 

@@ -217,12 +217,22 @@ def _compare_vertical_rules(
         if rule == options.vertical:
             continue
         other = optimum(tests, replace(options, vertical=rule), reference)
-        rise = other.point.chi_square - best.point.chi_square
-        if is_significant_fall(rise, len(shifts.shifts) - 1):
+        # more arms than BIC asks for may follow the tests with the rule as fewer do without
+        other_point = next(
+            (
+                candidate.point
+                for candidate in other.candidates
+                if not is_significant_fall(
+                    candidate.point.chi_square - best.point.chi_square, len(shifts.shifts) - 1
+                )
+            ),
+            None,
+        )
+        if other_point is None:
             continue
-        change = np.abs(other.point.log_a - best.point.log_a) / np.log(10.0)
+        change = np.abs(other_point.log_a - best.point.log_a) / np.log(10.0)
         i = int(np.argmax(change))
-        values = (float(point.log_a[i] / np.log(10.0)) for point in (other.point, best.point))
+        values = (float(point.log_a[i] / np.log(10.0)) for point in (other_point, best.point))
         text = "log10 a_T = {:.3g} in place of {:.3g}".format(*values)
         at_temperature = f"at {celsius(shifts.shifts[i].temperature)}"
         alternatives[float(change[i])] = f"with b_T = {rule} and {text} {at_temperature}"

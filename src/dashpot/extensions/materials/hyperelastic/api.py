@@ -47,8 +47,10 @@ def read_stress_strain_record(
     """Read a test of stress over strain."""
     from dashpot.extensions.materials.options import MODES
 
-    word = fit_options.get("test", "uniaxial")
+    word = fit_options.get("test")
+    read_it = load_object(KINDS["stress-strain"].reader)
+    if word is None:
+        return read_it(path, None, **options)
     if word not in MODES:
         raise ReadError(f"test='{word}': expected one of {', '.join(MODES)}")
-    read_it = load_object(KINDS["stress-strain"].reader)
     return read_it(path, MODES[word].mode, is_compression=MODES[word].is_compressed, **options)

@@ -37,7 +37,7 @@ def hyperelastic_files(
     Parameters
     ----------
     files : mapping of str to sequence of path
-        By a key of :data:`MODES`.
+        By a key of :data:`MODES`, or ``"auto"``: as the header of each file says.
     relaxation : Fit, optional
         Fit of a relaxation test of the material: its relaxation is removed.
     law, terms, poisson, stretches
@@ -47,7 +47,7 @@ def hyperelastic_files(
         Its temperature is written into decks.
     options : ReadOptions, optional
     """
-    kinds_and_paths = [(kind, path) for kind in MODES for path in files.get(kind, ())]
+    kinds_and_paths = [(kind, path) for kind in ("auto", *MODES) for path in files.get(kind, ())]
     if not kinds_and_paths:
         raise ReadError(
             "no file is given; name the mode of each: --test uniaxial, compression, biaxial, "
@@ -56,8 +56,8 @@ def hyperelastic_files(
     tests = [
         read_stress_strain(
             path,
-            MODES[kind].mode,
-            is_compression=MODES[kind].is_compressed,
+            None if kind == "auto" else MODES[kind].mode,
+            is_compression=kind != "auto" and MODES[kind].is_compressed,
             measures=measures,
             options=options,
         )

@@ -38,7 +38,7 @@ def run(request: FitRequest) -> CommandResult:
 
 def _group_files_by_mode(request: FitRequest) -> dict[str, list[str]]:
     """Return the files of each mode of test, in the order in which both were given."""
-    modes, files = request["test"] or ("uniaxial",), request.files
+    modes, files = request["test"] or ("auto",), request.files
     if len(modes) not in {1, len(files)}:
         raise click.UsageError(
             f"--test was given {len(modes)} times for {len(files)} files; give it once, or once "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.size_checks import strain_of_a_rubber
 from dashpot.extensions.materials.hyperelastic.strain_energy import poisson_of
-from dashpot.extensions.materials.options import Measures, Mode
+from dashpot.extensions.materials.options import MODES, FilesOfMode, Measures, Mode
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.role_assignment import format_column, handle, score_columns
 from dashpot.reading.columns.vocabulary import Role
@@ -28,13 +29,23 @@ from dashpot.reading.table import Column
 _REST_SHARE, _HOLD_SHARE, _RELAXATION_SHARE = 0.02, 0.5, 0.02
 """By how much a held strain moves, in parts of its range; shortest hold, in parts of the record;
 least fall of the stress in the hold, in parts of the stress."""
+_MODE_PATTERNS = {
+    word: re.compile(pattern, re.IGNORECASE)
+    for word, pattern in (
+        ("uniaxial", r"\b(uni-?axial tension|tensile test)\b"),
+        ("compression", r"\b(uni-?axial compression|compression test)\b"),
+        ("biaxial", r"\b(equi-?)?bi-?axial\b"),
+        ("planar", r"\b(planar (tension|test)|pure shear)\b"),
+        ("volumetric", r"\bvolumetric (test|compression)\b"),
+    )
+}
 _WRONG_SIGN_SHARE = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 
 
 def read_stress_strain(
     path: str | Path,
-    mode: Mode,
+    mode: Mode | None,
     *,
     is_compression: bool = False,
     measures: Measures | None = None,
@@ -46,8 +57,9 @@ def read_stress_strain(
     ----------
     path : path
         With columns of stress, and of stretch or strain; a column of time is kept.
-    mode : str
-        ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``.
+    mode : str or None
+        ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``; None: what the lines
+        above the table say, or else uniaxial.
     is_compression : bool
         The specimen was compressed: strain and stress count as magnitudes. Always so of a
         volumetric test, whose stress is a pressure.
@@ -59,8 +71,12 @@ def read_stress_strain(
     ReadError
         If the file cannot be read, or leaves open which column is what, in which unit or sense.
     """
-    measures, is_compression = measures or Measures(), is_compression or mode == "volumetric"
+    measures = measures or Measures()
     with channels.open_file(path, options) as file:
+        mode_notes: list[str] = []
+        if mode is None:
+            (_, mode, is_compression), mode_notes = _find_mode(file.table.header)
+        is_compression = is_compression or mode == "volumetric"
         elongated = _select_elongation_role(file)
         _require_stress_strain_file(file, elongated)
         channels_chosen, values, notes = signals(
@@ -69,6 +85,7 @@ def read_stress_strain(
         strain, stress = values[elongated], values["stress"]
         if "time" in values and file.options.kind is None:
             _refuse_relaxation(file, channels_chosen, strain, stress)
+        notes += mode_notes
         # of a volume a hundredth is much
         difference = None if mode == "volumetric" else strain - (elongated == "stretch")
         refuse_sizes(file, channels_chosen, difference, stress)
@@ -98,6 +115,20 @@ def read_stress_strain(
         return StressStrainTest(
             mode, strain, stress, values.get("time"), is_stated, source, poisson, units="SI"
         )
+
+
+def _find_mode(header: Sequence[str]) -> tuple[FilesOfMode, list[str]]:
+    """Return the mode that the lines above a table name, and a note; uniaxial if not just one."""
+    named_modes = {
+        word: f"the test is {word}, as its header says: '{line.strip()}'"
+        for line in header
+        for word, pattern in _MODE_PATTERNS.items()
+        if pattern.search(line)
+    }
+    if len(named_modes) != 1:
+        return MODES["uniaxial"], []
+    word, note = next(iter(named_modes.items()))
+    return MODES[word], [note]
 
 
 def _refuse_relaxation(

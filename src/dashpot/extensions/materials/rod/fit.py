@@ -1,18 +1,17 @@
 r"""Fit of a viscoelastic model to the modulus of a rod's material.
 
 The lines of the usable band are fitted as a dynamic test is. What spoils all lines alike, such as a
-gain, is no scatter that the fit could see: the fit is repeated with each such error, and what it
-moves is added to the covariance,
+gain, is no scatter that the fit could see. What each such error of one standard deviation moves is
+added to the covariance, and to the errors of the modulus in the band,
 
 .. math:: C = C_{\text{scatter}} + \sum_i \delta_i \delta_i^T, \qquad
-    \delta_i = \hat\theta(E^* + \sigma_i\,\partial E^*/\partial p_i) - \hat\theta(E^*)
+    \delta_i = J^+ \sigma_i\,\partial E^*/\partial p_i
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -26,10 +25,13 @@ from dashpot.extensions.materials.rod.checks import ROD_LINES
 from dashpot.extensions.materials.rod.datamodel import RodModulus
 from dashpot.fitting.prediction_bounds import get_parameter_values
 from dashpot.registry import require_handler
+from dashpot.solids.fractional import FractionalZener
 
 FitModulus: TypeAlias = Callable[..., Fit]
 """Step from a complex modulus to a model."""
 _PER_OCTAVE = 24
+# errors of a loss are relative to no less than this part of the storage
+_LEAST_LOSS_FACTOR = 1e-3
 
 
 def fit_rod(
@@ -61,19 +63,23 @@ def fit_rod(
             "for a fit: measure more lines about the resonance"
         )
     frequency, modulus = _average_lines(lines, lines.modulus)
-    fit_modulus: FitModulus = partial(
-        require_handler("fit complex modulus", "dma"), frequency, specimen=specimen
+    changes = [
+        _average_lines(lines, lines.modulus * (1 + relative))[1] - modulus
+        for relative in lines.error_contributions
+    ]
+    fit_modulus: FitModulus = require_handler("fit complex modulus", "dma")
+    fit = fit_modulus(
+        frequency,
+        modulus,
+        arms=arms,
+        family=family,
+        specimen=specimen,
+        common_errors=[change / modulus for change in changes],
     )
-    fit = fit_modulus(modulus, arms=arms, family=family)
-    parameters = get_parameter_values(fit)
-    if parameters is None:  # a dense spectrum has no errors of its own
+    if get_parameter_values(fit) is None:  # a dense spectrum has no errors of its own
         return fit
-    added_covariance = np.zeros_like(fit.covariance)
-    for relative in lines.error_contributions:
-        _, change = _average_lines(lines, lines.modulus * (1 + relative))
-        changed_fit = _fit_same_solid(fit, fit_modulus, change)
-        shift = np.zeros(len(parameters)) if changed_fit is None else changed_fit - parameters
-        added_covariance += np.outer(shift, shift)
+    shifts = _compute_parameter_shifts(fit, 2 * np.pi * frequency, changes)
+    added_covariance = shifts @ shifts.T
     scatter = np.diag(fit.covariance)
     # a profile knows the scatter alone
     profiles = [
@@ -89,21 +95,29 @@ def fit_rod(
     return replace(fit, estimate=estimate)
 
 
-def _fit_same_solid(fit: Fit, fit_modulus: FitModulus, modulus: ComplexArray) -> FloatArray | None:
-    """Return the parameters of the same model under another test; None if no fit is found."""
-    try:
-        other_fit = fit_modulus(modulus, arms=_order(fit), family=fit.family)
-    except FitError:
-        return None
-    return (
-        get_parameter_values(other_fit)
-        if other_fit.estimate.parameters == fit.estimate.parameters
-        else None
+def _compute_parameter_shifts(
+    fit: Fit, omega: FloatArray, changes: Sequence[ComplexArray]
+) -> FloatArray:
+    """Return how changes of the modulus move the parameters, to first order; shape (p, changes).
+
+    A refit would leave the range where the errors of badly determined arms are linear.
+    """
+    slopes = fit.model.arm_slopes(1j * omega)[0]
+    if isinstance(fit.solid, FractionalZener):
+        slopes = slopes @ fit.solid.arm_gradient()
+    K = fit.solid.complex_stiffness(omega=omega)
+    weight = 1 / np.concatenate((K.real, np.maximum(K.imag, _LEAST_LOSS_FACTOR * K.real)))
+
+    def stack_parts(values: ComplexArray) -> FloatArray:
+        return np.concatenate((values.real, values.imag)) * weight[:, None]
+
+    return np.asarray(
+        np.linalg.lstsq(
+            stack_parts(slopes),
+            stack_parts(np.array(changes, dtype=complex).reshape(-1, len(omega)).T),
+            rcond=None,
+        )[0]
     )
-
-
-def _order(fit: Fit) -> int | Literal["auto"]:
-    return "auto" if fit.family == "fractional" else fit.model.arms
 
 
 def _average_lines(lines: RodModulus, modulus: ComplexArray) -> tuple[FloatArray, ComplexArray]:
