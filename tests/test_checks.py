@@ -143,7 +143,7 @@ def simple(
     )
 
 
-def test_misfit_of_too_few_arms_is_named_before_arms_that_shift_apart() -> None:
+def test_misfit_of_too_few_arms_is_named_before_shifts_of_single_arms() -> None:
     """Ten arms of a wide spectrum for seven: a loss factor 1 % off, not 31 %."""
     few, apart = simple(1e-4, 8e-6, (0.13, 0.02), 8), simple(1e-4, 8e-6, None)
     assert "It has too few arms (8 do), they do not shift together" in few.message

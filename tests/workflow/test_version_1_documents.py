@@ -58,10 +58,15 @@ def without_digest(value: Any) -> Any:
     return [without_digest(item) for item in value] if isinstance(value, list) else value
 
 
+ADDED_KEYS = {"error_in_band", "largest_error_in_band"}
+"""Keys of a fit that every document of version 2 has."""
+
+
 def fill_unknown(previous: Any, present: Any) -> Any:
     """A former document with the present numbers where it knew none."""
     if isinstance(previous, dict) and isinstance(present, dict):
-        return {key: fill_unknown(item, present.get(key)) for key, item in previous.items()}
+        added = {key: present[key] for key in ADDED_KEYS - previous.keys() if key in present}
+        return added | {key: fill_unknown(item, present.get(key)) for key, item in previous.items()}
     if isinstance(previous, list) and isinstance(present, list) and len(previous) == len(present):
         return [fill_unknown(*pair) for pair in zip(previous, present, strict=True)]
     return present if previous == "NaN" and isinstance(present, int | float) else previous

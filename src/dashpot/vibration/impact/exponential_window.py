@@ -438,8 +438,8 @@ def _begins_with_record(channels: FloatArray, hits: Sequence[HitBlock], rate: fl
         segments = _select_noise_segments(decay)
         noise = segments.variance * np.exp(2 * rate * segments.time)
         quiet, _ = _filter_noise(rows, quiet_samples, taps)
-        quiet_power = np.median((quiet**2).mean(axis=1))
-        rise = np.log(quiet_power / np.average(noise, weights=segments.freedom))
+        quiet_variance = np.median((quiet**2).mean(axis=1))
+        rise = np.log(quiet_variance / np.average(noise, weights=segments.freedom))
         freedom = 2 * (0.5 - _PASS_BAND_EDGE) * quiet.size
         excess += freedom / 2 * ((rise - rate * hits[0].onset / hits[0].rate) ** 2 - rise**2)
     return excess < _WINDOW_DEVIANCE

@@ -185,7 +185,7 @@ class _Doors:
         """Return the doors at an angle, with their compressions and seal forces."""
         geometry: dict[str, Any] = {
             "lever": door.lever,
-            "closed": closed_compression,
+            "closed_compression": closed_compression,
             "angle": angle,
         }
         share = door.length * load[:, None]
