@@ -288,7 +288,9 @@ def test_msgspec_is_imported_once_it_saves_more_time_than_it_takes(monkeypatch, 
     monkeypatch.delitem(sys.modules, "msgspec")
     reader = PlainRows(COMMA, (0,))
     text = b"1,2,3\n"
-    monkeypatch.setattr(PlainRows, "characters_read", plain_rows._MIN_CHARACTERS + before - len(text))
+    monkeypatch.setattr(
+        PlainRows, "characters_read", plain_rows._MIN_CHARACTERS + before - len(text)
+    )
     assert (reader._from_json(text, 0) is not None) is fast
 
 
