@@ -24,10 +24,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.vibration.impact.hits import GUARD_SAMPLES, HitBlock
 
@@ -48,6 +47,8 @@ _WINDOW_DEVIANCE = 4.0
 """Fall of the deviance by which a window begins with the pulse."""
 _LINEAR_LIMIT = 15.0
 """The same below which rounding distorts a variance: noise of a step and more only adds to it."""
+_STEADY_RATIO = 0.9
+"""Variance of the last quarter over that of the third above which no decay is sought."""
 _DECISIVE_DEVIANCE = 30.0
 """Fall of the deviance by which a decay is evident."""
 _MAX_FLOOR_RATIO = 4.0
@@ -150,40 +151,47 @@ class ScatterDecay:
         )  # fmt: skip
 
     @property
+    def low(self) -> float:
+        """Variance below which rounding distorts it."""
+        return max(_LINEAR_LIMIT * self.rounding, _MIN_VARIANCE_SHARE * float(self.variance.max()))
+
+    @property
     def last(self) -> float:
         """Variance at the end."""
         return float(np.median(self.variance[-max(len(self.time) // 6, 1) :]))
 
-    def deviance(self, rate: float) -> float:
-        r"""Deviance of the variances under a window of this decay, 1/s, at best noise and floor.
+    def deviance(self, rates: FloatArray) -> FloatArray:
+        r"""Deviance of the variances under windows of these decays, 1/s, at best noise and floor.
 
         .. math:: \sum_i \nu_i \left[\ln v_i + \hat v_i / v_i\right]
         """
-        half_exponent = np.maximum(rate * self.width, 1e-9)
+        half_exponent = np.maximum(rates[:, None] * self.width, 1e-9)
         # the mean over a stretch, not the value in its middle
-        mean = np.exp(-2 * rate * self.time) * np.sinh(half_exponent) / half_exponent
-        shape = np.column_stack((mean, np.ones(len(self.time))))
-        model = self.variance
+        mean = np.exp(-2 * rates[:, None] * self.time) * np.sinh(half_exponent) / half_exponent
+        model = self.variance[None]
         for _ in range(12):
-            weights = np.sqrt(self.freedom) / model
-            pair = _nonnegative_pair(shape * weights[:, None], self.variance * weights)
-            model = np.maximum(shape @ pair, 1e-12 * self.variance.max())
-        return float(self.freedom @ (np.log(model) + self.variance / model))
+            noise, floor = _solve_nonnegative(mean, self.variance, self.freedom / model**2)
+            model = np.maximum(noise * mean + floor, 1e-12 * self.variance.max())
+        return np.asarray((np.log(model) + self.variance / model) @ self.freedom)
 
 
-def _nonnegative_pair(columns: FloatArray, target: FloatArray) -> FloatArray:
-    """Least squares of two columns with coefficients >= 0."""
-    best, *_ = np.linalg.lstsq(columns, target, rcond=None)
-    if (best >= 0).all():
-        return np.asarray(best)
-    single_coefficients = np.maximum(
-        columns.T @ target / np.maximum((columns**2).sum(axis=0), 1e-300), 0.0
-    )
-    residuals = [
-        float(np.sum((target - columns[:, i] * single_coefficients[i]) ** 2)) for i in (0, 1)
-    ]
-    first = int(np.argmin(residuals))
-    return np.where(np.arange(2) == first, single_coefficients, 0.0)
+def _solve_nonnegative(
+    mean: FloatArray, variance: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the coefficients >= 0 of a column and of a constant, by weighted least squares.
+
+    A row of `mean` for each problem; shape (problems, 1) each.
+    """
+
+    def add(values: FloatArray | float) -> FloatArray:
+        return np.asarray((weights * values).sum(axis=1, keepdims=True))
+
+    squares, products, total = add(mean**2), add(mean), add(1.0)
+    column_target, target = add(mean * variance), add(variance)
+    determinant = np.maximum(squares * total - products**2, 1e-12 * squares * total)
+    noise = np.maximum((total * column_target - products * target) / determinant, 0.0)
+    floor = (target - noise * products) / total
+    return np.where(floor < 0, column_target / squares, noise), np.maximum(floor, 0.0)
 
 
 def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> ExponentialWindow:
@@ -197,32 +205,28 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         Hits: samples of all of them, of one length.
     """
     rates = {test.window_rate for test in tests if test.window_rate is not None}
-    stated_rate = next((rate for rate in rates if np.isfinite(rate)), None)
+    stated_rate = next(filter(np.isfinite, rates), None)
     channels = np.moveaxis(np.array([hit.acceleration for hit in hits]), 1, 0)
     all_scatter = [decay for rows in channels if (decay := estimate_scatter_decay(rows, hits))]
+    windowed = [decay for decay in all_scatter if _decays_to_end(decay)]
     # what rings, or rounds, down to no noise shows neither a window nor that there is none
-    all_scatter = [
-        decay
+    has_steady_noise = any(
+        decay.last > _MIN_ROUNDING_RATIO * decay.rounding
         for decay in all_scatter
-        if (
-            decay.is_noise
-            if _decays_to_end(decay)
-            else decay.last > _MIN_ROUNDING_RATIO * decay.rounding
-        )
-    ]
-    rate, sd = 0.0, np.inf
+        if decay not in windowed
+    )
+    windowed = [decay for decay in windowed if decay.is_noise]
     # a window is one of all responses
-    if all_scatter and all(map(_decays_to_end, all_scatter)):
-        rate, sd = _fit_decay_rate(all_scatter)
+    is_windowed = windowed and not has_steady_noise
+    rate, sd = _fit_decay_rate(windowed) if is_windowed else (0.0, np.inf)
     if not np.isfinite(sd):
         if stated_rate is not None:
             return ExponentialWindow(stated_rate, stated=True)
         # one is stated without its decay, or could not be seen
-        is_coarse = all(
-            _number_step([*rows]) > _COARSE_SHARE * np.abs(rows).max() for rows in channels
-        )
-        is_known = not rates and (bool(all_scatter) or not is_coarse)
-        return ExponentialWindow(stated=bool(rates), has_noise=bool(all_scatter), is_known=is_known)
+        is_known = not rates and (has_steady_noise or any(
+            _number_step([*rows]) < _COARSE_SHARE * np.abs(rows).max() for rows in channels
+        ))  # fmt: skip
+        return ExponentialWindow(stated=bool(rates), has_noise=has_steady_noise, is_known=is_known)
     window = ExponentialWindow(
         rate, sd, bool(rates), True, _on_force(hits, rate), seen_rate=rate,
         from_start=_begins_with_record(channels, hits, rate),
@@ -313,7 +317,7 @@ def _filter_noise(
     return scatter, float(np.sum(kernel**2)) / 12 * _number_step(rows) ** 2
 
 
-def _average_by_stretch(squares: FloatArray, stretches: Sequence[NDArray[np.int_]]) -> FloatArray:
+def _average_by_stretch(squares: FloatArray, stretches: Sequence[IndexArray]) -> FloatArray:
     """Return the mean square of each stretch."""
     return np.maximum([squares[stretch].mean() for stretch in stretches], 1e-300)
 
@@ -334,7 +338,7 @@ def _number_step(rows: Sequence[FloatArray]) -> float:
     for row in rows:  # each is less an offset of its own
         differences = np.diff(np.sort(row))
         distinct = differences[differences > _SAME_NUMBER * np.ptp(row)]
-        steps.append(float(distinct.min()) if len(distinct) else np.inf)
+        steps.append(distinct.min(initial=np.inf))
     return float(np.median(steps))
 
 
@@ -345,13 +349,7 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
         1 + 4 * np.sqrt(2 / decay.freedom[quietest:])
     )
     # the last stretches alone: the quiet before the next hit
-    rise_indices = np.flatnonzero(rises)
-    end = (
-        quietest + int(rise_indices[0])
-        if rise_indices.size and rise_indices[-1] == len(rises) - 1
-        else len(rises)
-    )
-    end = end if rise_indices.size else len(decay.variance)
+    end = quietest + int(np.argmax(rises)) if rises[-1] else len(decay.variance)
     keep = np.arange(len(decay.variance)) < max(end, 8)
     return decay.only(keep)
 
@@ -369,33 +367,26 @@ def _search_decay_rate(noise_segments: Sequence[ScatterDecay]) -> tuple[float, f
     """Return the likeliest decay, chi-square over its freedom, and the deviance's curvature."""
     length = max(decay.time[-1] for decay in noise_segments)
 
-    def total(rate: float) -> float:
-        return sum(decay.deviance(rate) for decay in noise_segments)
+    def total(rates: FloatArray) -> FloatArray:
+        return np.asarray(sum(decay.deviance(rates) for decay in noise_segments))
 
-    grid = np.geomspace(*_DECAY_RANGE, 60) / length
-    values = [total(rate) for rate in grid]
-    best = int(np.argmin(values))
-    low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-    for _ in range(40):
-        third_length = (high - low) / 3
-        lower, upper = low + third_length, high - third_length
-        if total(lower) < total(upper):
-            high = upper
-        else:
-            low = lower
-    rate = float((low + high) / 2)
-    lowest_deviance, step = total(rate), 0.01 * rate
-    curvature = (total(rate + step) - 2 * lowest_deviance + total(rate - step)) / step**2
+    low, high = np.log(np.array(_DECAY_RANGE) / length)
+    for count in (60, 12, 12, 12, 12):
+        grid = np.exp(np.linspace(low, high, count))
+        best = int(np.argmin(total(grid)))
+        low, high = np.log(grid[[max(best - 1, 0), min(best + 1, count - 1)]])
+    rate = float(np.exp((low + high) / 2))
+    before, lowest_deviance, after = total(rate * np.array([0.99, 1.0, 1.01]))
+    curvature = float(before - 2 * lowest_deviance + after) / (0.01 * rate) ** 2
     # chi-square of what the model leaves, against what chance would
     freedom = sum(len(decay.time) for decay in noise_segments) - 3 * len(noise_segments)
     chance = sum(float(decay.freedom @ (np.log(decay.variance) + 1)) for decay in noise_segments)
-    return rate, (lowest_deviance - chance) / max(freedom, 1), curvature
+    return rate, float(lowest_deviance - chance) / max(freedom, 1), curvature
 
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches from where the scatter decays as one exponential, down to rounding."""
-    low = max(_LINEAR_LIMIT * decay.rounding, _MIN_VARIANCE_SHARE * decay.variance.max())
-    stop = int(np.argmax(np.append(decay.variance < low, True)))
+    stop = int(np.argmax(np.append(decay.variance < decay.low, True)))
     indices = np.arange(len(decay.variance))
     segments = decay
     for eighths in range(5):
@@ -409,13 +400,15 @@ def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
 
 def _decays_to_end(decay: ScatterDecay) -> bool:
     """Return whether the second half of what is above rounding decays, too, and to no floor."""
+    *_, third, last = np.array_split(decay.variance[decay.variance >= decay.low], 4)
+    if last.sum() > _STEADY_RATIO * third.sum():
+        return False
     segments = _select_noise_segments(decay)
     half = segments.only(np.arange(len(segments.time)) >= len(segments.time) // 2)
     if len(half.time) < _MIN_STRETCHES:
         return False
-    rates = np.geomspace(0.1, 30.0, 24) / half.time[-1]
-    lowest_deviance = min(half.deviance(float(rate)) for rate in rates)
-    if half.deviance(0.0) - lowest_deviance <= _DECISIVE_DEVIANCE:
+    deviance = half.deviance(np.append(0.0, np.geomspace(0.1, 30.0, 24) / half.time[-1]))
+    if deviance[0] - deviance.min() <= _DECISIVE_DEVIANCE:
         return False
     # what rings before and after a pulse falls to the noise of the channel
     rate, *_ = _search_decay_rate([segments])
