@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import exp, lgamma, log, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +31,6 @@ MORE_TOGETHER = 1.3
 CONTRADICTION_RATIO = 3.0
 # chance of a scatter as small as the least that is allowed: 2.5 standard deviations
 MIN_CHANCE = 0.0062
-_GAMMA_TERMS = 1000
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
 MIN_PLATEAU_RATIO = 0.8
 # largest decline at the end of a curve, relative to its total decline
@@ -362,10 +360,8 @@ def data_agree(
     freedom : sequence of float
         Degrees of freedom of the latter: few of them may leave a scatter far too small.
     """
-    limits = [
-        max(MORE_TOGETHER, 1 / _compute_least_scatter(max(value, 1.0), MIN_CHANCE))
-        for value in freedom
-    ]
+    least_scatter = _compute_least_scatter(np.maximum(freedom, 1.0), MIN_CHANCE)
+    limits = np.maximum(MORE_TOGETHER, 1 / least_scatter)
     worst_index = int(np.argmax(np.asarray(residual_ratios) / limits))
     return Finding(
         f"The joint model has {residual_ratios[worst_index]:.3g} times the residual of the own fit "
@@ -374,30 +370,25 @@ def data_agree(
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
-        limit=limits[worst_index],
+        limit=float(limits[worst_index]),
         grade="stop"
         if residual_ratios[worst_index] / limits[worst_index] > CONTRADICTION_RATIO / MORE_TOGETHER
         else None,
     )
 
 
-def _compute_least_scatter(freedom: float, chance: float) -> float:
-    r"""Return the least scatter of so many degrees of freedom over the true one, by chance.
+def _compute_least_scatter(freedom: FloatArray, chance: float) -> FloatArray:
+    r"""Return the least scatter of degrees of freedom over the true one, by chance.
 
-    .. math:: P(a, x) = \frac{x^a e^{-x}}{\Gamma(a + 1)} \sum_{n\ge0} \frac{x^n}{(a+1)\cdots(a+n)},
-        \qquad s^2/\sigma^2 = x/a, \quad a = \nu/2
+    .. math:: s/\sigma = \sqrt{\chi^2_{\nu, p} / \nu}
 
-    >>> round(_compute_least_scatter(1.0, 0.05), 4)
-    0.0627
+    >>> _compute_least_scatter(np.array([1.0, 1e5]), 0.05).round(4)
+    array([0.0627, 0.9963])
     """
-    a = freedom / 2
-    low, high = log(1e-300), log(a)
-    for _ in range(60):
-        x = exp((low + high) / 2)
-        terms = np.cumprod(np.append(1.0, x / (a + np.arange(1, _GAMMA_TERMS))))
-        is_rarer = a * log(x) - x - lgamma(a + 1) + log(float(terms.sum())) < log(chance)
-        low, high = (log(x), high) if is_rarer else (low, log(x))
-    return sqrt(exp(low) / a)
+    # few fits need it, and scipy costs an import
+    from scipy.special import chdtri
+
+    return np.sqrt(np.asarray(chdtri(freedom, 1 - chance)) / freedom)
 
 
 @criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
