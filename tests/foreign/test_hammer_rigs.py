@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,22 @@ def test_honest_channels_have_none(seed, rig, tmp_path):
     frf = dp.read(write_record(strike_block(seed, rig), tmp_path)).frf()
     assert frf.shift == 0
     assert "window_decay_determined" not in {check.name for check in frf.checks if check.failed}
+
+
+@pytest.mark.parametrize("step", [0.0, 0.05, 0.5])
+@pytest.mark.parametrize("window", [0.0, 0.8])
+def test_zeros_behind_a_block_are_no_window_and_hide_none(window, step, tmp_path):
+    """Some analysers fill a block to a power of two."""
+    record = strike_block(3, Rig(window=window, step=step))
+    place = np.arange(len(record.time)) % round(6.0 * 2048)
+    acceleration = np.where(place < 10_000, record.acceleration, 0.0)
+    path = write_record(replace(record, acceleration=acceleration), tmp_path)
+    frf = dp.read(path).frf()
+    failed = {check.name for check in frf.checks if check.failed}
+    # half a step of noise is too little for the decay of the window
+    assert ("window_decay_determined" in failed) is (window > 0 and step == 0.5)
+    if window == 0 or step < 0.5:
+        assert frf.shift == pytest.approx(1 / window if window else 0.0, abs=4 * frf.shift_sd)
 
 
 @pytest.mark.parametrize("seed", range(4))

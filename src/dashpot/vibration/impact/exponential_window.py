@@ -40,13 +40,16 @@ _TAPS = 65
 _MIN_TAPS = 9
 _PASS_BAND_EDGE = 0.3
 """Share of the sampling rate above which a channel is noise."""
+_PASS_BAND_SHARE = 1 - 2 * _PASS_BAND_EDGE
+"""Degrees of freedom of a sample of it."""
 _KAISER_BETA = 8.0
 _MIN_ROUNDING_RATIO = 1.5
 """Times the variance of rounding that noise must have to be seen: below that it rounds to none."""
 _WINDOW_DEVIANCE = 4.0
 """Fall of the deviance by which a window begins with the pulse."""
 _LINEAR_LIMIT = 15.0
-"""The same below which rounding distorts a variance: noise of a step and more only adds to it."""
+"""Times the variance of rounding below which it distorts a variance: noise of a step and more only
+adds to it."""
 _STEADY_RATIO = 0.9
 """Variance of the last quarter over that of the third above which no decay is sought."""
 _DECISIVE_DEVIANCE = 30.0
@@ -151,13 +154,13 @@ class ScatterDecay:
         )  # fmt: skip
 
     @property
-    def low(self) -> float:
+    def lowest_usable_variance(self) -> float:
         """Variance below which rounding distorts it."""
         return max(_LINEAR_LIMIT * self.rounding, _MIN_VARIANCE_SHARE * float(self.variance.max()))
 
     @property
-    def last(self) -> float:
-        """Variance at the end."""
+    def end_variance(self) -> float:
+        """Variance in the last sixth of the stretches."""
         return float(np.median(self.variance[-max(len(self.time) // 6, 1) :]))
 
     def deviance(self, rates: FloatArray) -> FloatArray:
@@ -183,11 +186,11 @@ def _solve_nonnegative(
     A row of `mean` for each problem; shape (problems, 1) each.
     """
 
-    def add(values: FloatArray | float) -> FloatArray:
+    def sum_weighted(values: FloatArray | float) -> FloatArray:
         return np.asarray((weights * values).sum(axis=1, keepdims=True))
 
-    squares, products, total = add(mean**2), add(mean), add(1.0)
-    column_target, target = add(mean * variance), add(variance)
+    squares, products, total = sum_weighted(mean**2), sum_weighted(mean), sum_weighted(1.0)
+    column_target, target = sum_weighted(mean * variance), sum_weighted(variance)
     determinant = np.maximum(squares * total - products**2, 1e-12 * squares * total)
     noise = np.maximum((total * column_target - products * target) / determinant, 0.0)
     floor = (target - noise * products) / total
@@ -208,27 +211,28 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     stated_rate = next(filter(np.isfinite, rates), None)
     channels = np.moveaxis(np.array([hit.acceleration for hit in hits]), 1, 0)
     all_scatter = [decay for rows in channels if (decay := estimate_scatter_decay(rows, hits))]
-    windowed = [decay for decay in all_scatter if _decays_to_end(decay)]
+    decaying_channels = [decay for decay in all_scatter if _decays_to_end(decay)]
     # what rings, or rounds, down to no noise shows neither a window nor that there is none
     has_steady_noise = any(
-        decay.last > _MIN_ROUNDING_RATIO * decay.rounding
+        decay.end_variance > _MIN_ROUNDING_RATIO * decay.rounding
         for decay in all_scatter
-        if decay not in windowed
+        if decay not in decaying_channels
     )
-    windowed = [decay for decay in windowed if decay.is_noise]
+    decaying_channels = [decay for decay in decaying_channels if decay.is_noise]
     # a window is one of all responses
-    is_windowed = windowed and not has_steady_noise
-    rate, sd = _fit_decay_rate(windowed) if is_windowed else (0.0, np.inf)
+    rate, sd = 0.0, np.inf
+    if decaying_channels and not has_steady_noise:
+        rate, sd = _fit_decay_rate(decaying_channels)
     if not np.isfinite(sd):
         if stated_rate is not None:
             return ExponentialWindow(stated_rate, stated=True)
         # one is stated without its decay, or could not be seen
         is_known = not rates and (has_steady_noise or any(
-            _number_step([*rows]) < _COARSE_SHARE * np.abs(rows).max() for rows in channels
+            _find_number_step([*rows]) < _COARSE_SHARE * np.abs(rows).max() for rows in channels
         ))  # fmt: skip
         return ExponentialWindow(stated=bool(rates), has_noise=has_steady_noise, is_known=is_known)
     window = ExponentialWindow(
-        rate, sd, bool(rates), True, _on_force(hits, rate), seen_rate=rate,
+        rate, sd, bool(rates), True, _is_on_force(hits, rate), seen_rate=rate,
         from_start=_begins_with_record(channels, hits, rate),
     )  # fmt: skip
     if stated_rate is None:
@@ -273,14 +277,15 @@ def estimate_scatter_decay(
         Length of the high-pass, odd.
     """
     sample_count = min(len(hit.force) - hit.missing for hit in hits)
-    if sample_count < 4 * _STRETCH_COUNT + taps:
+    # a constant end is padding
+    changes = np.flatnonzero(np.diff([row[:sample_count] for row in rows]).any(axis=0))
+    sample_count = int(changes.max(initial=0)) + 2
+    start = max(hit.pulse(0.01).stop for hit in hits)
+    if sample_count < start + 2 * _STRETCH_COUNT + taps:
         return None
     scatter, rounding = _filter_noise(rows, sample_count, taps)
     squares = (scatter**2).mean(axis=0)
-    start = max(hit.pulse(0.01).stop for hit in hits)
     stretches = np.array_split(np.arange(start, len(squares)), _STRETCH_COUNT)
-    if min(map(len, stretches)) < 2:
-        return None
     variance = _average_by_stretch(squares, stretches)
     low = max(_LINEAR_LIMIT * rounding, _MIN_VARIANCE_SHARE * variance.max())
     stop = int(np.argmax(np.append(variance < low, True)))
@@ -290,17 +295,17 @@ def estimate_scatter_decay(
     if count := min(_STRETCH_COUNT, len(loud) // _MIN_SAMPLES):
         stretches = [*np.array_split(loud, count), *stretches[stop:]]
         variance = _average_by_stretch(squares, stretches)
-        early, *_, late = (
+        first_ratio, *_, last_ratio = (
             squares[part].mean() / np.mean([row[part].var() for row in rows])
             for part in np.array_split(loud, 4)
         )
-        is_noise = (late > _NOISE_SHARE or late > _DIGIT_RATIO * early) and not _is_tonal(
-            scatter[:, loud], variance[:count]
-        )
+        is_noise = (
+            last_ratio > _NOISE_SHARE or last_ratio > _DIGIT_RATIO * first_ratio
+        ) and not _is_tonal(scatter[:, loud], variance[:count])
     rate, onset = hits[0].rate, hits[0].onset
-    lengths = np.array([*map(len, stretches)], dtype=float)
+    lengths = np.array([*map(len, stretches)])
     time = np.array([(s.mean() + (taps - 1) / 2 - onset) / rate for s in stretches])
-    freedom = 2 * (0.5 - _PASS_BAND_EDGE) * len(rows) * lengths
+    freedom = _PASS_BAND_SHARE * len(rows) * lengths
     return _clip_at_noise_rise(
         ScatterDecay(time, variance, freedom, lengths / rate, rounding, is_noise)
     )
@@ -314,7 +319,7 @@ def _filter_noise(
     low = np.sinc(2 * _PASS_BAND_EDGE * places) * np.kaiser(taps, _KAISER_BETA)
     kernel = (places == 0) - low / low.sum()
     scatter = np.array([np.convolve(row[:sample_count], kernel, "valid") for row in rows])
-    return scatter, float(np.sum(kernel**2)) / 12 * _number_step(rows) ** 2
+    return scatter, float(np.sum(kernel**2)) / 12 * _find_number_step(rows) ** 2
 
 
 def _average_by_stretch(squares: FloatArray, stretches: Sequence[IndexArray]) -> FloatArray:
@@ -328,17 +333,17 @@ def _is_tonal(scatter: FloatArray, variance: FloatArray) -> bool:
     places = np.arange(count) * len(variance) // count
     steady = (scatter / np.sqrt(variance[places]))[:, count // 4 :]
     power = np.sort((np.abs(np.fft.rfft(steady, axis=1)) ** 2).sum(axis=0))
-    line_count = round(2 * (0.5 - _PASS_BAND_EDGE) * len(power))
+    line_count = round(_PASS_BAND_SHARE * len(power))
     return bool(power[-max(line_count // 10, 1) :].sum() > _TONAL_SHARE * power.sum())
 
 
-def _number_step(rows: Sequence[FloatArray]) -> float:
+def _find_number_step(rows: Sequence[FloatArray]) -> float:
     """Step of the number format of a channel: the least distance of two values of a block."""
     steps = []
     for row in rows:  # each is less an offset of its own
         differences = np.diff(np.sort(row))
-        distinct = differences[differences > _SAME_NUMBER * np.ptp(row)]
-        steps.append(distinct.min(initial=np.inf))
+        is_step = differences > _SAME_NUMBER * np.ptp(row)
+        steps.append(differences.min(initial=np.inf, where=is_step))
     return float(np.median(steps))
 
 
@@ -350,8 +355,7 @@ def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
     )
     # the last stretches alone: the quiet before the next hit
     end = quietest + int(np.argmax(rises)) if rises[-1] else len(decay.variance)
-    keep = np.arange(len(decay.variance)) < max(end, 8)
-    return decay.only(keep)
+    return decay.only(np.arange(len(decay.variance)) < max(end, 8))
 
 
 def _fit_decay_rate(scatter_decays: Sequence[ScatterDecay]) -> tuple[float, float]:
@@ -386,7 +390,7 @@ def _search_decay_rate(noise_segments: Sequence[ScatterDecay]) -> tuple[float, f
 
 def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
     """Return the stretches from where the scatter decays as one exponential, down to rounding."""
-    stop = int(np.argmax(np.append(decay.variance < decay.low, True)))
+    stop = int(np.argmax(np.append(decay.variance < decay.lowest_usable_variance, True)))
     indices = np.arange(len(decay.variance))
     segments = decay
     for eighths in range(5):
@@ -400,8 +404,10 @@ def _select_noise_segments(decay: ScatterDecay) -> ScatterDecay:
 
 def _decays_to_end(decay: ScatterDecay) -> bool:
     """Return whether the second half of what is above rounding decays, too, and to no floor."""
-    *_, third, last = np.array_split(decay.variance[decay.variance >= decay.low], 4)
-    if last.sum() > _STEADY_RATIO * third.sum():
+    *_, third_quarter, last_quarter = np.array_split(
+        decay.variance[decay.variance >= decay.lowest_usable_variance], 4
+    )
+    if last_quarter.sum() > _STEADY_RATIO * third_quarter.sum():
         return False
     segments = _select_noise_segments(decay)
     half = segments.only(np.arange(len(segments.time)) >= len(segments.time) // 2)
@@ -415,34 +421,35 @@ def _decays_to_end(decay: ScatterDecay) -> bool:
     end_time = np.median(decay.time[-max(len(decay.time) // 6, 1) :])
     window_power = float(np.exp(-2 * rate * (end_time - segments.time[0])))
     remainder = window_power * segments.variance[0] + _MIN_ROUNDING_RATIO * decay.rounding
-    return bool(decay.last <= _MAX_FLOOR_RATIO * remainder)
+    return bool(decay.end_variance <= _MAX_FLOOR_RATIO * remainder)
 
 
 def _begins_with_record(channels: FloatArray, hits: Sequence[HitBlock], rate: float) -> bool:
-    """Return whether the noise before the pulse decays, too, unless it clearly does not."""
+    """Return whether the noise before the pulse decays, too, unless it clearly does not.
+
+    The excess is the deviance of a window from the start over that of one from the pulse.
+    """
     quiet_samples = min(hit.onset for hit in hits)
     quiet_samples -= max(GUARD_SAMPLES, quiet_samples // 8)
     taps = min(_TAPS, 2 * (quiet_samples // 4) - 1)
     excess = 0.0
     for rows in channels if taps >= _MIN_TAPS else ():
-        decay = estimate_scatter_decay(rows, hits, taps)
-        if decay is None:
-            continue
-        segments = _select_noise_segments(decay)
-        noise = segments.variance * np.exp(2 * rate * segments.time)
-        quiet, _ = _filter_noise(rows, quiet_samples, taps)
-        quiet_variance = np.median((quiet**2).mean(axis=1))
-        rise = np.log(quiet_variance / np.average(noise, weights=segments.freedom))
-        freedom = 2 * (0.5 - _PASS_BAND_EDGE) * quiet.size
-        excess += freedom / 2 * ((rise - rate * hits[0].onset / hits[0].rate) ** 2 - rise**2)
+        if decay := estimate_scatter_decay(rows, hits, taps):
+            segments = _select_noise_segments(decay)
+            noise = segments.variance * np.exp(2 * rate * segments.time)
+            quiet, _ = _filter_noise(rows, quiet_samples, taps)
+            quiet_variance = np.median((quiet**2).mean(axis=1))
+            rise = np.log(quiet_variance / np.average(noise, weights=segments.freedom))
+            likely_rise = rate * hits[0].onset / hits[0].rate
+            excess += _PASS_BAND_SHARE / 2 * quiet.size * ((rise - likely_rise) ** 2 - rise**2)
     return excess < _WINDOW_DEVIANCE
 
 
-def _on_force(hits: Sequence[HitBlock], rate: float) -> bool:
+def _is_on_force(hits: Sequence[HitBlock], rate: float) -> bool:
     """Return whether the noise of the hammer decays with the window; True where it is not seen."""
     decay = estimate_scatter_decay([hit.force for hit in hits], hits)
     if decay is None:
         return True
     decay_index = int(np.argmin(np.abs(decay.time - 1 / rate)))
-    window = np.exp(-rate * (decay.time[decay_index] - max(decay.time[0], 0.0)))
+    window = np.exp(-rate * (decay.time[decay_index] - decay.time[0]))
     return bool(np.sqrt(decay.variance[decay_index] / decay.variance[0]) < (1 + window) / 2)
