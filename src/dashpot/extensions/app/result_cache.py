@@ -183,7 +183,7 @@ def fit_study_tests(
 ) -> FittedTests:
     """Return the relaxation tests of a study, fitted; another mass or band leaves them as they are.
 
-    Records are distinguished by identity: entries in use are not removed.
+    Records are distinguished by identity; each entry holds its records, so no identity is reused.
     """
     key = (*map(id, tests), *choices, *preparation.items())
     if key not in _fitted_tests:
