@@ -92,7 +92,7 @@ def _shorten_hold(
 def downsample_test(
     test: RelaxationTest, max_samples: int | None = MAX_QUICK_SAMPLES
 ) -> RelaxationTest:
-    """Return the test with every n-th sample, so that at most `most` are left."""
+    """Return the test with every n-th sample, so that at most `max_samples` are left."""
     step = 1 if max_samples is None else -(-len(test.time) // max_samples)
     if step == 1:
         return test

@@ -79,7 +79,7 @@ class AgingAlternative(Serialisable):
     Attributes
     ----------
     change : str
-        The changed quantity.
+        The change of the test, in words.
     specimens : int
         In all its ovens.
     life_sd : float
