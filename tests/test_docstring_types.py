@@ -94,6 +94,22 @@ def test_docstrings_name_parameters_and_attributes_that_exist():
     assert stale == set()
 
 
+PARAMETERS = re.compile(r"(?ms)^Parameters\n-+\n(.*?)(?=^\w[\w ]*\n-+$|\Z)")
+
+
+def test_classes_document_the_arguments_of_their_initialiser():
+    stale = set()
+    for file in read_source():
+        for node in (node for node in ast.walk(file.tree) if isinstance(node, ast.ClassDef)):
+            sections = PARAMETERS.findall(ast.get_docstring(node) or "")
+            words = set(re.findall(r"\w+", " ".join(LINE.findall("\n".join(sections)))))
+            for item in node.body:
+                if isinstance(item, ast.FunctionDef) and item.name == "__init__":
+                    missing = words - list_arguments(item)
+                    stale |= {f"{file.path}: {node.name}: {word}" for word in missing}
+    assert stale == set()
+
+
 ROOT = PACKAGE.parents[1]
 DOTTED = re.compile(r"`~?dashpot\.(?!toml`)([a-z][\w.]*\w)(?:\(\))?`")
 """A name in full, as a reference of a docstring or a page."""

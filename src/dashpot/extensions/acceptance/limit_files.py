@@ -20,7 +20,7 @@ _WITH_UNIT = re.compile(rf"({_NUMBER}(?:[eE][-+]?\d+)?)(?:\s+|(?![\d.]))(\S.*)")
 _QUANTITIES: Mapping[str, str] = {"frequency": "frequency", "stiffness": "stiffness"}
 """Quantity of a dimension that a user may have meant."""
 _SHARES = ("damping_ratio", "loss_factor")
-"""Dimensionless quantities that are stated in per cent."""
+"""Dimensionless quantities that are stated in per cent and hardly exceed 1."""
 _SPELLINGS = str.maketrans({"≤": "<=", "≥": ">="})
 
 

@@ -347,8 +347,8 @@ def _make_time_value(
 ) -> ResultValue:
     """Return a value at a time with the wider of two intervals, each relative to the value.
 
-    The first come from the covariance, by one standard error along each of its axes. The others are
-    the limits over every spectrum that the test does not reject, at the end of the hold and after
+    One follows from the covariance, by one standard error along each of its axes. The other is that
+    of the limits over every spectrum that the test does not reject, at the end of the hold or after
     it.
     """
     value, half_width = evaluate(fit.solid), NORMAL * _propagate_error(fit, evaluate)

@@ -183,7 +183,7 @@ class Lines:
         return kept_lines
 
     def _register_sample(self, sample: tuple[float, list[float]]) -> tuple[float, list[float]]:
-        """Return a complete sample; its step is put in the account."""
+        """Return a sample that is not discarded, after its step or gap is counted."""
         step, usual_step = sample[0] - self._last_time, self._get_usual_step()
         self._last_time, self._falls_in_a_row = sample[0], 0
         if math.isinf(step):

@@ -239,7 +239,7 @@ class _LawOnSweep:
         return np.asarray(self.sweep.frequency[:, None] == self.frequencies)
 
     def columns(self, p: FloatArray) -> ComplexArray:
-        """Return the columns of the linear coefficients: one per frequency, then d, then k3."""
+        """Return the columns of the linear coefficients: two per frequency, then d, then k3."""
         X, size = self.sweep.amplitude, self.residual_scale
         shape = np.ones(len(X), dtype=complex)
         if self.factor:

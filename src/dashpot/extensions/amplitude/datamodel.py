@@ -50,7 +50,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     unit : str
         ``"Pa"`` or ``"N/m"``.
     of : str
-        ``"m"`` or ``"strain"``: the unit of the amplitude.
+        ``"m"`` or ``"strain"``: whether the amplitude is a length or a strain.
     specimen : Specimen
     source : Source or None
     sd : array, shape (n,) or None

@@ -113,7 +113,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
 
     @property
     def requested_levels(self) -> tuple[PeakAtLevel, ...] | None:
-        """Return the requested levels; None if it cannot be determined."""
+        """Return the requested levels; None for one sweep or record of loops, which has none."""
         return None if isinstance(self.fit, AmplitudeFit) else self.at
 
     def to_dict(self) -> dict[str, Any]:
@@ -221,7 +221,7 @@ def _attach_sweep(
 
 
 _OF_HITS = ("--amplitude", "--mass", "--band", "--resonance-amplitude")
-"""Options of FRFs, and of hits."""
+"""Options of FRFs that hits have as well."""
 
 
 def _refuse_frf_options(

@@ -32,7 +32,7 @@ from dashpot.vibration.modal.pole_fit import MIN_LINE_ERROR
 
 _PER_DECADE = 10
 _FINE_GRID_POINTS = 8
-"""Points of a finer grid around each slider; without it the error is up to 0.05 %."""
+"""Points to either side of each slider in a finer grid; without it the error is up to 0.05 %."""
 _ROUNDING = 1e-9
 _THIRD_DIFFERENCE_RATIO = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""

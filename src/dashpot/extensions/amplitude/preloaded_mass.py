@@ -473,9 +473,9 @@ class _PressedBalance:
 
     def jacobian(self, z: FloatArray) -> FloatArray:
         """Return the derivative of the balance by the unknowns, N/m."""
-        x, contact_state = self.pressing(z)
+        x, bonded_force = self.pressing(z)
         tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
-        force = np.where(contact_state > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
+        force = np.where(bonded_force > 0, self._apply_arms((tangent * self.basis.T).T).T, 0.0)
         # samples last
         harmonics = self.cycle.harmonics_of(force)
         H = self.most
@@ -501,8 +501,8 @@ class _PressedBalance:
         return None if values is None else self._build_balanced_state(values)
 
     def _build_balanced_state(self, z: FloatArray) -> BalancedState:
-        x, contact_state = self.pressing(z)
-        return BalancedState(z, contact_state > 0, x)
+        x, bonded_force = self.pressing(z)
+        return BalancedState(z, bonded_force > 0, x)
 
     def solve_by_continuation(self) -> BalancedState:
         """Return the answer that rest becomes as the level rises: by arc length, past every fold.

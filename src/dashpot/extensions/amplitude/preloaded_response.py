@@ -271,7 +271,7 @@ def _list_shifted_laws(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Soli
 
 @dataclass(frozen=True)
 class _AtLevels:
-    """Responses of a preloaded mass, and of masses with one parameter off by its error."""
+    """Responses of a preloaded mass, and of masses with one parameter off by its standard error."""
 
     preloaded_mass: PreloadedMass
     perturbed_masses: Sequence[PreloadedMass]

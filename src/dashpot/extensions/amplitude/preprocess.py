@@ -71,12 +71,12 @@ def compute_sweep(test: LoopRecord, machine: Machine | None = None) -> Amplitude
     machine.refuse_unused("sync", subject="recorded loops")
     cycles = find_steady_cycles(test)
     K = np.array([cycle.stiffness for cycle in cycles])
-    unit, amplitude_unit, force = (
+    unit, amplitude_unit, force_name = (
         ("N/m", "m", "force") if isinstance(test, RelaxationTest) else ("Pa", "strain", "stress")
     )
     source = test.source
     if source is not None and cycles[0].sign_reversed:
-        note = f"the {force} falls where the motion rises; its sign was reversed"
+        note = f"the {force_name} falls where the motion rises; its sign was reversed"
         source = replace(source, notes=(*source.notes, note))
     return AmplitudeSweep(
         np.array([cycle.frequency for cycle in cycles]),

@@ -44,7 +44,7 @@ from dashpot.workflow.measured_frf import ImpactResult, modes_of_hits
 ACCEPTED_PEN, REJECTED_PEN = Pen("fit", 1.0), Pen("bad", 1.0, (5, 3))
 """Pen of the FRF of one hit: accepted, and rejected."""
 VIEW_RATIO = 5.0
-"""Frequency range around the peak in the figure of single hits, as a factor."""
+"""Factor by which the figure of single hits extends below and above the peak."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ MAX_CURVE_POINTS = 2000
 _AXES_HEIGHT = 60.0
 """Height of the axes of a drawing below and above its plot, px."""
 _WIDTH_RANGE, _HEIGHT_RANGE = (240.0, 2000.0), (60.0, 600.0)
-"""Range of widths of a drawing that a page may request, px."""
+"""Ranges of width and height of a drawing that a page may request, px."""
 
 
 class Trace:
@@ -199,7 +199,7 @@ class Live:
                 trace.add(block[0], values)
 
     def _folder(self, driver: str, name: str) -> Path:
-        """Return the path of the record: outside the server's temporary folder."""
+        """Return the folder of the record; of a measurement never the server's temporary one."""
         if not name and driver == "serial":
             raise DataError("say in which folder the record is kept: it cannot be measured again")
         if not name:

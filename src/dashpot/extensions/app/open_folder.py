@@ -149,7 +149,7 @@ def _list_rows(lot_folder: Path) -> list[dict[str, Any]]:
 
 
 def _describe_lot(lot_folder: Path) -> dict[str, Any]:
-    """Return the table of a lot; missing numbers become null."""
+    """Return the table of a lot; non-finite numbers become null."""
     lot = require_handler("read", "lot")(lot_folder)
     rows = [
         [_replace_non_finite(table_row.get(name)) for name in COLUMNS]

@@ -16,7 +16,7 @@ MAX_FOLDERS = 12
 """Folders of the list."""
 _LIST_FILE = "recent.json"
 STATE_VARIABLE = "DASHPOT_STATE"
-"""Environment variable with another path of the list."""
+"""Name of the environment variable with another folder for the list."""
 
 
 def list_recent_folders() -> list[dict[str, Any]]:
@@ -46,7 +46,7 @@ def _read_list() -> list[dict[str, Any]]:
 
 
 def get_state_path(name: str) -> Path:
-    """Return the folder in which this system keeps user data of programs."""
+    """Return the path of a file in the folder in which this system keeps user data of programs."""
     folder = os.environ.get(STATE_VARIABLE)
     if folder:
         return Path(folder) / name

@@ -39,7 +39,7 @@ def read_relaxation_test(
 
 
 def cache_record(path: str, options: ReadOptions, record: RelaxationTest) -> RelaxationTest:
-    """Read a test without a stated specimen, and cache it."""
+    """Cache a test that was read without a stated specimen, and return it."""
     _save_record(_get_cache_path(path, options, None), record)
     return record
 

@@ -92,7 +92,7 @@ def _shorten_hold(
 def downsample_test(
     test: RelaxationTest, max_samples: int | None = MAX_QUICK_SAMPLES
 ) -> RelaxationTest:
-    """Return the test with every n-th sample, so that at most `most` are left."""
+    """Return the test with every n-th sample, so that at most `max_samples` are left."""
     step = 1 if max_samples is None else -(-len(test.time) // max_samples)
     if step == 1:
         return test
@@ -183,7 +183,7 @@ def fit_study_tests(
 ) -> FittedTests:
     """Return the relaxation tests of a study, fitted; another mass or band leaves them as they are.
 
-    Records are distinguished by identity: entries in use are not removed.
+    Records are distinguished by identity; each entry holds its records, so no identity is reused.
     """
     key = (*map(id, tests), *choices, *preparation.items())
     if key not in _fitted_tests:

@@ -87,7 +87,7 @@ ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 _SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
 """Sections of the page with files that belong to no job, or to several."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
-"""Possible units."""
+"""Dimensions of the units that a column may have."""
 EQ5_PEN = Pen("ref", 1.6, (2, 3))
 SHORT_LABELS = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
@@ -818,7 +818,7 @@ def get_section(inspection: InspectedFile) -> str:
 
 
 def make_form_fields(fields: Sequence[FormField]) -> list[dict[str, Any]]:
-    """Return the form fields of a file as HTML."""
+    """Return the form fields of a file as the page's script takes them."""
     return [{"name": item.name, "label": item.label, "unit": item.unit, "choices": [*item.choices],
              "each": item.per_file} for item in fields]  # fmt: skip
 
@@ -864,7 +864,7 @@ def _format_heading(inspection: InspectedFile) -> str:
 
 
 def _format_unplaced_kind(inspection: InspectedFile) -> str:
-    """Return the advice for a file of a kind that this page does not show."""
+    """Return the advice for a file of a kind that this page does not take; empty for others."""
     has_place = get_section(inspection) or inspection.kind not in KINDS_OF_FILE
     if inspection.questions or inspection.refusal or has_place:
         return ""

@@ -90,7 +90,7 @@ class WorkerProcess:
         return self._process
 
     async def _prestart(self) -> None:
-        """Restart the process, so that its modules are loaded before the next request."""
+        """Start a new process, so that its modules are loaded before the next request."""
         if not self._is_closed:
             await self.start()
         self._end_if_closed()

@@ -1,8 +1,8 @@
 """Worker process: answers requests one by one until its server ends.
 
-Questions come by standard input, answers leave by standard output, as frames of `wire`. A thread
-waits for the end of the input: a server that dies, however it dies, closes it, and the worker
-leaves at once, whatever it computes, and takes the customer's files along.
+Questions come by standard input, answers leave by standard output, as frames of `wire_format`. A
+thread waits for the end of the input: a server that dies, however it dies, closes it, and the
+worker leaves at once, whatever it computes, and takes the customer's files along.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def check_lot_acceptance(lot: Lot, limits: Limits) -> tuple[SealDecision, ...]:
 
 
 def _find_tested_seals(lot: Lot) -> dict[tuple[str, str], None]:
-    """Lot and name of every seal; a file without a name and a fit is not counted."""
+    """Lot and name of every seal; a file without a seal's name counts only if it was fitted."""
     rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
     return {(lot, seal or file): None for lot, seal, file, end in rows if seal or end == "fitted"}
 

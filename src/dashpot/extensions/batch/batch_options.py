@@ -21,7 +21,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.job import Job
 
 MAX_ARMS = 6
-"""Largest number of arms with ``arms="auto"``."""
+"""Largest number of arms with ``arms="auto"``, and of joint fits."""
 
 
 def convert_quantities(

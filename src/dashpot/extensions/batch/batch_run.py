@@ -189,7 +189,7 @@ def batch(
     ReadError, DataError
         If a path names nothing, or a choice makes no sense. No file's contents raise.
     ExportError
-        If `output` contains other files, or polars is missing.
+        If `output` contains other Parquet files, or polars is missing.
     """
     choices = BatchOptions(
         arms,

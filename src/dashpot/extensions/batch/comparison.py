@@ -161,7 +161,7 @@ def open_lot(folder_name: str) -> tuple[str, Lot]:
 
 
 def open_both_lots(names: Sequence[str]) -> list[tuple[str, Lot]]:
-    """Return two lots, opened each; lots with the same name are called by their files."""
+    """Return two lots, opened each; lots with the same name are called as they were given."""
     lots = [open_lot(name) for name in names]
     if len({name for name, _ in lots}) == 1:
         return [(name, lot) for name, (_, lot) in zip(names, lots, strict=True)]

@@ -87,7 +87,7 @@ class _Watched:
         self._idle_state: tuple[Any, str] | None = None
 
     def look(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
-        """Make the rows of files that have not changed since the last check, if any."""
+        """Compute the missing rows of files that no longer change, if there are any."""
         states, idle_state = self._read_folder_states(), self._idle_state
         if idle_state is not None and idle_state[0] == states:
             send_progress(idle_state[1])

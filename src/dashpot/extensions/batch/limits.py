@@ -22,7 +22,7 @@ class Limits(Serialisable):
     lower, upper : float or None
         SI.
     cpk : float or None
-        Required value.
+        Required Cpk.
     """
 
     _keys = ("lower", "upper", "cpk")

@@ -236,7 +236,7 @@ def _gather(folder: Path) -> None:
 
 
 def claim(folder: Path) -> None:
-    """Make the folder of the results; refuse one with other files.
+    """Make the folder of the results; refuse one with other Parquet files.
 
     Raises
     ------

@@ -141,7 +141,7 @@ def _list_specimens(entry: Entry, choices: BatchOptions) -> Sequence[tuple[str, 
 
 
 def _find_changed_file(entry: Entry, hashes: Sequence[str], read_hash: str | None) -> str:
-    """Return the first file that has changed since `read_hash`, if any."""
+    """Return the first file without its former hash, if any; `read_hash` is its hash as read."""
     current_hashes = (
         read_hash or compute_file_hash(entry.file),
         *map(compute_file_hash, entry.hammer),
@@ -157,15 +157,15 @@ def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) 
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
         "specimen": specimen, "machine": _get_machine(entry, choices),
     }  # fmt: skip
-    detected_kind = recognise(entry.file, choices.bench)
-    origin = {"origin": SIMULATED if detected_kind.simulated else ""}
-    kind = KINDS.get(detected_kind.kind, KINDS["relaxation"])
+    recognised_file = recognise(entry.file, choices.bench)
+    origin = {"origin": SIMULATED if recognised_file.simulated else ""}
+    kind = KINDS.get(recognised_file.kind, KINDS["relaxation"])
     if kind.fit != FIT_FILES:
-        return _build_other_row(detected_kind, kind, entry, choices, entries["mass_kg"]) | origin
+        return _build_other_row(recognised_file, kind, entry, choices, entries["mass_kg"]) | origin
     try:
         fit, records = fit_files((entry.file,), options=choices.bench, **fit_keywords)
     except DashpotError as error:
-        return {"kind": detected_kind.kind, "outcome": "refused", "reason": str(error)} | origin
+        return {"kind": recognised_file.kind, "outcome": "refused", "reason": str(error)} | origin
     return _build_fit_row(fit, records[0], entry, choices, entries)
 
 

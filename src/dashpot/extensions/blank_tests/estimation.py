@@ -55,7 +55,7 @@ _GAP_ERRORS = 3.0
 _MOTION_OVER_NOISE = 20.0
 """Range of a displacement over its noise above which the plate moved."""
 _SLOW_BLOCKS = 20
-"""Number of block means of an empty run for slow drift."""
+"""Number of block means of an empty run for its slow changes beside a steady drift."""
 _MAINS_SEARCH = 0.5
 """Hz either way of the mains at which a weak line is looked for."""
 
@@ -200,7 +200,7 @@ def solve_regression(
     values : array, shape (n,)
     weights : array, shape (n,), optional
     noisy : int, optional
-        The column with noise of its own, if not 0.
+        Index of the column that is read with noise, in its rows that are not 0.
     noise : float
         Standard deviation of that.
 
@@ -405,7 +405,7 @@ def _choose_speed_span(time: FloatArray, x: FloatArray, first: int, ramp: int) -
 
 
 def compute_speed(time: FloatArray, x: FloatArray, half_span: int) -> FloatArray:
-    """Return the speed over `half_span` samples either way, m/s; 0 if it is within noise."""
+    """Return the speed over `half_span` samples either way, m/s; 0 where it is within noise."""
     padded_values = np.pad(x, half_span, mode="edge")
     clock = np.pad(time, half_span, mode="reflect", reflect_type="odd")
     span = clock[2 * half_span :] - clock[: -2 * half_span]

@@ -50,7 +50,7 @@ class SegmentReader(TdmsReader):  # type: ignore[misc]
                 )
 
     def _compare(self, owner: str, properties: list[tuple[str, Any]]) -> None:
-        """Record a property that changed after samples were written."""
+        """Record a property of effect on the numbers that changed after samples were written."""
         if self._number == 1:
             return
         channel = "'/'" in owner  # of its group and its own name; there may be tens of thousands

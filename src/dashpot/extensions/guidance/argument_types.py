@@ -250,7 +250,7 @@ def _is_class(word: str) -> bool:
 
 
 def _suggest_value(value: Any, alternatives: tuple[str, ...]) -> str:
-    """Return the value meant by a number with a separate unit, or in quotes; else None."""
+    """Return the value meant by a number with a separate unit, or in quotes; else empty."""
     quantities = any("Quantity" in word or "Range" in word for word in alternatives)
     if isinstance(value, tuple | list) and len(value) == 2 and quantities:
         number, unit = value

@@ -33,7 +33,7 @@ MARKERS = {
 }
 """Words, colour, size and whether hollow."""
 BAND_RATIO = 2.0
-"""Times the lowest and the highest mode: the shown FRFs under several masses."""
+"""Factor by which the FRFs under several masses are shown below and above their modes."""
 MAX_LABELS = 4
 """Number of modes that have a label."""
 

@@ -26,7 +26,7 @@ from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured_frf import average
 
 _MIN_COUNT, _MAX_HITS = 3, 8
-"""Smallest and largest number of hits."""
+"""Smallest number of hits, and the largest number that are left out in turn."""
 _BAND_RATIO = 2.3
 """Times the resonance to either side."""
 

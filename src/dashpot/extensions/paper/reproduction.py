@@ -127,7 +127,7 @@ class Coefficient(Serialisable):
 
     @property
     def is_covered(self) -> tuple[bool, bool]:
-        """Whether both intervals contain the printed value."""
+        """Whether each of the two intervals contains the printed value."""
         return is_within_interval(self.full, self.printed), is_within_interval(
             self.hold, self.printed
         )
@@ -301,7 +301,7 @@ def quantise_force(test: RelaxationTest) -> RelaxationTest:
 
 
 def make_paper_records(reproduction: Reproduction) -> dict[str, str]:
-    """Return records and captions by file name, and the ground truth of simulated ones."""
+    """Return the records by file name, each with its origin, and the ground truth of the rigs."""
     comments = (byline("simulated by eq. (1) of the paper, not a measurement"),)
     bench, hammer = reproduction.rig, reproduction.hammer
     return {

@@ -30,7 +30,7 @@ def get_items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence
     Raises
     ------
     ReadError
-        If another file exists there.
+        If the key holds something else.
     """
     return _get_typed_list(plugin, document, key, dict, "a list of dictionaries")
 
@@ -41,7 +41,7 @@ def get_texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[st
     Raises
     ------
     ReadError
-        If another file exists there.
+        If the key holds something else.
     """
     return tuple(
         map(format_plain_line, _get_typed_list(plugin, document, key, str, "a list of texts"))

@@ -296,8 +296,10 @@ def _make_curve_columns(lines: StiffnessLines, shared: int) -> _CommonCurve:
     """Return where the common curve is taken: at shared frequencies, or on a grid."""
     total = float((lines.weight**2).sum())
     if lines.shares_tones:
-        weight = np.bincount(lines.frequency_index, lines.weight**2, len(lines.shared_frequencies))
-        return _CommonCurve(lines.shared_frequencies, np.eye(shared), np.sqrt(weight))
+        weight = np.bincount(
+            lines.frequency_index, lines.weight**2, len(lines.distinct_frequencies)
+        )
+        return _CommonCurve(lines.distinct_frequencies, np.eye(shared), np.sqrt(weight))
     low, high = float(lines.frequency.min()), float(lines.frequency.max())
     f = np.asarray(np.geomspace(low, high, _GRID_POINTS), dtype=float)
     u = np.linspace(-1.0, 1.0, _GRID_POINTS)

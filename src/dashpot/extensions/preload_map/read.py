@@ -360,17 +360,17 @@ def _load_file(
     ReadError
         If it is none.
     """
-    detected_kind = recognise(path, None if options is None else options.for_file(path))
-    if detected_kind.kind in {KIND, *SWEEP_KINDS}:
+    recognised_file = recognise(path, None if options is None else options.for_file(path))
+    if recognised_file.kind in {KIND, *SWEEP_KINDS}:
         with channels.open_file(path, options) as file:
             channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", stated_columns=SWEEP_OPTIONS)
             return _read_table(file, stated_settings)
-    if detected_kind.kind == "frf":
+    if recognised_file.kind == "frf":
         with add_name_to_errors(Path(path).name):
             return _convert_frf(read_frf(path, options=options), mass, seals)
-    if detected_kind.kind in _LOOPS:
+    if recognised_file.kind in _LOOPS:
         read_keywords: dict[str, Any] = {} if options is None else {"options": options}
-        loops = require_handler("read record", detected_kind.kind)(path, read_keywords, {})
+        loops = require_handler("read record", recognised_file.kind)(path, read_keywords, {})
         if loops.unit != "N/m" or loops.of != "m":
             raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
         is_settled = _find_settled_loops(loops.frequency, loops.amplitude)
@@ -382,8 +382,8 @@ def _load_file(
             loops.source,
         )
     raise ReadError(
-        f"{Path(path).name} is {get_kind_label(detected_kind.kind)}. A map is of storage and loss "
-        "stiffness over frequency, of FRFs, or of recorded loops"
+        f"{Path(path).name} is {get_kind_label(recognised_file.kind)}. A map is of storage and "
+        "loss stiffness over frequency, of FRFs, or of recorded loops"
     )
 
 

@@ -133,7 +133,7 @@ class SweepScatter(NamedTuple):
 def build_frequency_columns(lines: StiffnessLines) -> FloatArray:
     """Return columns of the common dependence on frequency, the mean among them."""
     if lines.shares_tones:
-        return _make_level_columns(lines.frequency_index, len(lines.shared_frequencies))
+        return _make_level_columns(lines.frequency_index, len(lines.distinct_frequencies))
     u, y = lines.centred_frequency, lines.magnitude
     sweep_columns = _make_level_columns(lines.sweep, int(lines.sweep.max()) + 1)
 
@@ -151,7 +151,7 @@ def build_layouts(lines: StiffnessLines) -> tuple[Layout, Layout]:
     frequency = build_frequency_columns(lines)
     compression = _make_level_columns(lines.compression, len(lines.compressions))
     amplitude = _make_level_columns(lines.amplitude, len(lines.amplitudes))
-    degree = min(_SHAPES, len(lines.shared_frequencies) - 1)
+    degree = min(_SHAPES, len(lines.distinct_frequencies) - 1)
     shapes = _make_legendre_columns(lines.centred_frequency, degree)[:, 1:]
     within_columns: dict[Pair, FloatArray] = {
         "compression and frequency": _multiply_columns(compression, shapes),

@@ -31,8 +31,8 @@ class StiffnessLines(NamedTuple):
         :math:`\ln|K^*|`, K in N/m, and the loss angle, rad.
     compressions, amplitudes : array
         Levels, m, rising; one amplitude of nan where none is known.
-    shared_frequencies : array
-        Frequencies that sweeps share, Hz, rising.
+    distinct_frequencies : array
+        Frequencies of all sweeps, Hz, rising; those within the tolerance are one.
     compression, amplitude, frequency_index, sweep : int array, shape (n,)
         Indices of the levels of each line, and of its sweep.
     """
@@ -43,7 +43,7 @@ class StiffnessLines(NamedTuple):
     angle: FloatArray
     compressions: FloatArray
     amplitudes: FloatArray
-    shared_frequencies: FloatArray
+    distinct_frequencies: FloatArray
     compression: IndexArray
     amplitude: IndexArray
     frequency_index: IndexArray
@@ -51,10 +51,10 @@ class StiffnessLines(NamedTuple):
 
     @property
     def shares_tones(self) -> bool:
-        """Whether most frequencies occur in another sweep as well."""
+        """Whether most lines are at a frequency that another sweep has as well."""
         sweeps = [
             len(set(self.sweep[self.frequency_index == i].tolist()))
-            for i in range(len(self.shared_frequencies))
+            for i in range(len(self.distinct_frequencies))
         ]
         return bool(np.mean(np.array(sweeps)[self.frequency_index] > 1) > _MIN_SHARED_BAND)
 

@@ -2,7 +2,7 @@
 
 ``history.jsonl`` only grows, by one write for each line, and the hash of a line is that of its
 bytes up to the hash. ``history.head`` says how many lines were written and the hash of the last, so
-that what was cut off the end is missed; while a line is written it counts that one as well.
+that a line cut off the end is noticed; while a line is written it announces the hash of that one.
 """
 
 from __future__ import annotations

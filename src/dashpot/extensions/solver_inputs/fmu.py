@@ -17,7 +17,7 @@ def fmu(
     *,
     mass: Quantity | None = None,
 ) -> DeckText:
-    r"""FMU of a mount or of a mass on it, FMI 2.0 or 3.0: Model Exchange and Co-Simulation.
+    r"""FMU of a mount or of a mass on it: Model Exchange and Co-Simulation of FMI 2.0 or 3.0.
 
     The inputs of a mount are displacement and velocity, its output is the force; with a mass the
     input is the force on it and the output its motion. A step of Co-Simulation is exact where the

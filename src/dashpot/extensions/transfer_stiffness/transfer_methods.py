@@ -582,7 +582,7 @@ def _predict(
     seals: float,
     tests: Sequence[RelaxationTest | RampHold],
 ) -> TransferStiffness:
-    """Return the sheet that a fit predicts, with the error of the indirect method."""
+    """Return the sheet that a fit predicts, with the values that the indirect method would give."""
     if request.output is not None or request.exact:
         raise DataError(
             "a fit predicts the blocked force itself: leave out --exact and --output-response"

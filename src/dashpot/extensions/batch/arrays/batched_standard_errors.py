@@ -13,7 +13,7 @@ from dashpot.numerics.inference.correlated_noise import autocovariance, geyer_cu
 MEANS = 1000
 # records done together: they stay in the cache
 _BATCH_SIZE = 16
-# relative singular value below which a direction counts as undetermined
+# relative eigenvalue below which a direction counts as undetermined
 _SINGULAR = 1e-13
 
 

@@ -123,7 +123,7 @@ def make_hold_family(
 def make_recorded_family(
     time: FloatArray, displacement: FloatArray, *, window: slice = slice(None)
 ) -> RecordedFamily:
-    """Forces under one recorded displacement (:func:`.recorded_block`).
+    """Forces under one recorded displacement (:func:`.build_recorded_block`).
 
     Raises
     ------

@@ -130,15 +130,15 @@ def _compute_indices(
     values = [half_width for half_width in halves if math.isfinite(half_width)]
     low = min(_find_true_index(value, n, 1 - tail_probability) for value in values)
     high = min(_find_true_index(value, n, tail_probability / len(values)) for value in values)
-    cpk_interval = min(values), (low, high)
+    cpk_with_interval = min(values), (low, high)
     if len(values) < len(halves):
-        return (None, None), cpk_interval
+        return (None, None), cpk_with_interval
     cp = (upper - lower) / (6 * deviation)
     lower_bound, upper_bound = (
         cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1))
         for p in (tail_probability, 1 - tail_probability)
     )
-    return (cp, (lower_bound, upper_bound)), cpk_interval
+    return (cp, (lower_bound, upper_bound)), cpk_with_interval
 
 
 def _find_true_index(index: float, n: int, tail_probability: float) -> float:

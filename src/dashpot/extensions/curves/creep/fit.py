@@ -373,8 +373,8 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     # between samples a delay and a fast retardation are one: nothing shows the loss there
-    shortest_time = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
-    band = (band[0], max(min(band[1], shortest_time), band[0]))
+    highest_frequency = MAX_SAMPLING_ANGLE / (2 * np.pi * float(np.median(np.diff(record.time))))
+    band = (band[0], max(min(band[1], highest_frequency), band[0]))
     end, band, error = _limit_end_of_test(record, retardation, band)
     motion_unit = "m" if record.unit == "N/m" else "1"
     nuisance = _list_nuisances(record, retardation, motion_unit)
@@ -529,7 +529,7 @@ def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
 
 
 def _run_plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
-    """Return whether a part stated to come to rest has done so; None if not checked."""
+    """Return the check that a part without flow has come to rest; empty without limits."""
     return [] if end is None or creep.flow > 0 else [plateau_determined(end, unit)]
 
 

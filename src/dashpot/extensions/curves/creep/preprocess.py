@@ -31,7 +31,7 @@ _MIN_READINGS, _QUARTERS = 8, 4
 OF_A_COUNT = 12**-0.5
 # a load with less noise than this part of it is taken as it is
 _EXACT = 1e-7
-# relative size below which directions of a load are negligible
+# eigenvalue of a Gram matrix of a load, over the largest, up to which it counts as 0
 _SINGULAR = 1e-12
 
 

@@ -72,7 +72,7 @@ def simulate_creep(
     ramp_time, hold_time : float
         s.
     recovery_time : float
-        Time of the record after unloading, s; 0 leaves it on.
+        Time of the record after unloading, s; with 0 the load is not taken off.
     rig : Rig, optional
         ``Rig()`` if not given.
     seed : int

@@ -29,7 +29,9 @@ _WORDS = {"displacement": "strain", "force": "stress", "stiffness": "modulus"}
 _QUANTITIES = re.compile(rf"\b({'|'.join(_WORDS)})\b")
 
 
-def fit_stress_relaxation(test: StressRelaxationTest, time_limits: Any, **choices: Any) -> Fit:
+def fit_stress_relaxation(
+    test: StressRelaxationTest, preparation_options: Any, **choices: Any
+) -> Fit:
     r"""Fit a generalized Maxwell model to strain and stress over time.
 
     .. math:: \sigma(t) = E_\infty \varepsilon(t)
@@ -41,7 +43,7 @@ def fit_stress_relaxation(test: StressRelaxationTest, time_limits: Any, **choice
     Parameters
     ----------
     test : StressRelaxationTest
-    time_limits : mapping
+    preparation_options : mapping
         Arguments of `prepare`: filter, machine, onset, hold end, cycle.
     choices
         Of :func:`~dashpot.fitting.relaxation.fit`.
@@ -51,7 +53,7 @@ def fit_stress_relaxation(test: StressRelaxationTest, time_limits: Any, **choice
     DataError, FitError
         As that of a relaxation test.
     """
-    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **time_limits), **choices)
+    fit = fit_relaxation(prepare(test.make_unit_specimen_test(), **preparation_options), **choices)
     return convert_to_material(fit)
 
 

@@ -43,7 +43,7 @@ def isotherms_overlap(
     """Neighbouring temperatures share a range of relaxation times after the shift.
 
     `shared` is of each pair of neighbours, shape (n - 1,), `temperature` K, (n,); `overlap_decades`
-    is their smallest overlap.
+    is the overlap that they need.
     """
     i = int(np.argmin(shared))
     return Finding(

@@ -79,7 +79,7 @@ class AgingAlternative(Serialisable):
     Attributes
     ----------
     change : str
-        The changed quantity.
+        The change of the test, in words.
     specimens : int
         In all its ovens.
     life_sd : float
@@ -202,7 +202,7 @@ def plan_aging(
     machine: Machine | None = None,
     within: float = 1.5,
 ) -> AgingPlan:
-    """Choose ovens and the fewest specimens that determine a life at a temperature.
+    """Choose ovens and the fewest specimens that give a life at a temperature `within` a factor.
 
     Temperatures are compared each 5 K, and specimens are added where each lowers the variance of
     the ln life most (the c-optimal allocation, one at a time), at least two in an oven.

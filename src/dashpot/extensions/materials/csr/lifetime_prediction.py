@@ -183,7 +183,7 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
 
 
 def make_life_interval(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
-    """Return the life with the limit of a smaller activation energy, and how to narrow it.
+    """Return the life with a lower limit that allows for a lower activation energy, and the remedy.
 
     None for other values, and where the life is robust to the lower energy.
 

@@ -117,7 +117,7 @@ def plan_test(
 
 
 def format_plan(plan: AgingPlan) -> Text:
-    """Return the ovens of a plan, the expected life and the gain of another test."""
+    """Return the ovens of a plan, the expected life and the results of other tests."""
     rows = [("oven", "specimens", "F/F0 at the end", "chemistry shows by")]
     rows += [
         (

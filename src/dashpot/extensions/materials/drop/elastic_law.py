@@ -28,7 +28,7 @@ class ElasticLawPrior(EqualByValue):
     Attributes
     ----------
     law : ElasticLaw or None
-        None if only the law is fitted.
+        Law that is known before the fit; None if there is none and the drop tests alone give it.
     precision : array, shape (m, 3)
         Rows whose products with c, N/m, N/m^2 and N/m^3, are normal of standard deviation 1.
     """

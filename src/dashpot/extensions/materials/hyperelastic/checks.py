@@ -232,13 +232,13 @@ def _find_better_scale(
     result: tuple[float, float, str] = (best, 0.0, "")
     for mode in modes if best > SMALL_RESIDUAL else ():
         for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
-            scaled_fits = [
+            scaled_curves = [
                 replace(curve, stress=curve.stress * math.exp(size))
                 if curve.mode == mode
                 else curve
                 for curve in curves
             ]
-            result = min(result, (compute_best_stable_misfit(scaled_fits, poisson), size, mode))
+            result = min(result, (compute_best_stable_misfit(scaled_curves, poisson), size, mode))
     remainder, size, kind_index = result
     return best / max(remainder, SMALL_RESIDUAL), math.expm1(size), kind_index
 

@@ -93,15 +93,13 @@ def fit_hyperelastic(
     if foam and is_compressible and poisson is None and len({curve.mode for curve in curves}) == 1:
         poisson = measured_poisson
     _refuse_choices(curves, law, terms, poisson, foam=foam)
-    shape_curves, volumetric = _split_volumetric_curves(curves, foam=foam)
+    law_curves, volumetric = _split_volumetric_curves(curves, foam=foam)
     candidates = (
-        _fit_foam_laws(shape_curves, terms, poisson)
-        if foam
-        else _fit_rubber_laws(shape_curves, terms)
+        _fit_foam_laws(law_curves, terms, poisson) if foam else _fit_rubber_laws(law_curves, terms)
     )
     candidates = list({optimum.name: optimum for optimum in candidates}.values())
     best = min(candidates, key=lambda optimum: optimum.rms)
-    parts = [len(curve.stretch) for curve in shape_curves]
+    parts = [len(curve.stretch) for curve in law_curves]
     # all laws by the noise of the closest: what another leaves more is no noise
     noises = estimate(best.optimum, parts=parts, rounding=EXACT).noises
     effective = sum(noise.effective for noise in noises)

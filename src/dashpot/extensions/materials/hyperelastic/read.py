@@ -179,7 +179,7 @@ def refuse_sizes(
     channels_chosen : sequence of Channel
         The last two are those of strain or stretch, and of stress.
     strain : array, shape (n,), or None
-        None if all are large enough.
+        None if the strain is not checked.
     stress : array, shape (n,)
         Pa.
 

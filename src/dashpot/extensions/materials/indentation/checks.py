@@ -57,7 +57,7 @@ def run_checks(
     worst = max(
         bounded_values, key=lambda reported_value: reported_value.high / reported_value.value
     )
-    bounded_names = ", ".join(
+    limit_text = ", ".join(
         f"{name.name.replace('_', ' ')} is below {name.high:.3g} {name.unit}".strip()
         for name in names
         if name.low == 0
@@ -72,7 +72,7 @@ def run_checks(
         parameters_determined(
             worst.name,
             worst.high / worst.value,
-            bounded_names,
+            limit_text,
             leading_factor=_get_widest_interval(fit),
         ),
         laws_agree(fit, other_laws),

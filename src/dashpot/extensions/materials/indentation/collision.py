@@ -32,7 +32,7 @@ _SAMPLES_PER_STEP = 6
 _MAX_ROUNDS = 30
 """Iterations in the search for the end of a contact."""
 _CACHE_SIZE = 1024
-"""Shapes: fits reuse it at other speeds and times of contact."""
+"""Number of cached shapes, which fits use again at other speeds and times of contact."""
 _MAX_CONTACT_TIME = 300.0
 """Longest contact, in lengths of a Hertzian one."""
 

@@ -56,15 +56,15 @@ class RodModulus(EqualByValue):
     by_gain, by_phase, by_mass, by_length, by_area, by_density, by_poisson, by_glue : complex array
         :math:`d\ln E^*` for each relative change of these, for each rad of phase, for 1 of
         Poisson's ratio, for a glue that gives as much as the rod; shape (n,). :meth:`changes` gives
-        its effect on storage and loss factor.
+        their effect on storage and loss factor.
     storage_sd, loss_factor_sd : array, shape (n,)
         All errors together, random ones too: Pa, and absolute.
     band : (float, float)
         About the resonance, where both are known to 10 %, Hz; (nan, nan) if nowhere.
     checks : tuple of Check
     errors : RodErrors
-        The errors that were included; of calibrated sensors only the remaining gain and phase
-        errors.
+        The errors that were included; where gain and phase of the sensors are corrected, those that
+        remain.
     """
 
     frequency: FloatArray

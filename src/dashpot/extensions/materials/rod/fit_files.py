@@ -35,7 +35,7 @@ _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Density of a light foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson", "glue")
 _OF_THE_PLATEAU = frozenset({"plateau_determined", "curve_level_at_end"})
-"""Checks of frequencies below the band of a rod, in which its modulus is found."""
+"""Checks of frequencies below the band of a rod, which its modulus in the band does not need."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -50,7 +50,8 @@ _MEDIAN_LINES = 3
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
 _GAIN_LEFT, _PHASE_LEFT = 0.003, float(np.radians(0.3))
-"""Remaining standard deviations of gain and phase after correction by a test at rest."""
+"""Standard deviations of gain and phase that remain after their correction below the resonance,
+beside those of the correction."""
 _MEDIAN = float(np.sqrt(np.pi / 2))
 """Standard error of a median over that of a mean."""
 _TURNS = 3
@@ -169,7 +170,7 @@ def _remove_sensor_offset(
 def _compute_bonded_slopes(part: Disc | Block) -> tuple[float, float]:
     r"""Return slopes of the logarithm of the bonded factor.
 
-    Derivatives by the logarithm of the height, and by Poisson's ratio in its uncertainty.
+    By the logarithm of the height, and by Poisson's ratio, over the range of its error.
     """
 
     def compute_slope(first: Disc | Block, second: Disc | Block, difference: float) -> float:
@@ -254,7 +255,7 @@ def _invert_lines(
 def _compute_glue_sensitivity(
     w: ComplexArray, by_w: ComplexArray, ratio: float, *, over_base: bool
 ) -> ComplexArray:
-    r"""Return d ln E* due to the compliance of the glue at the rod's storage modulus.
+    r"""Return d ln E* by g, the compliance of the glue over that of a rod of modulus E'.
 
     Between base and rod it gives under the force there, so that
 

@@ -107,10 +107,10 @@ def _solve_implicit_step(
     In z with p/p_a = 1 + z|z| the flux is all but straight, so that Newton does not feel its
     infinite slope at rest; the answer lies between rest and the chamber without its opening.
     """
-    density_bound = _find_density(np.maximum(mass / volume, 1e-6 * AIR_DENSITY), n)
-    low, high = np.minimum(density_bound, 0.0), np.maximum(density_bound, 0.0)
+    z_bound = _find_density(np.maximum(mass / volume, 1e-6 * AIR_DENSITY), n)
+    low, high = np.minimum(z_bound, 0.0), np.maximum(z_bound, 0.0)
     # where nothing flows, the bound is the answer
-    z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), density_bound)
+    z = np.where(step > 0, np.clip(_find_density(guess, n), low, high), z_bound)
     slope = np.sqrt(2 * AMBIENT_PRESSURE * AIR_DENSITY)
     for _ in range(_MAX_ITERATIONS):
         magnitude = np.abs(z)

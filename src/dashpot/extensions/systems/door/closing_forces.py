@@ -23,7 +23,7 @@ class PressedSeal:
         m of seal, by the factors of its force.
     dashpot : array, shape (doors,)
         Beside the solid, N s/m per m.
-    closed : array, shape (doors, stations)
+    closed_compression : array, shape (doors, stations)
         Compression with the door closed, m.
     angle : float
         To which it is pressed, and relaxed there.
@@ -86,7 +86,7 @@ class Chambers:
     kind : Air
     lever, length : array, shape (stations,)
         m.
-    closed : array, shape (doors, stations)
+    closed_compression : array, shape (doors, stations)
         Compression with the door closed, m.
     angle : float
     """

@@ -22,7 +22,7 @@ def read_named_columns(
     Raises
     ------
     ReadError
-        If a group of `required` names has no column; the `hint` states the expected value.
+        If a group of `required` names has no column; the `hint` states what is expected.
     """
     names = [normalise_name(column.name) for column in file.table.columns]
     missing = [words for words in required if not set(words) & set(names)]

@@ -522,7 +522,13 @@ def _follow_modes(
 def _follow_closing(
     assembly: Assembly, u: FloatArray, *, is_wanted: bool
 ) -> list[tuple[str, FloatArray, float | None]]:
-    """Return the lowest closing speed for the factors e^u; None if a door does not close."""
+    """Return the lowest closing speed for the factors e^u; empty without [closing] or `is_wanted`.
+
+    Raises
+    ------
+    DataError
+        If the door does not close with one of them.
+    """
     if assembly.door.closing in (None, ClosingSetup()) and not is_wanted:
         return []
     speed = find_least_speed(make_closing_door(assembly.door), load=np.exp(u))

@@ -235,7 +235,7 @@ def _divide_cells(breaks: FloatArray, requested_length: float) -> tuple[FloatArr
 
 
 def _validate_points(value: npt.ArrayLike) -> FloatArray:
-    """Return the points of a line, or an error message."""
+    """Return the points of a line; refuse points that make none."""
     points = np.array(value, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
         raise DataError(
@@ -259,7 +259,7 @@ def _validate_points(value: npt.ArrayLike) -> FloatArray:
 
 
 def _validate_normals(value: npt.ArrayLike, points: FloatArray) -> FloatArray:
-    """Return unit normals at each point or of each piece, or an error message."""
+    """Return unit normals at each point or of each piece; refuse impossible ones."""
     normal, count = np.array(value, dtype=float), len(points)
     if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
         raise DataError(
