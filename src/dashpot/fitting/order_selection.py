@@ -375,7 +375,7 @@ def select_order(
     ----------
     data : FitData
     options : FitOptions
-        ``"auto"`` arms chooses by BIC and significance; a requested number may exceed the data.
+        ``"auto"`` arms chooses by BIC and significance; of a number the data may support fewer.
     first : First, optional
         What :func:`weighed` found, where it is known already.
     """

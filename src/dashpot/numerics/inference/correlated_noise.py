@@ -260,7 +260,7 @@ def _kappa(gamma: FloatArray) -> float:
 def _restore_autocovariance(
     gamma: FloatArray, kappa: float, columns: JacobianColumns
 ) -> FloatArray:
-    """The autocovariance corrected for the fitted parameters, truncated if long enough."""
+    """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
     absorbed, restored_gamma = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ITERATIONS):
