@@ -202,7 +202,7 @@ def expect(
 ) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
-    A stated column of the roles `stated_columns` decides the kind of the file.
+    Nothing is refused if the options name a column of one of the roles `stated_columns`.
 
     Raises
     ------
