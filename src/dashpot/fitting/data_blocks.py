@@ -360,7 +360,7 @@ class InitialFit(NamedTuple):
     data : FitData
     solutions : sequence of Solution
         Every number of arms from none up, or the last alone.
-    series : tuple of Series
+    series : tuple of ResidualSeries
         Residual of the last one for each record, N, before its priors were weighted.
     noises : tuple of Noise
     noise_solution : Solution

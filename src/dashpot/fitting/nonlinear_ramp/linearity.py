@@ -174,7 +174,7 @@ class LinearityResult(NamedTuple):
 
     Attributes
     ----------
-    initial_fit : First
+    initial_fit : InitialFit
         Arms, up to the number requested.
     fractional_fit : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.

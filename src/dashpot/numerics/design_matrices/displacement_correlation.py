@@ -66,7 +66,7 @@ class ConvolvedMotion(EqualByValue):
         Their inner products.
     sequences : array, shape (q + 3, m)
         Compressed lag sequences: fixed columns, d, u before the window, u at its end.
-    lags : Compression
+    lags : DataCompression
     steps_spectrum : complex array
         Conjugate Fourier transform of the displacement's steps, zero padded.
     energy : float

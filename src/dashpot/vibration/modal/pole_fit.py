@@ -118,7 +118,7 @@ def _compute_log_truncation(lines: FRFLines, p: complex | ComplexArray) -> Compl
 
 
 def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
-    """Return derivative of :func:`kernel` by the pole."""
+    """Return derivative of :func:`pole_kernel` by the pole."""
     k = pole_kernel(lines, p)
     if lines.record is None:
         return k**2

@@ -24,7 +24,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     door : Door
     fit : Fit or None
         Fit of the seal, at its temperature.
-    closing : Closing
+    closing : ClosingAnalysis
     checks : tuple of Check
     """
 
