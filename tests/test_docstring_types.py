@@ -15,14 +15,24 @@ from kit.structure import PACKAGE, read_source
 ENTRY = re.compile(r"(?m)^ {0,4}[a-z_][\w, *]* : (.+)$")
 """A parameter or attribute of a numpydoc section, and its type."""
 CLASS = re.compile(r"(?<![\w.\"'`])[A-Z][a-z]\w+(?![\w\"'])")
-CODE = re.compile(r'"""(?:.|\n)*?"""')
+
+
+def list_defined_names(tree: ast.AST) -> set[str]:
+    """Return the classes, constants and imported names of a module."""
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            names |= {alias.asname or alias.name for alias in node.names}
+    return names
 
 
 def test_docstrings_name_types_that_exist():
     files = read_source()
-    names = {"None", "True", "False", "Path"}
-    for file in files:
-        names |= set(re.findall(r"\b[A-Z]\w+", CODE.sub("", file.text)))
+    names = {"None", "True", "False"}.union(*(list_defined_names(file.tree) for file in files))
     stale = {
         f"{file.path}: {entry[0].strip()}"
         for file in files

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
+import inspect
 import pkgutil
 import sys
+import textwrap
 from html.parser import HTMLParser
 from types import SimpleNamespace
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -164,6 +168,61 @@ def test_table_columns_have_equal_length(nouns, name):
     result = frame(nouns[name])
     assert len({len(values) for values in result.columns.values()}) == 1
     assert set(result.units) == set(result.columns)
+
+
+def types_of(node: ast.expr, names: dict[str, set[type]]) -> set[type]:
+    """Return the types that an expression of fields and properties may have; of rows, of each."""
+    if isinstance(node, ast.GeneratorExp):
+        (loop,) = node.generators
+        assert isinstance(loop.target, ast.Name)
+        return types_of(node.elt, {**names, loop.target.id: types_of(loop.iter, names)})
+    if isinstance(node, ast.Name):
+        return names[node.id]
+    assert isinstance(node, ast.Attribute)
+    return {
+        kind
+        for owner in types_of(node.value, names)
+        for kind in leaves(attribute_type(owner, node.attr))
+    }
+
+
+def attribute_type(owner: type, name: str) -> Any:
+    """Return the annotation of a field or a property, None of a class that has neither."""
+    declared = inspect.getattr_static(owner, name, None)
+    getter = getattr(declared, "fget", None) or getattr(declared, "func", None)
+    return get_type_hints(getter)["return"] if getter else get_type_hints(owner).get(name)
+
+
+def leaves(hint: Any) -> set[type]:
+    """Return the classes of an annotation: of a union, and of what a sequence holds."""
+    inner = {kind for item in get_args(hint) for kind in leaves(item)}
+    return inner or ({hint} if isinstance(hint, type) and hint is not type(None) else set())
+
+
+def test_columns_of_tables_are_attributes_of_their_rows() -> None:
+    count = 0
+    for kind in descendants(HasSummary):
+        if "_table_columns" not in vars(kind) or not kind.__module__.startswith("dashpot."):
+            continue
+        tree = ast.parse(textwrap.dedent(inspect.getsource(vars(kind)["_table_columns"].fget)))
+        names: dict[str, set[type]] = {"self": {kind}}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Attribute):
+                (target,) = node.targets
+                assert isinstance(target, ast.Name)
+                names[target.id] = types_of(node.value, names)
+        for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+            function = getattr(call.func, "id", "")
+            if function not in {"collect_columns", "collect_arrays"}:
+                continue
+            rows = types_of(call.args[0], names)
+            if function == "collect_columns" and rows == {kind}:
+                rows = leaves(get_type_hints(kind.__getitem__)["return"])  # type: ignore[attr-defined]
+            asked = {keyword.arg for keyword in call.keywords if keyword.arg is not None}
+            missing = [asked - {*dir(row), *get_type_hints(row)} for row in rows]
+            assert set() in missing, f"{kind.__name__}: {rows} has no {missing}"
+            count += len(asked)
+    assert count > 60
 
 
 def test_the_table_of_a_fit_holds_its_intervals(nouns):

@@ -309,7 +309,7 @@ def block_means(values: FloatArray, count: int) -> FloatArray:
 
 
 def find_fast_length(minimum: int) -> int:
-    """Return the smallest 2^i 3^j 5^k >= least.
+    """Return the smallest 2^i 3^j 5^k >= `minimum`.
 
     `scipy.fft.next_fast_len` returns the same, but its import takes longer than the first fit.
     """

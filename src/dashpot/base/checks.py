@@ -198,8 +198,8 @@ def verdict(checks: Iterable[Check], *, headline: str = "") -> Verdict:
     ----------
     checks : iterable of Check
     headline : str
-        Sentence for a result without a grave failure: the main number, and the range in which it is
-        valid. How many checks passed follows, and is all where nothing is given.
+        Sentence for a result without a failed limit or stop: the main number, and the range in
+        which it is valid. How many checks passed follows, and is all where nothing is given.
     """
     all_checks = tuple(checks)
     failed = [check for check in all_checks if check.failed]
@@ -229,7 +229,7 @@ def format_short_message(
 ) -> str:
     """Return the message of a check and its remedy in at most `max_words` words.
 
-    The explanation and the second remedy are shortened first.
+    The explanation, and all but the first sentence of the remedy, are left out first.
     """
     remedy = sentences(check.remedy.words) if check.remedy else []
     short = clip_sentences(max_words, sentences(sentence(check.message)), (*remedy[:1], closing))

@@ -150,7 +150,7 @@ class FormField(NamedTuple):
         A number with its unit, in a shell ``"bare"`` without one; a ``"range"`` 4 to 8; ``"sizes"``
         with commas between; or ``"words"``, each an option of its own.
     prefix : str
-        Command prefix of a shell example.
+        Text before the value on the command line, such as ``"disc:"``.
     """
 
     name: str
@@ -189,7 +189,7 @@ class FormData:
 
     Attributes
     ----------
-    fields : tuple of Ask
+    fields : tuple of FormField
     entries : tuple of (str, str)
         Name of the field (with the number of the file, where each file has its own value), and the
         typed text.
@@ -213,7 +213,7 @@ class FormData:
         return si_range(text, dimension) if text else None
 
     def options(self, files: int) -> tuple[str, ...]:
-        """Return the command-line words of the filled fields, for `file_count` files."""
+        """Return the command-line words of the filled fields, for that number of files."""
         results: list[str] = []
         for form_field in self.fields:
             names = (

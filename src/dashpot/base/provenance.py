@@ -135,6 +135,6 @@ def list_steps(records: Iterable[Prepared]) -> tuple[Step, ...]:
 
 
 def find_origins(sources: tuple[Source, ...]) -> set[str]:
-    """Return the hashes of files, and of the files from which they were made by their notes."""
+    """Return the hashes of files, and of those from which, by their notes, they were made."""
     texts = (f"sha256 {source.sha256}; {'; '.join(source.notes)}" for source in sources)
     return set(re.findall(r"sha256\W+(\w{64})", "; ".join(texts)))

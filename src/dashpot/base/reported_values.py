@@ -22,9 +22,9 @@ INTERVAL_LEVELS = (0.025, 0.975)
 AT_MOST = "at most"
 """Text before a one-sided upper limit."""
 ASYMMETRY_LIMIT = 0.1
-"""Smallest relative difference of the two halves of an asymmetric interval."""
+"""Ratio of the shorter to the longer part of an interval up to which it is asymmetric."""
 END_AT_VALUE_SHARE = 1e-2
-"""The same, where that end stands for the value itself."""
+"""Ratio of the two up to which the nearer end counts as the value itself."""
 
 
 class TableCells(NamedTuple):
@@ -50,7 +50,7 @@ class TableCells(NamedTuple):
 
     @property
     def with_limit(self) -> str:
-        """Value and standard error, or only the upper limit, in one cell."""
+        """Value and standard error, or in place of the error an upper limit, in one cell."""
         if self.interval.startswith(AT_MOST):
             return f"{self.value}, {self.interval}"
         return self.with_error

@@ -38,7 +38,7 @@ KEYED_OPTIONS = {
     "--label": ("KEY=VALUE", "name, lot, operator, date or notes."),
     "--shape": ("SHAPE", "disc:20mm,20mm or block:30mm,20mm,10mm."),
 }
-"""Keys and help of an option with several keys."""
+"""Metavar and help of an option with several keys."""
 
 
 class TargetFields(NamedTuple):

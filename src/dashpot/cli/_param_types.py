@@ -71,7 +71,7 @@ class Folder(File):
 class Output(File):
     """Path of an output file; ``-`` is stdout.
 
-    With `suffixes` a name that ends otherwise is refused: its message would be misleading.
+    With `suffixes` a name that ends otherwise is refused: it would name another format.
     """
 
     def __init__(self, suffixes: Sequence[str] = ()) -> None:

@@ -126,7 +126,7 @@ def _get_next_command(inspection: InspectedFile) -> tuple[str, ...]:
 def _format_inspection(inspection: InspectedFile, shown_path: str = "") -> list[str]:
     """Return the kind of a file, its open questions and its test; briefly for one of several.
 
-    Only the first question is shown, with the path that shows the others.
+    Of such a file only the first question is shown, with the command that shows the others.
     """
     question_lines = [f"  ASK       {question.message}" for question in inspection.questions]
     if shown_path and question_lines[1:]:

@@ -249,7 +249,7 @@ _MASS_FLAGS = ("--mass", "--seals", "--seal-mass", "--compression", "--band", "-
 def _format_next_command(files: Sequence[str], job: Job, study: Study) -> str:
     """Return the command that saves the recommended solid of the report.
 
-    It repeats every option that decided over that solid; None if there is no usable fit.
+    It repeats every option that decided over that solid; empty if no fit gives it.
     """
     remark = "keeps the model for export"
     if study.joint is not None and study.mass is not None:

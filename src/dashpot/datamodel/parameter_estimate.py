@@ -393,7 +393,7 @@ class ParameterEstimate(EqualByValue):
     def _error(self, name: str) -> float:
         """Return standard error of one row; 0 for a parameter that was held fixed.
 
-        Without rows of the parameters the covariance does not include them.
+        Infinite for every parameter if none has a row.
         """
         if not self.parameters:
             return inf
@@ -454,8 +454,8 @@ class CreepEstimate(FrozenArrays):
         if spectrum.flow > 0:
             rows.append(("flow", spectrum.flow, f"{unit} per s"))
         return tuple(
-            ReportedValue(name, value, unit=error, error=self.standard_error(name))
-            for name, value, error in rows
+            ReportedValue(name, value, unit=row_unit, error=self.standard_error(name))
+            for name, value, row_unit in rows
         )
 
 

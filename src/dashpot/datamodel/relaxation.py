@@ -410,7 +410,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
 
     @cached_property
     def hold_creep(self) -> float:
-        """Largest motion in the hold, up to its last tenth, as a fraction of the depth.
+        """Largest remaining motion in the hold, to its last tenth, as a fraction of the depth.
 
         Means over twelve stretches, each longer than the one before; the first fifth of a ramp
         time is left to the plate for settling.

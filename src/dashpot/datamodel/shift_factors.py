@@ -280,8 +280,8 @@ class TemperatureShifts(EqualByValue, Serialisable):
     def change_reference(self, temperature: float) -> TemperatureShifts:
         r"""Return the same shifts from another temperature, K, at which the solid then is.
 
-        With :math:`s = \log_{10} a_T` at the new reference every other shift is :math:`(s_i - s)/(1
-        + g s)`: so the slope g does not change.
+        With :math:`s = \log_{10} a_T` at the new reference every other shift is
+        :math:`(s_i - s)/(1 + g s)`: so the slope g does not change.
 
         Raises
         ------

@@ -148,12 +148,12 @@ def open_deck(
     target, form : str
         ``"prony"`` is a material card of relative moduli; every other form is of a part.
     forms : sequence of str
-        Choices of the target.
+        Forms of the target.
     units : str
         ``"SI"``, ``"mm-t-s"``, ``"mm-kg-ms"`` or ``"in-lbf-s"``.
     specimen : Specimen, optional
-        Replaces the specimen of the fit; its temperature, where the fit knows one, is that which
-        the deck is requested.
+        Replaces the specimen of the fit; if the fit has a temperature, the deck is for that of this
+        specimen.
     allow : collection of str
         Names from :data:`PROBLEMS` to overlook; ``"all"`` overlooks every one. Each one that
         applies adds an OVERRIDE line to the header.
@@ -195,7 +195,7 @@ def open_deck(
 
 
 def _apply_temperature(fit: Fit, specimen: Specimen | None) -> Fit:
-    """Return the fit at the requested temperature; if the fit has none, this one is noted in it."""
+    """Return the fit at the requested temperature; unchanged if the fit has no temperature."""
     temperature = None if specimen is None else specimen.temperature
     if temperature is None or (fit.temperatures is None and fit.specimen.temperature is None):
         return fit
@@ -311,8 +311,8 @@ def _problems(deck: Deck) -> dict[str, str]:
 def _format_caution(fit: Fit | NonlinearFit) -> str | None:
     """Return why parameters of a fit are not identified; None if its verdict is "use".
 
-    Verdicts that allow an export: an arm that single data cannot place still adds up to limits that
-    hold. k_inf is no question here; its upper limit is in the header.
+    With that verdict it may be exported: an arm that the data do not determine still adds up to
+    limits that hold. k_inf is no question here; its upper limit is in the header.
     """
     if fit.checks and fit.verdict.use == "use":
         return None

@@ -64,7 +64,7 @@ class SpringRow:
 
     @cached_property
     def frames(self) -> dict[tuple[tuple[float, ...], ...], int]:
-        """Rank of each distinct frame that differs from the global axes."""
+        """Rank of each distinct frame in which a spring acts off the global x axis."""
         entries = dict.fromkeys(station.frame for station in self.stations)
         rotated_frames = [
             frame for frame in entries if self.direction_count > 1 or not np.allclose(frame[0], _X)
@@ -142,7 +142,7 @@ def _stations(
     *,
     is_axisymmetric: bool,
 ) -> list[LineStation]:
-    """Return the stations in contact; without shear the frame has any angle to the normal."""
+    """Return the stations in contact; without shear the frame has any angle about the normal."""
     normal = line.normal
     across, along = line.across, line.tangent
     if is_axisymmetric:

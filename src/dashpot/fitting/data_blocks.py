@@ -201,7 +201,7 @@ def first_sample(test: RampHold) -> int:
 
 
 def is_multi_step(test: RampHold) -> bool:
-    """True if the plate moves to another depth after the first ramp: there are several holds."""
+    """True if the plate moves on to another depth after the first ramp: no single hold."""
     return _compute_hold_travel(test) > _OTHER_DEPTH_MOTION
 
 
@@ -262,7 +262,7 @@ def regularise_clock(time: FloatArray) -> FloatArray:
 
 
 def build_solid(solution: Solution) -> GeneralizedMaxwell:
-    """Return the solid with its arms and, if any, its parallel dashpot."""
+    """Return the solid with the arms of k > 0 and, if any, its parallel dashpot."""
     k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
         max(solution.coefficient("k_inf"), 0.0),
@@ -360,11 +360,11 @@ class InitialFit(NamedTuple):
     data : FitData
     solutions : sequence of Solution
         Every number of arms from none up, or the last alone.
-    series : tuple of Series
+    series : tuple of ResidualSeries
         Residual of the last one for each record, N, before its priors were weighted.
     noises : tuple of Noise
     noise_solution : Solution
-        The selected one of the series.
+        The solution that left the residuals of `series`.
     """
 
     data: FitData

@@ -121,7 +121,7 @@ def build_fit(
 def _restrict_to_loss_band(fit: Fit) -> Fit:
     """Return a fit whose errors are those of its covariance, its band where they are small enough.
 
-    Where they are so at no line, a check says it; without a known error there is no band.
+    Where they are so at no line, a check says it; without a known error the fit is unchanged.
     """
     if not MAX_LOSS_FACTOR_ERROR < fit._error_in_band[1] < np.inf:
         return fit
@@ -179,7 +179,7 @@ def list_nuisances(
     value, error : callable
         Coefficient and standard error of a column.
     unit : str
-        Unit of the measured stiffness.
+        Unit of the measured force or stress.
     prior_sds : mapping of str to float, optional
         Standard deviations that were known before the fit.
     """

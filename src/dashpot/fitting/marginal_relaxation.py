@@ -222,7 +222,7 @@ class RelaxationData:
     ) -> RelaxationRows:
         """Rows that depend on the solid, whitened for the effects of the rig.
 
-        But for what is `extra_priors`, by the kinds of its columns: a column each, times its
+        Except for `extra_priors`, by the kind of column: each is a column of `rig_rows`, times its
         standard deviation.
         """
         count, kinds = len(log_tau), [get_column_kind(name) for name in self.block.fixed_names]
@@ -251,8 +251,8 @@ class RelaxationData:
             else columns[:, :0]
         )
         b_t = float(np.exp(shift.log_b))
-        sentences = {*SOLID_PARAMETERS, *self.terms.priors, *extra_priors}
-        is_free = [kind not in sentences for kind in kinds]
+        known_kinds = {*SOLID_PARAMETERS, *self.terms.priors, *extra_priors}
+        is_free = [kind not in known_kinds for kind in kinds]
         differences = replace(self.terms, priors=extra_priors).build_prior_columns(
             evaluation.fixed, self.block.fixed_names
         )[0]

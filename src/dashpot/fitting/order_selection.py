@@ -156,7 +156,7 @@ class SelectedModel:
         Estimate of the number of arms taken.
     scores : tuple of Score
         Every number tried, from none up.
-    choice : Choice or None
+    choice : OrderChoice or None
         How the rules chose; None if a number was requested.
     requested_arms : int or None
         The requested number; None if the rules chose.
@@ -375,9 +375,9 @@ def select_order(
     ----------
     data : FitData
     options : FitOptions
-        ``"auto"`` arms chooses by BIC and significance; a requested number may exceed the data.
-    first : First, optional
-        What :func:`weighed` found, where it is known already.
+        ``"auto"`` arms chooses by BIC and significance; of a number the data may support fewer.
+    first : InitialFit, optional
+        The result of :func:`fit_all_orders`, where it is known already.
     """
     auto, max_arms = options.arms == "auto", validate_arm_count(options.arms, options.max_arms)
     if auto:

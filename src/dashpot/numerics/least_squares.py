@@ -77,7 +77,8 @@ class Objective(NamedTuple, Generic[T]):
     Attributes
     ----------
     evaluate : callable
-        ``at(theta, last) -> trial``, `last` the trial that the descent stands at, None at first.
+        ``evaluate(theta, last) -> trial``, `last` the trial that the descent stands at, None at
+        first.
     low, high : array, shape (p,)
     floor : float
         Sum of squares that no theta lowers.

@@ -44,7 +44,7 @@ from dashpot.vibration.mass_on_seals import mass_for_peak
 
 
 MIN_GAIN = 0.9
-"""A repeat is advised if it lowers the standard deviation below this fraction."""
+"""A repeat is advised if it lowers the standard deviation below this part of that without it."""
 
 
 def list_advice(

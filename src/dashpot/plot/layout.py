@@ -462,7 +462,7 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 def _place_tags(
     tags: list[Tag], panel: Panel, box: Box, inner: tuple[Polyline | Fill | Markers, ...]
 ) -> list[Word]:
-    """Labels beside their points, inside the axes, without overlap."""
+    """Labels beside their points, inside the axes, clear of each other, and best of all else."""
     drawn_points = _strokes(inner, box) if tags else np.zeros((0, 2))
     tag_points = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
     boxes = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, tag_points, strict=True)

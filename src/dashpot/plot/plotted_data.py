@@ -110,7 +110,7 @@ def stamp(
 
 
 def _is_simulated(specimen: Specimen | None) -> bool:
-    """Return the notes on the source; a record in memory has one."""
+    """Return whether the notes of a specimen mark its record, in memory, as simulated."""
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 

@@ -38,7 +38,7 @@ from dashpot.vibration.impact.hits import HitBlock, cut_hits
 
 ACCEPTED = Pen("fit", 1.1)
 USABLE_DB = 20.0
-"""Drop of the force spectrum below 0 Hz up to which the hammer excites the part, dB."""
+"""Largest drop of the force spectrum from 0 Hz where the hammer excites the part, dB."""
 
 
 class PlottedHit(NamedTuple):

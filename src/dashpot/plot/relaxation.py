@@ -190,7 +190,7 @@ def residual_panel(
 ) -> Panel:
     """Measured less fitted force against log time, and the noise it should be.
 
-    Time counts from `start`, s, after first contact; by default from it.
+    Time counts from `time_origin`, s after first contact; by default from it.
     """
     start = None if axis is None else time_origin + axis.limits[0]
     time, residual = curve.residual(prepared, start)

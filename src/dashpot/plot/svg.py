@@ -130,16 +130,16 @@ def _frame(frame: Frame, name: str) -> str:
 
 def _path(parts: Iterable[FloatArray], *, is_closed: bool = False) -> str:
     """Return the data of a path: whole units, each point from the last one."""
-    sentences = []
+    commands = []
     for part in parts:
         units = np.rint(FINE * part).astype(np.int64)
         steps = np.diff(units, axis=0)
         steps = steps[np.any(steps != 0, axis=1)]
         start = f"M{units[0, 0]} {units[0, 1]}"
-        sentences.append(
+        commands.append(
             start + (f"l{' '.join(map(str, steps.ravel().tolist()))}" if len(steps) else "")
         )
-    return "".join(sentences).replace(" -", "-") + "z" * is_closed
+    return "".join(commands).replace(" -", "-") + "z" * is_closed
 
 
 def _pen(pen: Pen) -> str:

@@ -48,7 +48,7 @@ MAX_TEMPERATURE_ERROR, MAX_TEMPERATURE_DRIFT = 1.0, 1.0
 # a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
 # 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
 GROSS_FACTOR = 2.0
-# shares of a hold with a frozen channel: failed, and grave
+# shares of a hold: of a frozen channel, which fails; of a frozen force, which is grave
 MAX_FROZEN_SHARE, GROSS_FROZEN_SHARE = 0.005, 0.1
 # of the depth: a plate that moved; of the hold: in which it is braked
 MOVED_SHARE, BRAKED_SHARE = 1e-3, 0.05

@@ -1,7 +1,7 @@
 r"""Denoising of a recorded displacement.
 
 A fast arm answers each edge of an encoder's staircase, and each jitter of its reading, with a spike
-of force. The true force has no such noise, since the plate did not move: without a correction the
+of force. The true force has no such spike, since the plate did not move: without a correction the
 fit would exclude fast arms that exist (errors in variables). So quantisation and noise are first
 removed from the encoder signal.
 """
@@ -84,8 +84,8 @@ def estimate_interpolation_noise(
     r"""Return the interpolation error of a motion as white noise, m, shape (n,).
 
     A bend misses :math:`m = h^2 \ddot x/8`, always to its hollow side: samples that bend alike
-    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to one ramp time after the ramp,
-    where the lost force exceeds the noise.
+    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to one ramp time after the ramp;
+    zero if the lost force is small against the noise.
 
     Parameters
     ----------

@@ -380,7 +380,7 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
 
 
 def _find_strongest_line(power: FloatArray, first: int) -> int | None:
-    """Return the bin with the highest significance over its neighbourhood, if any."""
+    """Return the bin that exceeds its neighbourhood most, if it is significant."""
     if len(power) <= first + 2 * _NEIGHBOUR_BINS:
         return None
     blocks = len(power) // _NEIGHBOUR_BINS

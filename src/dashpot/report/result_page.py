@@ -87,7 +87,7 @@ class KindPage:
     indicators : tuple of Light
         None is worse than the verdict; together they are as bad.
     figure_title : str
-        Caption of the figure.
+        Title of the figure.
     picture : Picture
     table_title : str
         Title of the table.
@@ -118,8 +118,8 @@ def make_indicators(
 ) -> tuple[Light, ...]:
     """One indicator for each topic, with the grade of its worst check.
 
-    Checks that no topic names belong to the first one, which is omitted if it has none and others
-    have.
+    Checks that no other topic names belong to the first one, which is omitted beside others if none
+    of its checks was judged.
     """
     unique_checks = tuple(dict.fromkeys(checks))
     other_names = {name for other in other_topics for name in other.checks}

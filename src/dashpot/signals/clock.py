@@ -48,7 +48,8 @@ def find_clock_jumps(time: FloatArray) -> list[ClockJump]:
 def find_rate_change(time: FloatArray) -> ClockJump | None:
     """Return the largest change of the sampling rate, if the rate is even on both sides; else None.
 
-    `step` is then the usual step after it, `beside` the one before. Less than tenfold is none.
+    `step` is then the usual step after it, `expected_step` the one before. Less than tenfold is
+    none.
     """
     steps = np.diff(time)
     if (

@@ -50,8 +50,8 @@ class Rig:
     stiffening : float
         Cubic term of the elastic law, 1/m^2: the solid answers to x + stiffening x^3.
     softening : float
-        Mullins effect: relative loss of force after many cycles, :math:`1 - s (1 - e^{-(n-1)/1.5})`
-        in cycle n.
+        Mullins effect: relative loss s of force after many cycles; :math:`1 - s (1 -
+        e^{-(n-1)/1.5})` is left in cycle n.
     bias, drift : float
         Offset, N, and its growth, N/s, of the load cell.
     warming, warming_time : float

@@ -155,8 +155,8 @@ class EvenStep(NamedTuple):
     def from_ratio(cls, ratio: FloatArray) -> EvenStep:
         """Return the factors of steps of h / tau > 0."""
         mean_decay = -np.expm1(-ratio) / ratio
-        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - mean_decay) / ratio)
-        return cls(mean_decay, 1 - ratio * mean_decay, onward)
+        increment_factors = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - mean_decay) / ratio)
+        return cls(mean_decay, 1 - ratio * mean_decay, increment_factors)
 
     def mean(self, previous_force: FloatArray, force_step: FloatArray) -> FloatArray:
         """Return the mean force of arms over the step, N."""

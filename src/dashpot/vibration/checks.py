@@ -52,17 +52,13 @@ def compression_tested(compression: float, depth: float | None) -> Finding:
 
 
 @criterion("loss factor by slope", source="within 50 % or 2 sd (rule: Booij, Thoone 1982)")
-def stiffness_causal(
-    implied_change: float, measured: float, *, error: float, peak: float
-) -> Finding:
+def stiffness_causal(implied: float, measured: float, *, error: float, peak: float) -> Finding:
     """Stiffness and loss are causally related, as far as the errors can show."""
-    agrees = (
-        abs(implied_change - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
-    )
+    agrees = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
     return Finding(
         f"At {peak:.4g} Hz the loss factor is {measured:.3g}. The slope of the stiffness gives "
-        f"{implied_change:.3g} ± {error:.2g} (local Kramers-Kronig rule)",
-        implied_change,
+        f"{implied:.3g} ± {error:.2g} (local Kramers-Kronig rule)",
+        implied,
         "Mass, gain or phase of the channels is wrong, or another mode is near",
         "Check the mass, and the calibration of both channels.",
         limit=measured,

@@ -236,7 +236,7 @@ def fit_files(
     -------
     fit : Fit
     records : tuple
-        Fitted tests or results of the source.
+        Records as they were fitted.
 
     Raises
     ------

@@ -129,6 +129,6 @@ def _join_names(names: Sequence[str]) -> str:
 
 
 def _find_common_meaning(present_kinds: set[str]) -> str:
-    """Return the fit of records of the same kind."""
+    """Return the fit that all these kinds mean; empty if they mean several."""
     words = {KINDS[kind].fit_route if kind in KINDS else "" for kind in present_kinds}
     return words.pop() if len(words) == 1 else ""

@@ -192,7 +192,7 @@ class FRFComparison(HasVerdict, Serialisable):
         )
 
     def _circular(self) -> str:
-        """Return the comparison with the fitted hits."""
+        """Return the sentences on a comparison with the fitted hits."""
         error_percent = 100 * self.comparison.frequency_error
         first = (
             f"The peak frequency is off by {error_percent:+.2g} %. The fit was made from these "

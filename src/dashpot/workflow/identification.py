@@ -102,7 +102,7 @@ class Identified(HasVerdict, Serialisable):
     at_rest : StaticEquilibrium
         Where the mass rests on it.
     vibration : ImpactResult or None
-        The measured modes, if no model was fitted.
+        The measured modes, if no other test is part of the fit.
     """
 
     _keys = (

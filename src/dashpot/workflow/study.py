@@ -144,7 +144,7 @@ class Study(Plottable, Serialisable):
         Stiffness of one seal directly from the measured FRF, without a model of it.
     static_equilibrium : StaticEquilibrium or None
         Where the mass rests on the seals, and what secant and tangent make of it.
-    frf_band : FRFBand or None
+    frf_band : FRFBounds or None
         Both kinds of ignorance as limits of the predicted accelerance.
     checks : tuple of Check
         What only the whole story shows.

@@ -28,7 +28,7 @@ class ExponentialSum(FrozenArrays):
         Standard errors for white residuals, from the spread of the residuals.
     constant_error : float
     converged : bool
-    certificate : Optimality or None
+    certificate : OptimalityCertificate or None
         How far the best positive sum with any number of terms could be below; None if amplitudes
         of either sign were allowed.
     """

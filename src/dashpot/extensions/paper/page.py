@@ -33,7 +33,7 @@ def paper_page(reproduction: Reproduction) -> str:
 
     Parameters
     ----------
-    reproduction : Reproduced
+    reproduction : Reproduction
         Result of ``dashpot demo --paper``.
     """
     contents = {

@@ -324,7 +324,7 @@ class FamilySelection:
     best : SelectedModel
     arms : SelectedModel
         The solid with arms, taken or not.
-    other_family : Other or None
+    other_family : AlternativeFamily or None
         None if only arms were requested.
     """
 
@@ -534,7 +534,7 @@ def divergence_frequency(first: Solid, second: Solid, band: tuple[float, float])
 
 
 def _find_disagreement(first: Solid, other_solid: Solid, f: FloatArray) -> FloatArray:
-    """Return the frequency above which two solids differ noticeably."""
+    """Return at which of the frequencies, Hz, two solids differ noticeably."""
     a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (first, other_solid))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth

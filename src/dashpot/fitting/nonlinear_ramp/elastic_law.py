@@ -106,7 +106,7 @@ class RampLaw:
         Estimate of the parameters of `model`.
     law_covariance : array, shape (p + P, p + P)
         Covariance of the parameters of `model` and then of the law's shape at its knots.
-    hold : Hold
+    hold : HoldEstimate
         What the holds say without their ramps.
     linear_qualities : tuple of LinearFitQuality
         Qualities of each record under the linear law with the full weight of its ramp.
@@ -328,7 +328,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
     Parameters
     ----------
     tests : sequence of RampHold
-    hold : Hold
+    hold : HoldEstimate
         The holds by the number of arms that was requested, or by the most that a fit chooses.
     """
     arms = len(hold.log_tau)

@@ -174,7 +174,7 @@ class LinearityResult(NamedTuple):
 
     Attributes
     ----------
-    initial_fit : First
+    initial_fit : InitialFit
         Arms, up to the number requested.
     fractional_fit : FractionalFit or None
         A fractional solid, where arms are not sound and another family may be.
@@ -422,7 +422,7 @@ def _shift_motion(record: RampHold, lag: float) -> tuple[RampHold, float]:
 
 
 def _set_force_filter(record: RampHold, lag: float) -> RampHold:
-    """The record with its force low-passed by this time constant, as a stated filter."""
+    """The record with a low-pass of this time constant stated for its force channel."""
     if not lag:
         return record
     return replace(record, machine=replace(record.machine, force_filter=1 / (2 * np.pi * lag)))

@@ -158,14 +158,14 @@ def _cut_into_pieces(values: FloatArray, section: _RecordSection) -> tuple[Float
     return pieces, (pieces @ section.basis).reshape(*values.shape[:-1], -1)
 
 
-def _compute_residual_sse(target: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
+def _compute_residual_sse(pieces: FloatArray, z: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum of squares of the explicit residual, a stretch at a time so that it stays in cache."""
-    total = np.zeros(target.shape[:-2])
+    total = np.zeros(pieces.shape[:-2])
     pieces_at_once = max(1, CACHE_SAMPLES // (total.size * len(basis)))
-    for first in range(0, target.shape[-2], pieces_at_once):
+    for first in range(0, pieces.shape[-2], pieces_at_once):
         span = slice(first, first + pieces_at_once)
         residual = z[..., span, :] @ basis.T
-        np.subtract(target[..., span, :], residual, out=residual)
+        np.subtract(pieces[..., span, :], residual, out=residual)
         total = total + np.einsum("...ij,...ij->...", residual, residual)
     return total
 

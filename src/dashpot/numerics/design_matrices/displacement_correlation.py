@@ -66,7 +66,7 @@ class ConvolvedMotion(EqualByValue):
         Their inner products.
     sequences : array, shape (q + 3, m)
         Compressed lag sequences: fixed columns, d, u before the window, u at its end.
-    lags : Compression
+    lags : DataCompression
     steps_spectrum : complex array
         Conjugate Fourier transform of the displacement's steps, zero padded.
     energy : float
@@ -387,7 +387,7 @@ def correlate_displacement(
 
 
 def _steps(x: FloatArray) -> tuple[FloatArray, int]:
-    """The steps of a motion from zero, and their ends: what it still moves by is rounding."""
+    """The steps of a motion from zero, and their number: what it still moves by is rounding."""
     end_distance = np.abs(x - x[-1])
     moving = int(np.flatnonzero(end_distance > REST_SHARE * end_distance.max())[-1:].sum()) + 2
     d = x.copy()

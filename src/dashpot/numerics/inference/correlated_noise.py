@@ -260,7 +260,7 @@ def _kappa(gamma: FloatArray) -> float:
 def _restore_autocovariance(
     gamma: FloatArray, kappa: float, columns: JacobianColumns
 ) -> FloatArray:
-    """The autocovariance corrected for the fitted parameters, truncated if long enough."""
+    """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
     n, parameters = len(columns.matrix), max(columns.absorbed_count, 1e-9)
     absorbed, restored_gamma = _compute_absorbed_autocovariance(columns, len(gamma)), gamma
     for _ in range(_ITERATIONS):
@@ -431,7 +431,7 @@ class Directions(NamedTuple):
     ----------
     parameter_directions : array, shape (p, r)
         Parameters by direction.
-    columns : tuple of Columns, shape (n, r)
+    columns : tuple of JacobianColumns, shape (n, r)
         The Jacobians along the directions: orthonormal but for rounding.
     gram : array, shape (r, r)
         Their inner products, which take the rounding into account.
@@ -595,7 +595,7 @@ class ReducedBasis(NamedTuple):
 
     Attributes
     ----------
-    basis : Columns, shape (n, r)
+    basis : JacobianColumns, shape (n, r)
         Q, orthonormal columns, a row for each mean over a few samples times the root of how many.
     block : DataBlock
         Q'y, Q'G and Q' phi, r rows.

@@ -138,7 +138,7 @@ class Estimate:
         first_step = half_width * width / _SLICES if has_width else parameter.scale
 
         def solve_slice(value: float, start: FloatArray) -> ProfileSlice | None:
-            """Return zero errors for fixed parameters; None where the model is not defined."""
+            """Return the slice at a value of theta; None where the model is not defined."""
             try:
                 optimum = best.problem.fix_parameter(index, value).solve(
                     [start], cost_tolerance=_END_TOLERANCE / sum(sample_counts)

@@ -337,7 +337,7 @@ def acceleration_question(table: FileTable) -> Question:
 
 
 def _names_something(column: Column) -> bool:
-    """Return whether a name has a certain meaning."""
+    """Return whether a name surely has a meaning."""
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 

@@ -296,7 +296,7 @@ def names_magnitude(name: str) -> bool:
 
 @lru_cache(maxsize=1 << 16)
 def replace_channel_number(name: str) -> str:
-    """Return a name with 00 in place of its channel number.
+    """Return a name with 00 in place of its channel number of two digits or more.
 
     >>> replace_channel_number("ai_0017"), replace_channel_number(
     ...     "Channel [3917]"), replace_channel_number("T2")

@@ -49,7 +49,7 @@ Judged: TypeAlias = Callable[
 _OVERLOAD = 9.9e37
 """Number that SCPI instruments send for an infinite or an invalid reading."""
 _MIN_NINES = 999.0
-"""The smallest number of nines that loggers write for a missing reading: 999, -9999, 999.99."""
+"""The smallest number, all nines, that loggers write for no reading: 999, -9999, 999.99."""
 _RATE_TOLERANCE = 0.01
 """Largest relative deviation of the steps of an even clock, and of its stated rate."""
 _MARK_RATIO = 5.0
@@ -202,7 +202,7 @@ def expect(
 ) -> None:
     """Refuse a file that is surely of another kind, with the command that takes it.
 
-    A stated column of the roles `stated_columns` decides the kind of the file.
+    Nothing is refused if the options name a column of one of the roles `stated_columns`.
 
     Raises
     ------
@@ -322,7 +322,7 @@ def refuse_sizes(
 def refuse_all_sizes(
     file: OpenedFile, channels_chosen: Sequence[Channel], function: Judged
 ) -> list[str]:
-    """Ask for all missing units together; return notes on unusual sizes.
+    """Ask together for all units that make a size impossible; return notes on unusual sizes.
 
     All questions are collected: each is taken as answered before the next is searched for. The
     user's own word for a unit is not doubted.

@@ -55,7 +55,7 @@ _OPTIONAL_ROLES = {
 _CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
 """Roles over the time since a step."""
 _KINDS_WITHOUT_CLOCK = ("cld", "stress-strain")
-"""Kinds whose time is, too."""
+"""Kinds whose time is optional as well."""
 
 
 @dataclass(frozen=True)
@@ -320,7 +320,7 @@ def _propose_roles(
 def _assign_kind_roles(
     file: OpenedFile, kind: str
 ) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
-    """Return the roles of the kind among the given ones."""
+    """Return the columns that take the roles of the kind, and the questions on them."""
     table, options = file.table, file.options
     clocks = (
         find_separate_clocks(table, options) if "displacement" in _get_usual_roles(kind) else ()

@@ -93,7 +93,7 @@ def load_signals(
     Raises
     ------
     ReadError
-        If rows are missing in loading, or a clock decreases.
+        If rows are missing about the ramp or are too many, or a clock decreases.
     """
     channels.refuse_other_rate(file)
     moving = channels_chosen[-2].role

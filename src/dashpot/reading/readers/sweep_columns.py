@@ -214,7 +214,7 @@ def _is_size(
 def load_parts(
     file: OpenedFile, channels_chosen: Sequence[Channel], ratio: int | None
 ) -> tuple[LoadedColumns, dict[Role, FloatArray], str, list[str]]:
-    """Return the loaded object, the SI values by role with storage and loss, their unit and notes.
+    """Return the loaded rows, the SI values by role with storage and loss, their unit and notes.
 
     K' = |K*| cos delta and K'' = K' tan delta, where the file has these instead.
 

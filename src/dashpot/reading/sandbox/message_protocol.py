@@ -58,7 +58,7 @@ def receive(stream: BinaryIO) -> dict[str, Any]:
 
 
 def read_exactly(stream: BinaryIO, size: int) -> bytes:
-    """Read a number of bytes, or raise `ProtocolError`."""
+    """Read `size` bytes, or raise `ProtocolError`."""
     content = stream.read(size)
     if len(content) < size:
         raise ProtocolError

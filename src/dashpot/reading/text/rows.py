@@ -60,7 +60,7 @@ class _Marks:
     decimal_mark_example: str = ""
     other_mark_example: str = ""
     has_small_number: bool = False
-    has_mark: bool = False
+    is_ungrouped: bool = False
     has_groups: bool = False
     seen_cells: set[str] = field(default_factory=set)
 
@@ -72,7 +72,7 @@ class _Marks:
         """
         if self.has_groups or text in self.seen_cells:
             return True
-        return self.has_mark and not any(c in text for c in ".," if c != self.decimal)
+        return self.is_ungrouped and not any(c in text for c in ".," if c != self.decimal)
 
     def add(self, text: str) -> None:
         match = cell.EITHER_WAY.match(text)
@@ -85,7 +85,7 @@ class _Marks:
         else:  # 1,234.5 shows what groups; 1.6, and 1600 without any mark, what does not
             mark_count = sum(c in ".," for c in text)
             self.has_groups |= mark_count > 1
-            self.has_mark |= mark_count == 1 or len(text) > 3
+            self.is_ungrouped |= mark_count == 1 or len(text) > 3
 
     def question(self) -> str:
         """Return a cell that can be read two ways, or ""."""
@@ -93,11 +93,11 @@ class _Marks:
             return ""
         if self.other_mark_example and (
             self.decimal == "."
-            or not (self.decimal_mark_example or self.has_small_number or self.has_mark)
+            or not (self.decimal_mark_example or self.has_small_number or self.is_ungrouped)
         ):
             return self.other_mark_example
         # beside 800, 1.600 was hardly printed with three decimals
-        return self.decimal_mark_example if self.has_small_number and not self.has_mark else ""
+        return self.decimal_mark_example if self.has_small_number and not self.is_ungrouped else ""
 
 
 def find_ambiguous_marks(
@@ -125,7 +125,7 @@ def find_ambiguous_marks(
         lines = [block.partition("\n")[0]] if is_consistent else block.split("\n")[:-1]
         _add_rows(lines, dialect, indexes, columns)
         if all(
-            m.has_groups or (m.has_mark and index not in commas) for index, m in columns.items()
+            m.has_groups or (m.is_ungrouped and index not in commas) for index, m in columns.items()
         ):
             break
     return [

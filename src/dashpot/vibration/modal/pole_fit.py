@@ -118,7 +118,7 @@ def _compute_log_truncation(lines: FRFLines, p: complex | ComplexArray) -> Compl
 
 
 def pole_kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
-    """Return derivative of :func:`kernel` by the pole."""
+    """Return derivative of :func:`pole_kernel` by the pole."""
     k = pole_kernel(lines, p)
     if lines.record is None:
         return k**2
@@ -513,11 +513,13 @@ def _add_best_pole(trial: PoleTrial, candidates: list[Scan]) -> tuple[PoleTrial,
 
 def _compute_gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     """Return the fall of the squared residuals by each of these poles, unrefined."""
-    ground, count = trial.background, len(scan.poles)
+    background, count = trial.background, len(scan.poles)
     gains = np.zeros(count)
-    for i, (sd, r) in enumerate(zip(ground.lines.sd, trial.solution.residuals, strict=True)):
+    for i, (sd, r) in enumerate(zip(background.lines.sd, trial.solution.residuals, strict=True)):
         weight = 1 / np.repeat(sd, 2)
-        values = np.hstack((ground.basis[i], trial.basis(slice(i, i + 1))[1][0])) * weight[:, None]
+        values = (
+            np.hstack((background.basis[i], trial.basis(slice(i, i + 1))[1][0])) * weight[:, None]
+        )
         # what the rest cannot say as well: the rest is orthonormal, and the residual without it
         explained = (scan.rows @ values).reshape(count, 2, -1)
         x, y = (scan.rows @ (r * weight)).reshape(-1, 2).T

@@ -115,7 +115,7 @@ class TestResidual(NamedTuple):
     ----------
     residual : array, shape (n,)
     nuisance_values : array
-    part : Part
+    part : TestContribution
     columns : array, shape (n, q)
         Columns of the test's own.
     """

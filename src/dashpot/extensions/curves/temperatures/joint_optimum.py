@@ -36,7 +36,7 @@ class ThermalOptimum(NamedTuple):
         With the columns of a seal that warms.
     joint : JointTests
     candidates : tuple of OrderCandidate
-    choice : Choice or None
+    choice : OrderChoice or None
         None if the number of arms was requested.
     point : ShiftedSolid
         Relaxation times ascending.

@@ -24,7 +24,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     door : Door
     fit : Fit or None
         Fit of the seal, at its temperature.
-    closing : Closing
+    closing : ClosingAnalysis
     checks : tuple of Check
     """
 
@@ -61,7 +61,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """Columns: the energy of each term."""
-        return collect_columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
+        return collect_columns(self.closing.terms, name="", work="J", stored="J", peak_moment="N m")
 
     @property
     def _headline(self) -> str:
