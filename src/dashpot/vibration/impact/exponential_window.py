@@ -52,6 +52,8 @@ _LINEAR_LIMIT = 15.0
 adds to it."""
 _STEADY_RATIO = 0.9
 """Variance of the last quarter over that of the third above which no decay is sought."""
+_CONSTANT_RATIO = 1e-6
+"""Variance over the lowest usable one below which a stretch is constant."""
 _DECISIVE_DEVIANCE = 30.0
 """Fall of the deviance by which a decay is evident."""
 _MAX_FLOOR_RATIO = 4.0
@@ -277,9 +279,6 @@ def estimate_scatter_decay(
         Length of the high-pass, odd.
     """
     sample_count = min(len(hit.force) - hit.missing for hit in hits)
-    # a constant end is padding
-    changes = np.flatnonzero(np.diff([row[:sample_count] for row in rows]).any(axis=0))
-    sample_count = int(changes.max(initial=0)) + 2
     start = max(hit.pulse(0.01).stop for hit in hits)
     if sample_count < start + 2 * _STRETCH_COUNT + taps:
         return None
@@ -306,9 +305,8 @@ def estimate_scatter_decay(
     lengths = np.array([*map(len, stretches)])
     time = np.array([(s.mean() + (taps - 1) / 2 - onset) / rate for s in stretches])
     freedom = _PASS_BAND_SHARE * len(rows) * lengths
-    return _clip_at_noise_rise(
-        ScatterDecay(time, variance, freedom, lengths / rate, rounding, is_noise)
-    )
+    decay = ScatterDecay(time, variance, freedom, lengths / rate, rounding, is_noise)
+    return _clip_at_noise_rise(_remove_padding(decay))
 
 
 def _filter_noise(
@@ -345,6 +343,16 @@ def _find_number_step(rows: Sequence[FloatArray]) -> float:
         is_step = differences > _SAME_NUMBER * np.ptp(row)
         steps.append(differences.min(initial=np.inf, where=is_step))
     return float(np.median(steps))
+
+
+def _remove_padding(decay: ScatterDecay) -> ScatterDecay:
+    """Return the stretches without a constant end that noise reaches at once, not by a decay."""
+    varies = decay.variance > _CONSTANT_RATIO * decay.lowest_usable_variance
+    # noise and padding share the last stretch that varies
+    end = int(np.flatnonzero(varies).max(initial=0))
+    if varies[-1] or decay.variance[end - 1] < decay.lowest_usable_variance:
+        return decay
+    return decay.only(np.arange(len(decay.variance)) < end)
 
 
 def _clip_at_noise_rise(decay: ScatterDecay) -> ScatterDecay:
