@@ -235,6 +235,7 @@ def test_the_slope_of_every_line_and_prior(
             Prior(0.0, 1e-4),
             Prior(1.1, 0.1),
             Prior(0.9, 0.1),
+            Prior(0.2, 0.1),
         ),
         Constraints(
             Prior(196.0, 1.0), Prior(12.7, 0.1), Prior(0.03, 1e-3), broad_fit if earlier else None
@@ -244,7 +245,7 @@ def test_the_slope_of_every_line_and_prior(
         scale=0.7,
     )
     solid = broad_fit.model + GeneralizedMaxwell(0.0, (30.0,), (0.01,), 0.3)
-    theta = problem.pack(Parameters(solid, 0.11, 1.01, 1e-5, 1.05, 0.97))
+    theta = problem.pack(Parameters(solid, 0.11, 1.01, 1e-5, 1.05, 0.97, 0.3))
     hold_slopes(problem.build_problem(theta), theta, np.zeros(0), rtol=1e-7, step=1e-3)
 
 

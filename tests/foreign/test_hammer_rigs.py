@@ -365,7 +365,7 @@ def test_identify_intervals_cover_a_cable(seed, tmp_path):
     assert abs(size) < NORMAL * se[0]
     assert abs(loss) < NORMAL * se[1]
     # hung free, a cable adds nothing: what is then claimed does not hold it
-    free = solid_of(hits, record, machine=dp.Machine(cable=0))
+    free = solid_of(hits, record, machine=dp.Machine(cable=0, high_pass=0))
     again, narrow = errors(free, record)
     assert abs(again[1]) > NORMAL * narrow[1]
 
@@ -428,6 +428,95 @@ def test_cables_are_named_where_bench_and_hammer_disagree(tmp_path):
     added = cable * 2 * record.truth["stiffness"].real
     assert 0.2 * added < 1e3 * float(found.group(1)) < 1.05 * added
     assert "Check cables" in check.remedy.words
+
+
+# -- a high-pass of one channel -------------------------------------------------------------------
+
+QUIET = Rig(rate=512.0, noise=0.3, length=8.0)
+
+
+def measure_loss_errors(fit, seal, omega):
+    """Error of the loss factor at frequencies, relative, and its standard error."""
+    stiffness = np.array([fit.solid.complex_stiffness(omega=value) for value in omega])
+    truth = np.array([seal.stiffness(value) for value in omega])
+    (_, se) = zip(
+        *(fit.estimate.errors_of_vibration(fit.model, np.array([1j * value])) for value in omega),
+        strict=True,
+    )
+    return (stiffness.imag / stiffness.real) / (truth.imag / truth.real) - 1, np.array(se)
+
+
+@pytest.mark.parametrize("corner", [0.1, 0.16])
+@pytest.mark.parametrize("seed", [1, 7, 9])
+def test_limits_of_a_hammer_alone_allow_for_a_high_pass_of_one_channel(seed, corner, tmp_path):
+    record = strike_block(seed, replace(QUIET, corner=corner))
+    hits = dp.read(write_record(record, tmp_path))
+    omega = record.truth["omega"] * np.array([0.5, 0.7, 1.0, 1.4])
+    fit = solid_of(hits, record, machine=dp.Machine(cable=0))
+    wrong, se = measure_loss_errors(fit, record.truth["seal"], omega)
+    low, high = fit.band
+    inside = (omega >= 2 * np.pi * low) & (omega <= 2 * np.pi * high)
+    assert inside[2]
+    assert (np.abs(wrong) < NORMAL * se)[inside].all()
+    # at the resonance no phase of a channel matters
+    assert abs(wrong[2]) < 0.02
+    assert np.abs(wrong[:2]).max() > 0.05
+    # of the same coupling in both channels there is no such error, and none is allowed for
+    equal = solid_of(hits, record, machine=dp.Machine(cable=0, high_pass=0))
+    wrong, se = measure_loss_errors(equal, record.truth["seal"], omega)
+    assert (np.abs(wrong) > NORMAL * se)[[0, 1, 3]].any()
+
+
+@pytest.mark.parametrize("seed", [1, 7, 9])
+def test_a_high_pass_that_is_stated_is_taken_off(seed, tmp_path):
+    record = strike_block(seed, replace(QUIET, corner=0.3))
+    hits = dp.read(write_record(record, tmp_path))
+    omega = record.truth["omega"] * np.array([0.5, 0.7, 1.0, 1.4])
+    fit = solid_of(hits, record, machine=dp.Machine(cable=0, high_pass=0.3))
+    wrong, se = measure_loss_errors(fit, record.truth["seal"], omega)
+    assert np.abs(wrong[1:]).max() < 0.03
+    assert (np.abs(wrong) < NORMAL * se).all()
+    assert "high_pass" not in {nuisance.name for nuisance in fit.estimate.nuisance}
+
+
+@pytest.mark.parametrize("corner", [0.16, 0.3])
+def test_a_joint_model_names_the_high_pass_of_one_channel(corner, tmp_path):
+    seal = Seal(CABLED)
+    bench = read(seal, Protocol(depth=7e-3, ramp=0.8, hold=40.0, rate=250.0), seed=1, name="bench")
+    record = strike_block(1, replace(QUIET, corner=corner), seal=seal)
+    tests = (
+        dp.RelaxationTest(bench.time, bench.displacement, bench.force, units="SI"),
+        dp.read(write_record(record, tmp_path)),
+    )
+    joint = dp.fit(*tests, mass=record.truth["mass"], seals=2)
+    assert joint.verdict.use == "use with care"
+    (check,) = [check for check in joint.checks if check.name == "tests_agree"]
+    assert check.failed
+    assert "the accelerometer alone has a high-pass" in check.message
+    assert check.remedy.option == "machine"
+    (nuisance,) = [item for item in joint.estimate.nuisance if item.name == "high_pass"]
+    assert abs(nuisance.value - corner) < 4 * nuisance.standard_error + 0.02
+    # its advice leads to a model without a doubt, and the right one
+    key, _, value = check.remedy.value.partition("=")
+    machine = dp.Machine(**{key.replace("-", "_"): value})
+    fit = dp.fit(*tests, mass=record.truth["mass"], seals=2, machine=machine)
+    assert fit.verdict.use == "use"
+    omega = record.truth["omega"] * np.array([0.1, 0.5, 1.0, 2.0])
+    wrong, se = measure_loss_errors(fit, seal, omega)
+    assert (np.abs(wrong) < NORMAL * se).all()
+
+
+def test_a_joint_model_names_the_high_pass_of_the_hammer(tmp_path):
+    seal = Seal(CABLED)
+    bench = read(seal, Protocol(depth=7e-3, ramp=0.8, hold=40.0, rate=250.0), seed=1, name="bench")
+    record = strike_block(1, replace(QUIET, corner=-0.3), seal=seal)
+    test = dp.RelaxationTest(bench.time, bench.displacement, bench.force, units="SI")
+    joint = dp.fit(
+        test, dp.read(write_record(record, tmp_path)), mass=record.truth["mass"], seals=2
+    )
+    (check,) = [check for check in joint.checks if check.name == "tests_agree"]
+    assert "the hammer alone has a high-pass" in check.message
+    assert "Use the same coupling" not in check.remedy.words
 
 
 # -- what is said ---------------------------------------------------------------------------------

@@ -212,22 +212,6 @@ class FormData:
         text = self.get_option_value(name)
         return si_range(text, dimension) if text else None
 
-    def options(self, files: int) -> tuple[str, ...]:
-        """Return the command-line words of the filled fields, for that number of files."""
-        results: list[str] = []
-        for form_field in self.fields:
-            names = (
-                [f"{form_field.name} {i}" for i in range(files)]
-                if form_field.per_file
-                else [form_field.name]
-            )
-            for name in names:
-                for word in form_field.words(
-                    self.get_text(name) or next(iter(form_field.choices), "")
-                ):
-                    results += [form_field.flag, word]
-        return tuple(results)
-
     def get_option_value(self, name: str) -> str:
         """Return the text of a field as a value of its option."""
         return next(iter(self._ask(name).words(self.get_text(name))), "")

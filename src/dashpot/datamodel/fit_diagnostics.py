@@ -172,13 +172,14 @@ class Explanation(Serialisable):
     ----------
     name : str
         ``"stiffness"``, a factor of the seals under the hammer; ``"k_inf"``, such a factor of
-        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force; or one of
-        the last two with a stiffness: ``"mass and stiffness"``.
+        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force; either of
+        these two with a stiffness: ``"mass and stiffness"``; or ``"high-pass"`` of one channel.
     value, standard_error : float
         The value that explains both tests.
     unit : str
     relative_deviation : float
-        Relative deviation from the stated value.
+        Relative deviation from the stated value; of a high-pass that is not stated, its corner over
+        the resonance.
     deviance_fall : float
         Decrease of chi-square.
     is_sufficient : bool

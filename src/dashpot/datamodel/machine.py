@@ -96,6 +96,11 @@ DEFAULT_UNCERTAINTIES: Mapping[str, DefaultUncertainty] = MappingProxyType({
     ),
     "loss of the cable": DefaultUncertainty(0.5, "its loss factor", "plasticised PVC and silicone "
                                                                     "jackets"),
+    "high-pass": DefaultUncertainty(
+        0.16, "Hz, its corner, of one channel of a hammer test alone",
+        "accelerometers that are stated to lose 5 % at .5 Hz; small ones have twice that",
+    ),
+    "high-pass, named": DefaultUncertainty(0.1, "of the named one", "resistor and capacitor"),
     "table": DefaultUncertainty(
         5e-3, "of the give of the seals", "a bench whose own modes lie ten times higher"
     ),
@@ -107,6 +112,10 @@ DEFAULT_UNCERTAINTIES: Mapping[str, DefaultUncertainty] = MappingProxyType({
 
 The table of a machine that nobody has described; the values of `Machine` replace it.
 """
+
+
+HAMMER_RIG_FIELDS = ("cable", "high_pass")
+"""Fields of `Machine` that describe the rig of a hammer."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +172,9 @@ class Machine(Serialisable):
     cable : float or None
         In a hammer's rig: standard deviation of the stiffness that the cables add beside the seals,
         over that of the seals at the resonance; 0 if they hang free.
+    high_pass : float or None
+        In a hammer's rig: corner of a first-order high-pass in the channel of the accelerometer
+        alone, Hz; 0 if it has none, or the hammer's channel has the same.
     calibration : MachineCalibration or None
         What blank tests measured; the standard deviations above are then theirs.
 
@@ -206,12 +218,16 @@ class Machine(Serialisable):
         None, "Cable stiffness over the seals', e.g. 1%; 0: it hangs.", unit="strain",
         under="machine",
     )  # fmt: skip
+    high_pass: float | None = option(
+        None, "Corner of the accelerometer's high-pass alone, e.g. 0.16Hz.", unit="frequency",
+        under="machine",
+    )  # fmt: skip
     calibration: MachineCalibration | None = None
 
     @property
     def on_bench(self) -> Machine:
         """Machine of a relaxation test, without the rig of the hammer."""
-        return self if self.cable is None else replace(self, cable=None)
+        return replace(self, **dict.fromkeys(HAMMER_RIG_FIELDS))
 
     def refuse_unused(self, *names: str, subject: str) -> None:
         """Refuse stated properties of the machine that a test of this kind does not use.
@@ -325,7 +341,7 @@ class Machine(Serialisable):
     def __post_init__(self) -> None:
         si_fields(self)
         fields = select_fields(
-            self, "sync", "drift", "compliance", "creep", "rest", "oven", "cable"
+            self, "sync", "drift", "compliance", "creep", "rest", "oven", *HAMMER_RIG_FIELDS
         )
         require_nonnegative(
             "machine ", **fields, expected="a number >= 0 in SI units", optional=True

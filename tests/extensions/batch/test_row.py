@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from kit.shell import did
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.datamodel.machine import Machine
+from dashpot.datamodel.machine import HAMMER_RIG_FIELDS, Machine
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
 from dashpot.extensions.batch.columns import RETRIED_OUTCOMES
@@ -108,8 +109,9 @@ def test_batch_row_is_refused_for_a_machine_that_its_kind_ignores(folder, name):
         assert "--machine" in result["reason"]
     else:
         assert result["outcome"] == "other" or result["kind"] == "relaxation"
-    cable = Entry(str(folder / name), machine='{"cable": 0.01}')
-    assert "--joint" in row_of(cable)["reason"] or result["outcome"] == "other"
+    for field in HAMMER_RIG_FIELDS:
+        entry = Entry(str(folder / name), machine=json.dumps({field: 0.01}))
+        assert "--joint" in row_of(entry)["reason"] or result["outcome"] == "other"
 
 
 def test_batch_of_python_writes_what_the_command_writes(folder, tmp_path, monkeypatch):

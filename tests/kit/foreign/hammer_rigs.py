@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from scipy.signal import lfilter
 
 from .kinds import simulate_response
 from .rigs import table
@@ -36,7 +37,8 @@ class Rig:
     of linear phase at .8 of the Nyquist frequency, which rings before a pulse and after. `pulse` is
     the range of widths of the pulses, s. `digits` is how many significant digits of the response
     are written, 0 for all. `rattle` is a small part on the block that rings: its frequency over the
-    sampling rate, and its damping ratio.
+    sampling rate, and its damping ratio. `corner`, Hz, is that of the accelerometer's high-pass of
+    first order, which the hammer does not have; below 0, of the hammer's.
     """
 
     window: float = 0.0
@@ -55,6 +57,7 @@ class Rig:
     pulse: tuple[float, float] = (12e-3, 22e-3)
     digits: int = 0
     rattle: tuple[float, float] | None = None
+    corner: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +126,14 @@ def strike_block(
         pure = simulate_response((A, b, A[1], 1 / mass), block, 1 / rig.rate / _FINE)
         if rig.rattle:
             pure = pure + 0.01 * pure.max() * _ring(rig, clock, block)
-        rows.append(tuple(_filter_aliases(channel, rig.taps)[::_FINE] for channel in (block, pure)))
+        if rig.corner > 0:
+            pure = pure - _pass_low(pure, rig.corner / rig.rate / _FINE)
+        hammer = block
+        if rig.corner < 0:
+            hammer = block - _pass_low(block, -rig.corner / rig.rate / _FINE)
+        rows.append(
+            tuple(_filter_aliases(channel, rig.taps)[::_FINE] for channel in (hammer, pure))
+        )
     time, hammer, acceleration = _analyse_blocks(random, rig, rows, clock[::_FINE])
     truth = {
         "seal": seal, "mass": mass, "seals": 2, "omega": there,
@@ -139,6 +149,12 @@ def _ring(rig: Rig, clock, block):
     omega, time = 2 * pi * frequency * rig.rate, clock - clock[block.argmax()]
     ring = np.exp(-ratio * omega * np.maximum(time, 0)) * np.cos(omega * time)
     return np.where(time >= 0, ring, 0.0)
+
+
+def _pass_low(channel, corner: float):
+    """A low-pass of first order; its corner over the sampling rate."""
+    part = 1 - np.exp(-2 * pi * corner)
+    return lfilter([part / 2, part / 2], [1, part - 1], channel)
 
 
 def _filter_aliases(channel, taps: int):

@@ -57,6 +57,22 @@ def read_form(asks: tuple[FormField, ...], fields: Mapping[str, str]) -> FormDat
     return FormData(asks, tuple(sorted((name, text) for name, text in typed_values if text)))
 
 
+def list_form_options(form_data: FormData, file_count: int) -> list[str]:
+    """Return the command-line words of the filled fields of a form, for that number of files."""
+    options: list[str] = []
+    for form_field in form_data.fields:
+        names = (
+            [f"{form_field.name} {i}" for i in range(file_count)]
+            if form_field.per_file
+            else [form_field.name]
+        )
+        for name in names:
+            text = form_data.get_text(name) or next(iter(form_field.choices), "")
+            for word in form_field.words(text):
+                options += [form_field.flag, word]
+    return options
+
+
 def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
     files = tuple(str(find_file(folder, item)) for item in get_list(request, "files"))
     if not files:
@@ -153,5 +169,5 @@ def _format_command(request: KindRequest) -> str:
     names = [Path(path).name for path in request.files]
     if find_handler("predict open files", request.kind) is not None:
         return shlex.join(["dashpot", "predict", names[0]])
-    options = [*request.form_data.options(len(names)), *format_options(request.options)]
+    options = [*list_form_options(request.form_data, len(names)), *format_options(request.options)]
     return shlex.join(["dashpot", "fit", *names, *options])

@@ -11,10 +11,17 @@ from typing import Any, Literal
 
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError
-from dashpot.base.option_fields import Method, copy_option, make_nested_options, option
+from dashpot.base.option_fields import (
+    Method,
+    copy_option,
+    get_option_key,
+    iterate_option_fields,
+    make_nested_options,
+    option,
+)
 from dashpot.base.units import Dimension, Quantity, convert_to_si, si_fields
 from dashpot.base.value_ranges import SIZES
-from dashpot.datamodel.machine import Machine, MachineCalibration
+from dashpot.datamodel.machine import HAMMER_RIG_FIELDS, Machine, MachineCalibration
 from dashpot.extensions.batch.input_files import Entry
 from dashpot.reading.raw_file import open_raw
 from dashpot.reading.read_options import ReadOptions
@@ -127,7 +134,7 @@ class BatchOptions:
             object.__setattr__(self, name, results)
             for result in results:
                 _require_positive(name, result, expected="numbers")
-        _refuse_unused_cable(self.machine, is_joint=self.joint)
+        _refuse_unused_rig(self.machine, is_joint=self.joint)
         if self.joint and self.quick:
             raise DataError(
                 "--joint weights relaxation and hammer test by errors, which --quick leaves out"
@@ -163,13 +170,15 @@ class BatchOptions:
 def find_test_machine(entry: Entry, choices: BatchOptions) -> Machine:
     """Return the machine on which a test was made: its own, or that of all tests."""
     machine = make_machine(json.loads(entry.machine)) if entry.machine else choices.machine
-    _refuse_unused_cable(machine, is_joint=choices.joint)
+    _refuse_unused_rig(machine, is_joint=choices.joint)
     return machine
 
 
-def _refuse_unused_cable(machine: Machine, *, is_joint: bool) -> None:
-    if machine.cable is not None and not is_joint:
-        raise DataError(
-            "--machine cable= is of the hammer's rig, and the row of a test takes it with --joint "
-            "alone. Add --joint, or leave it out"
-        )
+def _refuse_unused_rig(machine: Machine, *, is_joint: bool) -> None:
+    for field in iterate_option_fields(machine):
+        is_stated = getattr(machine, field.name) is not None
+        if is_stated and field.name in HAMMER_RIG_FIELDS and not is_joint:
+            raise DataError(
+                f"--machine {get_option_key(field)}= is of the hammer's rig, and the row of a test "
+                "takes it with --joint alone. Add --joint, or leave it out"
+            )

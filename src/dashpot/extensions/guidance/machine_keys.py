@@ -21,6 +21,8 @@ MACHINE_SYNONYMS: Mapping[str, str] = MappingProxyType(
         "filter": "force-filter", "low-pass": "force-filter", "lowpass": "force-filter",
         "bandwidth": "force-filter", "cutoff": "force-filter", "pause": "rest",
         "temperature": "oven", "cable-stiffness": "cable",
+        "coupling": "high-pass", "ac-coupling": "high-pass", "highpass": "high-pass",
+        "corner": "high-pass",
     }
 )  # fmt: skip
 """Key of ``--machine`` by synonyms."""

@@ -147,14 +147,18 @@ def tests_agree(lead: Explanation | None) -> Finding:
         message = f"Both tests match only if {lead.message}"
     else:
         message = (
-            "No single seal matches both tests, whatever mass, gain or stiffness is taken. "
-            f"Chi-square falls by {lead.deviance_fall:.3g} at most"
+            "No single seal matches both tests, whatever mass, gain, stiffness or high-pass is "
+            f"taken. Chi-square falls by {lead.deviance_fall:.3g} at most"
         )
     slight = lead.is_sufficient and abs(lead.relative_deviation) <= SLIGHT_CHANGE
+    remedy = DEFAULT_REMEDY
+    if lead.name == "high-pass" and lead.is_sufficient and lead.value > 0:
+        words = "Use the same coupling for both channels, or state the high-pass."
+        remedy = Remedy(words, "machine", f"high-pass={lead.value:.2g}Hz")
     return Finding(
         message,
         lead.deviance_fall,
-        remedy=DEFAULT_REMEDY,
+        remedy=remedy,
         always_fails=True,
         grade="limit" if slight else "stop",
     )

@@ -8,6 +8,7 @@ made again with one quantity free at a time:
 * their :math:`k_\infty` alone: another preload of a seal whose arms stay as they are;
 * the mass;
 * the gain of acceleration over force;
+* a high-pass of the accelerometer that the channel of the hammer does not have;
 
 and where none of these alone explains both tests, mass or gain together with a stiffness: held
 exactly, the one takes what belongs to the other. The solid is then that of the best cause that
@@ -31,6 +32,7 @@ from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.fit_diagnostics import Explanation
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import (
+    LINEAR_UNITS,
     UNCHANGED,
     Candidate,
     IdentificationProblem,
@@ -79,6 +81,7 @@ CAUSES = (
     DiscrepancyCause("k_inf", "another stiffness of the seals at rest", "spring"),
     DiscrepancyCause("mass", "another mass", "mass", "kg"),
     DiscrepancyCause("gain", "another gain of the channels", "gain"),
+    DiscrepancyCause("high-pass", "a high-pass of one channel", "high_pass", "Hz"),
 )
 PAIRS = (
     DiscrepancyCause(
@@ -137,8 +140,7 @@ def explain_discrepancy(
         Where the seals under the hammer were supposed to be, m.
     """
     problem = best_candidate.problem
-    hammer_only = not problem.relaxations and problem.constraints.before is None
-    if hammer_only or not is_contradicted(best_candidate):
+    if problem.is_hammer_alone or not is_contradicted(best_candidate):
         return None
     refit_candidate, threshold, ranked = _rank_causes(best_candidate, refit)
     explanations = [
@@ -320,7 +322,7 @@ def _build_explanation(
         value=value,
         standard_error=error,
         unit=cause.unit,
-        relative_deviation=value / supposed - 1,
+        relative_deviation=(value - supposed) / (supposed or original.problem.frf_data.peak_hz),
         deviance_fall=original.cost - candidate.cost,
         is_sufficient=explains,
         message=message,
@@ -331,7 +333,8 @@ def _read_free_quantity(candidate: Candidate, quantity: str) -> tuple[float, flo
     """Return what a free quantity came to, and its standard error."""
     parameter_index = candidate.problem.index[quantity]
     value = float(getattr(candidate.point, quantity))
-    return value, value * float(np.sqrt(candidate.covariance[parameter_index, parameter_index]))
+    error = float(np.sqrt(candidate.covariance[parameter_index, parameter_index]))
+    return value, error * LINEAR_UNITS.get(quantity, value)
 
 
 def _format_added_stiffness(candidate: Candidate) -> str:
@@ -390,6 +393,10 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
     ),
     "gain": lambda value, error: (
         f"acceleration over force reads {with_error(value, error)} times what it is"
+    ),
+    "high_pass": lambda value, error: (
+        f"the {'accelerometer' if value > 0 else 'hammer'} alone has a high-pass of "
+        f"{with_error(abs(value), error)} Hz"
     ),
 }
 

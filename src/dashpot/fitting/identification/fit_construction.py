@@ -42,7 +42,7 @@ from dashpot.fitting.fractional_model.checks import (
 from dashpot.fitting.fractional_model.family_selection import DECISIVE_FAMILY_BIC, build_alternative
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.discrepancy_causes import Discrepancy, agreement
-from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
+from dashpot.fitting.identification.likelihood import LINEAR_UNITS, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms, FractionalElement, is_at_edge
 from dashpot.fitting.identification.prior_knowledge import HammerRig
 from dashpot.fitting.marginal_relaxation import RelaxationData
@@ -181,7 +181,8 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 # One loss factor eta_c at every frequency is that of a stiffness that rises by
 # :math:`\alpha = (2/\pi)\arctan\eta_c` (Kramers and Kronig). Further a table that gives,
 # :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
-# :data:`~dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES`. A window whose decay a has the
+# :data:`~dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES`. A high-pass of the accelerometer alone
+# adds its corner times the derivative of A by it. A window whose decay a has the
 # error :math:`\sigma_a` adds :math:`\sigma_a\,\partial A/\partial a`.
 #
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
@@ -209,7 +210,12 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
     row_count = sum(len(rows) for rows in best.model_prediction.tests)
     slope = best.model_prediction.slope[row_count : row_count + len(rows)]
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
-    return np.asarray(covariance @ (slope.T @ rows))
+    sensitivity = np.asarray(covariance @ (slope.T @ rows))
+    if not problem.is_hammer_alone:
+        # a relaxation test shows a high-pass: what the tests leave of its standard deviation
+        information = rows[:, 0] @ (rows[:, 0] - slope @ sensitivity[:, 0])
+        sensitivity[:, 0] /= np.sqrt(1 + max(float(information), 0.0))
+    return sensitivity
 
 
 def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
@@ -229,7 +235,8 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
         DEFAULT_UNCERTAINTIES["mass that moves along"].size * point.mass * s**2,
     ))  # fmt: skip
     by = -(accelerance**2 / s**2)[:, None] * rig_columns
-    line_slopes, *_ = data.slopes(response, point.gain, point.delay, by)
+    line_slopes, *_, high_pass_slope = data.slopes(response, *point.channel, by)
+    line_slopes = np.column_stack((rig.high_pass_sd * high_pass_slope, line_slopes))
     error = data.lines.shift_sd
     if error <= 0:
         return line_slopes
@@ -239,7 +246,7 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
         for change in (step, -step)
     )
     raised_lines, lowered_lines = (
-        item.predict(item.response(point.seal_under_hammer, point.mass), point.gain, point.delay)
+        item.predict(item.response(point.seal_under_hammer, point.mass), *point.channel)
         for item in shifted_windows
     )
     return np.column_stack((line_slopes, error * (raised_lines - lowered_lines) / (2 * step)))
@@ -541,11 +548,12 @@ def _list_nuisances(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, 
         for title, name in (("stiffness_factor", "factor"), ("k_inf_factor", "spring"))
         if getattr(best.problem.priors, name) != UNCHANGED
     ]
+    items += [("high_pass", "high_pass", "Hz")] * ("high_pass" in index)
     nuisances = []
     for title, name, unit in items:
         value = float(getattr(point, name))
         number = covariance[index[name], index[name]] if name in index else 0.0
-        scale = DELAY_UNIT if name == "delay" else value
+        scale = LINEAR_UNITS.get(name, value)
         nuisances.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
     return tuple(nuisances)
 

@@ -68,29 +68,39 @@ class FRFData:
         lines = self.lines
         return Response(self.seals * model, mass, lines.s, lines.record, lines.pulse)
 
-    def predict(self, response: Response, gain: float, delay: float) -> ComplexArray:
+    def predict(
+        self, response: Response, gain: float, delay: float, high_pass: float
+    ) -> ComplexArray:
         r"""Accelerance as this rig would show it.
 
-        .. math:: A(s) = g\,e^{-s d}\,\frac{s^2}{m s^2 + n K(s)}
+        .. math::
 
-        less what a cut record loses; g is the gain of acceleration over force, d its delay. Over a
-        base that moves both are of the upper over the lower sensor, and what the rig shows of
-        :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale;
-        of a sensor between both ends, :math:`g\,e^{-s d}\,m A / m_0`.
+            A(s) = h(s)\,\frac{s^2}{m s^2 + n K(s)},
+            \qquad h(s) = g\,e^{-s d}\,\frac{s}{s + 2\pi f_c}
+
+        less what a cut record loses; g is the gain of acceleration over force, d its delay, f_c
+        the corner of its high-pass, Hz. Over a base that moves they are of the upper over the lower
+        sensor, and what the rig shows of :math:`T = 1 - m A` is :math:`(1 - h\,T) / m_0`, with the
+        mass m_0 of the scale; of a sensor between both ends, :math:`h\,m A / m_0`.
         """
         relative_motion, base = self._over_base(response.mass)
-        line_gain = gain * np.exp(-self.lines.s * delay)
+        line_gain = self._compute_line_gain(gain, delay, high_pass)
         return np.asarray(line_gain * (relative_motion * response.accelerance - base) + base)
 
     def slopes(
-        self, response: Response, gain: float, delay: float, columns: ComplexArray
+        self,
+        response: Response,
+        gain: float,
+        delay: float,
+        high_pass: float,
+        columns: ComplexArray,
     ) -> tuple[ComplexArray, ...]:
-        """Return derivative of :meth:`predict` by some parameters, and by ln m beside, ln g and d.
+        """Return the derivative of :meth:`predict` by parameters, and by ln m, ln g, d and f_c.
 
         `columns` is that of the accelerance by those parameters, shape (n, q).
         """
         relative_motion, base = self._over_base(response.mass)
-        line_gain = gain * np.exp(-self.lines.s * delay)
+        line_gain = self._compute_line_gain(gain, delay, high_pass)
         moving = line_gain * relative_motion * response.accelerance
         moving_part = moving - line_gain * base
         mass_slope = moving if self.weighed_mass is not None else 0 * moving
@@ -99,7 +109,12 @@ class FRFData:
             mass_slope,
             moving_part,
             -self.lines.s * moving_part,
+            -2 * np.pi / (self.lines.s + 2 * np.pi * high_pass) * moving_part,
         )
+
+    def _compute_line_gain(self, gain: float, delay: float, high_pass: float) -> ComplexArray:
+        s = self.lines.s
+        return np.asarray(gain * np.exp(-s * delay) * s / (s + 2 * np.pi * high_pass))
 
     def _over_base(self, mass: float) -> tuple[float, float]:
         """Return the factor on the accelerance, and its value where the mass does not move."""

@@ -52,8 +52,8 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, ringing_pole
 
-# one unit of the delay parameter, s: of the order of what channels differ by
-DELAY_UNIT = 1e-4
+# one unit of a parameter that is no logarithm, s and Hz: of the order of what channels differ by
+LINEAR_UNITS = {"delay": 1e-4, "high_pass": 1.0}
 # arms are sought this far, as a factor in time, beyond what the lines and tests could show
 TAU_MARGIN = 3.0
 SMALLEST_SCATTER = 1e-9
@@ -85,6 +85,8 @@ class NuisancePriors:
         Stiffness of a seal under the hammer over that of the solid, every arm alike.
     spring : Prior
         k_inf of a seal under the hammer over that of the solid.
+    high_pass : Prior
+        Corner of the high-pass of the accelerometer, Hz.
     """
 
     mass: Prior | None
@@ -92,6 +94,7 @@ class NuisancePriors:
     delay: Prior
     factor: Prior = UNCHANGED
     spring: Prior = UNCHANGED
+    high_pass: Prior = Prior(0.0)
 
     @property
     def priors_by_name(self) -> dict[str, Prior | None]:
@@ -131,6 +134,12 @@ class Parameters:
     delay: float
     factor: float = 1.0
     spring: float = 1.0
+    high_pass: float = 0.0
+
+    @property
+    def channel(self) -> tuple[float, float, float]:
+        """Gain, delay and high-pass of the accelerometer."""
+        return self.gain, self.delay, self.high_pass
 
     @property
     def seal_under_hammer(self) -> Solid:
@@ -144,7 +153,8 @@ class IdentificationProblem:
     """Objective of one kind of solid as a function of a flat parameter vector.
 
     The vector holds the numbers of the solid, ln b if there is a dashpot, then those of ln m,
-    ln g, d / 0.1 ms, and of the logarithms of factor and spring, that are not known exactly.
+    ln g, d / 0.1 ms, of the logarithms of factor and spring, and of the high-pass, Hz, that are not
+    known exactly.
 
     Attributes
     ----------
@@ -178,6 +188,11 @@ class IdentificationProblem:
         return {name: index for index, name in enumerate(names, start=self.parametrisation.size)}
 
     @property
+    def is_hammer_alone(self) -> bool:
+        """Whether nothing but the hammer test is known of the seal."""
+        return not self.relaxations and self.constraints.before is None
+
+    @property
     def log_tau_range(self) -> tuple[float, float]:
         """Shortest and longest relaxation time that is sought, ln s."""
         windows = [relaxation.window for relaxation in self.relaxations]
@@ -196,7 +211,9 @@ class IdentificationProblem:
         """Return the vector of a point."""
         values_by_name = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
         nuisance_values = [
-            values_by_name[name] / DELAY_UNIT if name == "delay" else np.log(values_by_name[name])
+            values_by_name[name] / LINEAR_UNITS[name]
+            if name in LINEAR_UNITS
+            else np.log(values_by_name[name])
             for name in self.index
         ]
         return np.append(self.parametrisation.pack(point.model), nuisance_values)
@@ -204,7 +221,7 @@ class IdentificationProblem:
     def unpack(self, theta: FloatArray) -> Parameters:
         """Return the point of a vector."""
         entries = {
-            name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
+            name: float(theta[i] * LINEAR_UNITS[name] if name in LINEAR_UNITS else np.exp(theta[i]))
             for name, i in self.index.items()
         }
         model = self.parametrisation.unpack(
@@ -223,8 +240,8 @@ class IdentificationProblem:
     def rig(self) -> tuple[list[int], FloatArray, FloatArray]:
         """Return the indices of the rig's parameters, their means and standard deviations."""
         entries = {
-            name: (0.0, prior.sd / DELAY_UNIT)
-            if name == "delay"
+            name: (prior.mean / LINEAR_UNITS[name], prior.sd / LINEAR_UNITS[name])
+            if name in LINEAR_UNITS
             else (float(np.log(prior.mean)), prior.sd / prior.mean)
             for name, prior in self.priors.priors_by_name.items()
             if prior is not None and name in self.index
@@ -271,8 +288,8 @@ class IdentificationProblem:
             self.parametrisation.size - len(log_tau_limits), self.parametrisation.size
         )
         low[tau_slice], high[tau_slice] = log_tau_limits.T
-        if "delay" in self.index:
-            low[self.index["delay"]], high[self.index["delay"]] = -1e3, 1e3
+        for name in LINEAR_UNITS.keys() & self.index.keys():
+            low[self.index[name]], high[self.index[name]] = -1e3, 1e3
         return least_squares.Problem(
             lambda theta: ModelPrediction(self, theta).rows,
             [Parameter(*limits) for limits in zip(low.tolist(), high.tolist(), strict=True)],
@@ -310,7 +327,7 @@ class ModelPrediction:
     def lines(self) -> FloatArray:
         """Residuals of the lines, real then imaginary, shape (2n,)."""
         problem, p = self.problem, self.point
-        fitted_lines = problem.frf_data.predict(self._response, p.gain, p.delay)
+        fitted_lines = problem.frf_data.predict(self._response, *p.channel)
         return problem.frf_data.misfit(fitted_lines) / problem.scale
 
     @cached_property
@@ -395,8 +412,8 @@ class ModelPrediction:
         by = response.slope(
             self._differentiate_impedance(s, values, stiffness), differentiate_lost_poles
         )
-        by, *solid_slopes = data.slopes(response, p.gain, p.delay, by)
-        units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
+        by, *solid_slopes = data.slopes(response, *p.channel, by)
+        units = {"mass": 1.0, "gain": 1.0, **LINEAR_UNITS}
         for (name, unit), column in zip(units.items(), solid_slopes, strict=True):
             if name in problem.index:
                 by[:, problem.index[name]] += unit * column

@@ -9,7 +9,7 @@ from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import option
 from dashpot.base.units import Dimension, Quantity, si_fields, si_range
-from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
+from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, HAMMER_RIG_FIELDS, Machine
 
 _DIMENSIONS: dict[str, Dimension] = {
     "static_stiffness": "stiffness",
@@ -32,6 +32,10 @@ class HammerRig:
     cable : float, optional
         Standard deviation of the stiffness of its cables over that of the seals; 0 if they hang
         free, 1.5 % by default (``dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES``).
+    high_pass : float, optional
+        Corner of a first-order high-pass in the channel of the accelerometer alone, Hz; 0 if it has
+        none or the hammer the same. By default there is none, and limits of a hammer test alone
+        allow for one of 0.16 Hz.
 
     Raises
     ------
@@ -43,21 +47,32 @@ class HammerRig:
     gain_sd: float = option(0.01, "Of acceleration over force, relative.")
     delay_sd: float = option(1e-4, "Of acceleration behind force.", unit="time")
     cable: float | None = option(None, "Of its cables over the seals.", unit="strain")
+    high_pass: float | None = option(None, "Of the accelerometer alone.", unit="frequency")
 
     @property
     def cable_sd(self) -> float:
         """Error by cables, over the stiffness of the seals."""
         return DEFAULT_UNCERTAINTIES["cable"].size if self.cable is None else self.cable
 
+    @property
+    def high_pass_sd(self) -> float:
+        """Error of the corner of the high-pass, Hz."""
+        if self.high_pass is None:
+            return DEFAULT_UNCERTAINTIES["high-pass"].size
+        return DEFAULT_UNCERTAINTIES["high-pass, named"].size * self.high_pass
+
     def with_machine(self, machine: Machine | None) -> HammerRig:
-        """Return the rig with the stated stiffness of its cable added to that of the machines."""
-        if machine is None or machine.cable is None:
-            return self
-        return replace(self, cable=machine.cable)
+        """Return the rig with what is stated of its cable and channels among the machines."""
+        stated = {
+            name: value
+            for name in HAMMER_RIG_FIELDS
+            if (value := getattr(machine, name, None)) is not None
+        }
+        return replace(self, **stated)
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for name in ("mass_sd", "gain_sd", "delay_sd", "cable"):
+        for name in ("mass_sd", "gain_sd", "delay_sd", "cable", "high_pass"):
             _standard_deviation(name, getattr(self, name) or 0.0)
 
 

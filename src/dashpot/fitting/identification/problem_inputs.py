@@ -158,6 +158,7 @@ def make_priors(mass: float | None, rig: HammerRig, point: OperatingPoint | None
         Prior(1.0, rig.gain_sd),
         Prior(0.0, rig.delay_sd),
         factor,
+        high_pass=Prior(rig.high_pass or 0.0),
     )
 
 

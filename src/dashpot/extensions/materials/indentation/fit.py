@@ -45,9 +45,13 @@ from dashpot.extensions.materials.indentation.contact_law import (
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
 from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
+from dashpot.extensions.materials.indentation.profile_likelihood import (
+    ProfileSlice,
+    compute_profile,
+)
 from dashpot.extensions.materials.systematic_error import estimate_parameter_shift
 from dashpot.numerics.inference.correlated_noise import estimate_noise
-from dashpot.numerics.inference.covariance_estimate import Estimate, ProfileSlice, estimate, score
+from dashpot.numerics.inference.covariance_estimate import Estimate, estimate, score
 from dashpot.numerics.least_squares import Optimum, Parameter, Problem, Rows
 
 _WINDOW_MARGIN = 1.0
@@ -474,12 +478,12 @@ def _collect_slices(optimum: _LawOptimum) -> list[ProfileSlice]:
     approximation fails.
     """
     noise, best = optimum.estimate.noises[0], optimum.optimum
-    slices = optimum.estimate.profile(_TIME)
+    slices = compute_profile(optimum.estimate, _TIME)
     for valley in optimum.local_optima:
         cost_increase = (valley.cost - best.cost) / noise.power
         if valley is best or cost_increase > optimum.estimate.quantile() ** 2:
             continue
-        profile_slices = estimate(valley, noises=[noise]).profile(_TIME)
+        profile_slices = compute_profile(estimate(valley, noises=[noise]), _TIME)
         slices += [
             ProfileSlice(float(np.sqrt(root**2 + cost_increase)), uncertainty)
             for root, uncertainty in profile_slices
