@@ -182,7 +182,8 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 # :math:`\alpha = (2/\pi)\arctan\eta_c` (Kramers and Kronig). Further a table that gives,
 # :math:`-\epsilon_t K^2/K'`; a mass that moves along, :math:`\epsilon_m m s^2`. Sizes are those of
 # :data:`~dashpot.datamodel.machine.DEFAULT_UNCERTAINTIES`. A high-pass of the accelerometer alone
-# adds its corner times the derivative of A by it. A window whose decay a has the
+# adds its corner times the derivative of A by it: the default's where the hammer is alone; beside
+# relaxation tests the root mean square of what both leave of it. A window whose decay a has the
 # error :math:`\sigma_a` adds :math:`\sigma_a\,\partial A/\partial a`.
 #
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
@@ -212,9 +213,11 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
     sensitivity = np.asarray(covariance @ (slope.T @ rows))
     if not problem.is_hammer_alone:
-        # a relaxation test shows a high-pass: what the tests leave of its standard deviation
+        # a relaxation test shows a high-pass: its mean square by both tests, over that before them
         information = rows[:, 0] @ (rows[:, 0] - slope @ sensitivity[:, 0])
-        sensitivity[:, 0] /= np.sqrt(1 + max(float(information), 0.0))
+        precision = 1 + max(float(information), 0.0)
+        mean = float(rows[:, 0] @ best.model_prediction.lines) / precision
+        sensitivity[:, 0] *= np.sqrt(1 / precision + mean**2)
     return sensitivity
 
 
