@@ -39,6 +39,6 @@ def test_noise_of_the_acceleration_does_not_bias_the_mass(noise: float, delay: f
 def test_no_mass_line_without_good_lines() -> None:
     exact = predict_frf(2 * SEAL, mass=MASS, frequency=LINES).value
     sd = np.full(len(LINES), 1.0 / MASS)
-    values = {"natural_frequency": NATURAL_FREQUENCY, "sd": sd}
-    assert estimate_apparent_mass(LINES, exact, **values) is None
+    unknown = estimate_apparent_mass(LINES, exact, natural_frequency=NATURAL_FREQUENCY, sd=sd)
+    assert unknown is None
     assert estimate_apparent_mass(LINES[:100], exact[:100], natural_frequency=20.0) is None

@@ -15,6 +15,8 @@ within their priors.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from dashpot.base import dataclass, replace
@@ -23,7 +25,7 @@ from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.datamodel.fit import Fit
 from dashpot.fitting.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.fitting.identification.likelihood import Candidate
-from dashpot.fitting.marginal_relaxation import RelaxationRows
+from dashpot.fitting.marginal_relaxation import RelaxationData, RelaxationRows
 from dashpot.fitting.valid_band import HOLD_GRID_DECADES, SolidErrors, find_loss_factor_band
 from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.numerics.least_squares import stack_real_rows
@@ -55,7 +57,8 @@ class SpectralLines:
         columns = stack_real_rows(slope) / problem.scale
         known, mean, sd = problem.rig
         free = [i for name, i in problem.index.items() if name != "b" and i not in known]
-        jacobian = prediction.slope[: len(columns)]
+        first = sum(map(len, prediction.tests))
+        jacobian = prediction.slope[first : first + len(columns)]
         grid, own = np.split(columns, [2 + len(log_tau)], axis=1)
         target = grid[:, :2] @ (model.k_inf, model.b) + own @ model.k - prediction.lines
         target += jacobian[:, known] @ (self.best.theta[known] - mean)
@@ -64,17 +67,28 @@ class SpectralLines:
         return RelaxationRows(white(target), grid[:, 0], grid[:, 1], grid[:, 2:], grid[:, 2:])
 
 
-def widen_to_spectra(fit: Fit, best: Candidate) -> Fit:
-    """Return a fit of a hammer alone with its valid band and errors over all of its spectra.
+def widen_to_spectra(fit: Fit, best: Candidate, relaxations: Sequence[RelaxationData]) -> Fit:
+    """Return a fit with its valid band and errors over all spectra that its tests do not reject.
 
     They are added to what the rig may do without a trace. Where that alone leaves the loss factor
-    open at the peak, the band is what the spectra leave.
+    open at the peak, the band is what the spectra leave. A fit whose seals were stiffer under the
+    hammer, or of several temperatures, stays as it is.
+
+    Parameters
+    ----------
+    fit : Fit
+    best : Candidate
+        Its optimum.
+    relaxations : sequence of RelaxationData
+        Its relaxation tests, with what their rigs may have done.
     """
     error, peak = fit.evidence.band_error, best.problem.frf_data.peak_hz
-    if best.exact or error is None or not np.isfinite(error.max_errors).all():
+    is_known = error is not None and np.isfinite(error.max_errors).all()
+    is_of_one_seal = best.point.factor == best.point.spring == 1 and fit.temperatures is None
+    if best.exact or error is None or not (is_known and is_of_one_seal):
         return fit
     spectra = AdmissibleSpectra(
-        [SpectralLines(best)],
+        [SpectralLines(best), *relaxations],
         fastest=2 * np.pi * fit.band[1],
         limit=deviance_limit(0.95, fit.estimate.dof),
         extra=fit.model.tau,

@@ -207,8 +207,9 @@ def identify(
         else (_check_dashpot(best, element), *_check_arm_count(best, arms, element)),
         rig=rig,
     )
-    if not records and fit is None:
-        solid = call_handler("limits over spectra", "frf", solid, final_optimum, default=solid)
+    if records or fit is None:
+        task, tests_with_rigs = "limits over spectra", prior_tests.doubtful
+        solid = call_handler(task, "frf", solid, final_optimum, tests_with_rigs, default=solid)
     return _record_choices(solid, bench)
 
 

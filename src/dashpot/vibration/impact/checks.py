@@ -509,12 +509,12 @@ def estimate_apparent_mass(
     if np.count_nonzero(keep) < 5:
         return None
     s, value, error = 2j * np.pi * frequency[keep] + shift, accelerance[keep], error[keep]
-    inverse_square, delayed = (np.abs(s).min() / s) ** 2, s / np.abs(s).max()
-    columns = np.column_stack((np.ones_like(s), inverse_square, 1j * inverse_square, delayed))
+    x, delayed = (np.abs(s).min() / s) ** 2, s / np.abs(s).max()
+    columns = np.column_stack((np.ones_like(s), x, 1j * x, delayed))
     beta = np.array([1 / level, 0.0, 0.0, 0.0])
     for _ in range(MASS_LINE_STEPS):
         predicted = 1 / (columns @ beta)
-        rows = stack_real_rows(-((predicted**2 / error)[:, None]) * columns)
+        rows = stack_real_rows(columns * (-(predicted**2) / error)[:, None])
         best = solve_ordinary(stack_real_rows((value - predicted) / error) + rows @ beta, rows)
         beta = best.beta
     uncertainty = estimate_optimum(best, noises=[white_noise(best)])
