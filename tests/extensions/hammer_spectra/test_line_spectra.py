@@ -108,6 +108,7 @@ def test_spectra_change_little_where_the_arms_are_all_of_them(
     monkeypatch.setattr(line_spectra, "widen_to_spectra", lambda fit, best, relaxations: fit)
     narrow = identify(frf, mass=MASS, seals=2)
     errors, narrow_errors = widened.evidence.band_error, narrow.evidence.band_error
-    assert errors is not None and narrow_errors is not None
+    assert errors is not None
+    assert narrow_errors is not None
     assert errors.max_errors == pytest.approx(narrow_errors.max_errors, rel=0.1)
     assert widened.band == pytest.approx(narrow.band, rel=0.05)
