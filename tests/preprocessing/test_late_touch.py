@@ -54,7 +54,7 @@ def test_contact_is_as_doubtful_as_the_air_that_a_delay_may_be(seed: int) -> Non
     assert prepared.contact_error == pytest.approx(prepared.gap)
 
 
-def test_contact_behind_clear_air_is_known() -> None:
+def test_prepare_finds_contact_behind_an_air_gap_precisely() -> None:
     record = read(Seal(BROAD), PRESSED, Rig(protocol={"gap": 0.5e-3}), seed=1, name="touch")
     test = dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
     prepared = prepare(test)
