@@ -99,3 +99,18 @@ def test_a_magnitude_and_a_phase_stay_an_frf(tmp_path: Path, size: str) -> None:
     assert inspect_file(path).kind == "frf"
     named = ReadOptions(magnitude="2", phase="3")
     assert inspect_file(path, options=named).kind == "frf"
+
+
+@pytest.mark.parametrize("word", ["Transmissibility", "Amplitude", "Betrag"])
+@pytest.mark.parametrize("units", [("-", "rad"), ("g/g", "deg")])
+def test_the_phase_of_a_magnitude_is_no_magnitude(
+    tmp_path: Path, word: str, units: tuple[str, str]
+) -> None:
+    """A phase that is named for the magnitude that it belongs to raises no question."""
+    header = f"Frequency (Hz),{word} magnitude ({units[0]}),{word} phase ({units[1]})"
+    path = write_columns(tmp_path, header, F, np.full(len(F), 1.2), np.full(len(F), -0.1))
+    inspection = inspect_file(path)
+    assert inspection.kind in {"transmissibility", "frf"}
+    roles = {column.name: column.role for column in inspection.columns}
+    assert roles[f"{word} phase"] == "phase"
+    assert not any("could each be" in question for question in map(str, inspection.questions))

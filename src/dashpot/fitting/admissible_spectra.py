@@ -234,13 +234,6 @@ class AdmissibleSpectra:
         loss = np.concatenate(([0.0, omega], x / (1 + x * x)))
         return storage, loss
 
-    def compliance_at(self, omega: float) -> tuple[FloatArray, FloatArray]:
-        """Storage and loss compliance J', J'' of unit columns at omega, rad/s: shapes (m,)."""
-        x = omega * self.tau
-        storage = np.concatenate(([1.0, 0.0], 1 / (1 + x * x)))
-        loss = np.concatenate(([0.0, 1 / omega], x / (1 + x * x)))
-        return storage, loss
-
     def relaxed_to(self, time: float) -> FloatArray:
         r"""Relaxation :math:`k_\infty + \sum_j k_j e^{-t/\tau_j}` of unit columns, shape (m,)."""
         return np.concatenate(([1.0, 0.0], np.exp(-time / self.tau)))

@@ -115,7 +115,6 @@ def _build_band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
 # .. math:: |K^*| \cos(\phi - \phi_0) = K'\cos\phi_0 + K''\sin\phi_0,
 #
 # which is linear in the spectrum, over the cosine of the widest angle that the loss factor allows.
-# Of creep :math:`J^* = 1/K^*` takes the place of K*: its angle and its size are as well known.
 #
 # The valid band ends where the loss factor is not known to 30 %, above or below a gap of the data,
 # too: there an arm may stand that nothing shows.
@@ -141,27 +140,25 @@ class SolidErrors:
     ----------
     spectra : AdmissibleSpectra
     solid : Solid
-    is_compliance : bool
-        Whether the spectra are of compliance.
     stiffness : float or None
         Relative error of the stiffness at every line, if it is known already.
     """
 
     spectra: AdmissibleSpectra
     solid: Solid
-    is_compliance: bool = False
     stiffness: float | None = None
+
+    def evaluate(self, omega: float) -> tuple[complex, FloatArray, FloatArray]:
+        """Return the stiffness at omega, rad/s, and storage and loss of unit columns there."""
+        return complex(self.solid.complex_stiffness(omega=omega)), *self.spectra.stiffness_at(omega)
 
     def __call__(self, frequency: float) -> tuple[float, float]:
         """Return the relative errors of stiffness and loss factor at a frequency, Hz."""
-        omega = 2 * np.pi * frequency
-        K = complex(self.solid.complex_stiffness(omega=omega))
-        columns = self.spectra.compliance_at if self.is_compliance else self.spectra.stiffness_at
-        storage, loss = columns(omega)
+        K, storage, loss = self.evaluate(2 * np.pi * frequency)
         if not self.spectra.shown[1]:
             # data without a column of a dashpot: the fastest arm represents it
             loss[1] = 0.0
-        magnitude, angle = (1 / abs(K) if self.is_compliance else abs(K)), float(np.angle(K))
+        magnitude, angle = abs(K), float(np.angle(K))
         eta = K.imag / K.real if K.real > 0 else np.inf
         if self.stiffness is None:
             lowest, highest = self.spectra.limit_functional(

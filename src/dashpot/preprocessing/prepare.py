@@ -519,10 +519,15 @@ def _correct_delayed_contact(
         )
 
     best_touch, delay_estimate = first_contact, estimate_delay(first_contact.displacement)
+    doubtful_gap = 0.0
     if first_contact.gap <= MAX_DELAY_SD * delay_sd * motion.straight_ramp.speed:
         rest_estimate = estimate_delay(motion.rest_position)
-        if rest_estimate.deviance < delay_estimate.deviance - MIN_DEVIANCE_GAIN:
+        deviance_fall = delay_estimate.deviance - rest_estimate.deviance
+        if deviance_fall > MIN_DEVIANCE_GAIN:
             best_touch, delay_estimate = Touch(motion.rest_position, 0.0), rest_estimate
+        elif deviance_fall > -MIN_DEVIANCE_GAIN:
+            # the record does not tell a delay from so much air
+            doubtful_gap = first_contact.gap
     for _ in range(MAX_ITERATIONS if delay_estimate.delay else 0):
         # the displacement at the time at which the force of each sample arose
         first_contact = find_touch(np.interp(time - delay_estimate.delay, time, x))
@@ -530,7 +535,7 @@ def _correct_delayed_contact(
         if new_estimate.deviance > delay_estimate.deviance - MIN_DEVIANCE_GAIN:
             break
         best_touch, delay_estimate = first_contact, new_estimate
-    return best_touch
+    return best_touch._replace(standard_error=max(best_touch.standard_error, doubtful_gap))
 
 
 def _compute_least_gap(encoder_step: float, motion: PlateMotion) -> float:

@@ -95,12 +95,6 @@ class Section:
     def __contains__(self, name: str) -> bool:
         return name in self.entries
 
-    def require_keys(self, *names: str) -> None:
-        """Raise a :class:`ReadError` for the first of the keys that is missing."""
-        for name in names:
-            if name not in self.entries:
-                raise ReadError(f"{self.location}: {name} is missing")
-
     def quantity(self, name: str, dimension: Dimension) -> float | None:
         """Return a quantity in SI units, such as ``"25kg"``; None if the key is missing."""
         value = self.entries.get(name)

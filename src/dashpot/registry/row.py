@@ -287,6 +287,7 @@ class Extension(NamedTuple):
         fit at several temperatures     fit of prepared tests
         fit at several depths           fit of one stiffness law over depth
         fit complex modulus             model from frequencies and moduli
+        limits over spectra             fit whose errors are those of every admissible spectrum
         estimate frf                    FRF of a record, with checks and modes
         leave one out                   hits of a fit, for leave-one-out
         process capability              indices of values between two limits

@@ -219,13 +219,31 @@ def find_valid_band(
         return band, None
     count = int(np.ceil(LINES_PER_DECADE * np.log10(band[1] / band[0]))) + 1
     lines = np.geomspace(*band, max(count, MIN_LINES)).tolist()
-    errors: ErrorFunction = SolidErrors(spectra.reduce_grid(0.0), solid, creep)
+    errors: ErrorFunction = (ComplianceErrors if creep else SolidErrors)(
+        spectra.reduce_grid(0.0), solid
+    )
     if add_errors is not None:
         errors = add_errors(solid, errors)
     try:
         return find_loss_factor_band(errors, band, {line: errors(line) for line in lines})
     except FitError:
         return band, None
+
+
+@dataclass(frozen=True, eq=False)
+class ComplianceErrors(SolidErrors):
+    """Relative errors of a fitted solid over spectra of compliance.
+
+    :math:`J^* = 1/K^*` takes the place of the stiffness: its angle and its size are as well known.
+    """
+
+    def evaluate(self, omega: float) -> tuple[complex, FloatArray, FloatArray]:
+        """Return the compliance at omega, rad/s, and storage and loss of unit columns there."""
+        x = omega * self.spectra.tau
+        storage = np.concatenate(([1.0, 0.0], 1 / (1 + x * x)))
+        loss = np.concatenate(([0.0, 1 / omega], x / (1 + x * x)))
+        compliance = 1 / complex(self.solid.complex_stiffness(omega=omega))
+        return compliance.conjugate(), storage, loss
 
 
 def is_limited(

@@ -57,6 +57,7 @@ from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import iterate_orders
 from dashpot.numerics.inference.model_order import DECISIVE_BIC, Shortage, select_model_order
+from dashpot.registry import call_handler
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -206,6 +207,9 @@ def identify(
         else (_check_dashpot(best, element), *_check_arm_count(best, arms, element)),
         rig=rig,
     )
+    if records or fit is None:
+        task, tests_with_rigs = "limits over spectra", prior_tests.doubtful
+        solid = call_handler(task, "frf", solid, final_optimum, tests_with_rigs, default=solid)
     return _record_choices(solid, bench)
 
 

@@ -14,7 +14,7 @@ from dashpot.base.units import GRAVITY, format_quantity
 from dashpot.datamodel.frf import FRF, Kind, Mode
 from dashpot.numerics.inference.covariance_estimate import estimate as estimate_optimum
 from dashpot.numerics.inference.covariance_estimate import white_noise
-from dashpot.numerics.least_squares import solve_ordinary
+from dashpot.numerics.least_squares import solve_ordinary, stack_real_rows
 from dashpot.vibration.impact.amplitude_trend import Trend, fit_amplitude_trend
 from dashpot.vibration.impact.exponential_window import ExponentialWindow
 from dashpot.vibration.impact.hit_faults import HitQuality
@@ -33,6 +33,8 @@ MAX_DISAGREEMENT = 0.1
 MASS_TOLERANCE = 0.05
 GROSS_MASS_RATIO = 1.5  # so far off it is a unit, a sign or another body
 MASS_LINE_FACTOR = 2.5  # times the natural frequency the mass line begins
+# of its level, the largest error of a line; steps of its fit
+MAX_MASS_LINE_ERROR, MASS_LINE_STEPS = 0.3, 5
 MIN_SOFTENING, MIN_BANDWIDTH_CHANGE = 0.01, 0.2  # of the stiffness; of the half-power band
 
 
@@ -491,25 +493,32 @@ def estimate_apparent_mass(
 ) -> tuple[float, float] | None:
     r"""Mass that the FRF shows above its resonance, and its standard error, kg.
 
-    .. math:: \mathrm{Re}\,\frac1A = m + \mathrm{Re}\,\frac{K}{s^2}
+    .. math:: \frac1A = m + \frac{K' + jK''}{s^2} + m d s
 
-    is a straight line in :math:`\mathrm{Re}\,s^{-2}`, whose end is the mass, from 2.5 times the
-    natural frequency up. None if fewer than 5 good lines lie there.
+    from 2.5 times the natural frequency up, with a delay d. It is fitted to A, whose errors do not
+    depend on it: the mean of 1/A is not that of a noisy A, and a line that noise has raised would
+    weigh more. None if fewer than 5 good lines lie there.
     """
     magnitude = np.abs(accelerance)
+    error = 1e-3 * magnitude if sd is None else np.hypot(sd, 1e-3 * magnitude)
     keep: BoolArray = (frequency > MASS_LINE_FACTOR * natural_frequency) & (magnitude > 0)
-    if sd is not None:
-        keep = keep & (sd < 0.3 * magnitude)
+    if not keep.any():
+        return None
+    level = float(np.average(magnitude[keep], weights=error[keep] ** -2.0))
+    keep = keep & (error < MAX_MASS_LINE_ERROR * level)
     if np.count_nonzero(keep) < 5:
         return None
-    inverse = 1 / accelerance[keep]
-    x = (1 / (2j * np.pi * frequency[keep] + shift) ** 2).real
-    relative = 1e-3 if sd is None else np.hypot(sd[keep] / magnitude[keep], 1e-3)
-    w = 1 / (relative * np.abs(inverse))
-    rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
-    best = solve_ordinary(inverse.real * w, rows)
+    s, value, error = 2j * np.pi * frequency[keep] + shift, accelerance[keep], error[keep]
+    x, delayed = (np.abs(s).min() / s) ** 2, s / np.abs(s).max()
+    columns = np.column_stack((np.ones_like(s), x, 1j * x, delayed))
+    beta = np.array([1 / level, 0.0, 0.0, 0.0])
+    for _ in range(MASS_LINE_STEPS):
+        predicted = 1 / (columns @ beta)
+        rows = stack_real_rows(columns * (-(predicted**2) / error)[:, None])
+        best = solve_ordinary(stack_real_rows((value - predicted) / error) + rows @ beta, rows)
+        beta = best.beta
     uncertainty = estimate_optimum(best, noises=[white_noise(best)])
-    return float(best.beta[0]), float(uncertainty.standard_error[0])
+    return float(beta[0]), float(uncertainty.standard_error[0])
 
 
 @criterion(

@@ -21,6 +21,7 @@ from dashpot.extensions.systems.door.closing_setup import (
     Tolerances,
     Vents,
 )
+from dashpot.extensions.systems.door.required_keys import require_keys
 from dashpot.reading.toml import Section
 
 T = TypeVar("T")
@@ -86,14 +87,14 @@ def read_closing(
 
 
 def _check(table: Section) -> CheckStrap:
-    table.require_keys("angle", "moment")
+    require_keys(table, "angle", "moment")
     return CheckStrap(
         table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
     )
 
 
 def _read_latch(width: float | None, table: Section) -> Latch:
-    table.require_keys("travel", "force")
+    require_keys(table, "travel", "force")
     return Latch(
         table.quantities("travel", "length") or (),
         table.quantities("force", "force") or (),
@@ -103,7 +104,7 @@ def _read_latch(width: float | None, table: Section) -> Latch:
 
 
 def _read_vents(table: Section) -> Vents:
-    table.require_keys("width", "hollow", "hole", "spacing")
+    require_keys(table, "width", "hollow", "hole", "spacing")
     width, hollow, hole, spacing = (
         table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
     )
@@ -113,7 +114,7 @@ def _read_vents(table: Section) -> Vents:
 
 
 def _read_inter_seal_air(table: Section) -> Between:
-    table.require_keys("width", "depth")
+    require_keys(table, "width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
     )
@@ -121,7 +122,7 @@ def _read_inter_seal_air(table: Section) -> Between:
 
 
 def _read_cabin(width: float | None, area: float | None, table: Section) -> Cabin:
-    table.require_keys("volume", "opening")
+    require_keys(table, "volume", "opening")
     return Cabin(
         *_read_air(table),
         table.quantity("volume", "volume") or 0.0,

@@ -1,0 +1,44 @@
+"""Mass that an FRF shows above its resonance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.vibration.impact.checks import estimate_apparent_mass
+from dashpot.vibration.mass_on_seals import predict_frf
+
+MASS, NATURAL_FREQUENCY = 0.15, 13.7
+LINES = np.arange(2.0, 200.0, 0.25)
+SEAL = GeneralizedMaxwell(500.0, (100.0, 80.0), (0.5, 0.01))
+
+
+@pytest.mark.parametrize("delay", [0.0, 1e-4])
+@pytest.mark.parametrize("noise", [0.003, 0.03, 0.2, 0.4])
+def test_noise_of_the_acceleration_does_not_bias_the_mass(noise: float, delay: float) -> None:
+    """Of lines with errors of up to 40 % of 1/m the mass is right within its standard error."""
+    exact = predict_frf(2 * SEAL, mass=MASS, frequency=LINES).value
+    exact = exact * np.exp(-2j * np.pi * LINES * delay)
+    sd = np.full(len(LINES), noise / MASS / np.sqrt(2))
+    found = []
+    for seed in range(20):
+        draw = np.random.default_rng(seed).standard_normal((2, len(LINES)))
+        measured = exact + sd * (draw[0] + 1j * draw[1])
+        apparent = estimate_apparent_mass(
+            LINES, measured, natural_frequency=NATURAL_FREQUENCY, sd=sd
+        )
+        assert apparent is not None
+        found.append(apparent)
+    mass, se = np.array(found).T
+    # what the arms do above the resonance is half a per cent
+    assert abs(mass.mean() / MASS - 1) < 0.006 + 3 * se.mean() / MASS / np.sqrt(20)
+    assert 0.6 < mass.std() / se.mean() < 1.5
+
+
+def test_no_mass_line_without_good_lines() -> None:
+    exact = predict_frf(2 * SEAL, mass=MASS, frequency=LINES).value
+    sd = np.full(len(LINES), 1.0 / MASS)
+    unknown = estimate_apparent_mass(LINES, exact, natural_frequency=NATURAL_FREQUENCY, sd=sd)
+    assert unknown is None
+    assert estimate_apparent_mass(LINES[:100], exact[:100], natural_frequency=20.0) is None
