@@ -53,7 +53,7 @@ class SpectralLines:
         x = s[:, None] * np.append(np.exp(log_tau), model.tau)
         stiffness = np.column_stack((np.ones_like(s), s, x / (1 + x)))
         slope = -data.seals * (response.accelerance / s)[:, None] ** 2 * stiffness
-        slope = data.slopes(response, point.gain, point.delay, slope)[0] / data.sd[:, None]
+        slope = data.slopes(response, *point.channel, slope)[0] / data.sd[:, None]
         columns = stack_real_rows(slope) / problem.scale
         known, mean, sd = problem.rig
         free = [i for name, i in problem.index.items() if name != "b" and i not in known]
