@@ -57,50 +57,12 @@ _LOG_LINE = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
 _PART_NAME = re.compile(r"part-[0-9a-f]{16}\.parquet")
 NO_TABLE = "it is no table of numbers"
 """Why a text or picture of a folder is not read."""
-_DOCUMENT_SUFFIXES = frozenset(
-    [
-        ".avif",
-        ".bat",
-        ".bmp",
-        ".c",
-        ".cfg",
-        ".cpp",
-        ".dll",
-        ".doc",
-        ".docx",
-        ".exe",
-        ".gif",
-        ".h",
-        ".htm",
-        ".html",
-        ".ini",
-        ".ipynb",
-        ".jl",
-        ".jpeg",
-        ".jpg",
-        ".lnk",
-        ".m",
-        ".md",
-        ".odt",
-        ".pdf",
-        ".png",
-        ".ppt",
-        ".pptx",
-        ".ps1",
-        ".py",
-        ".pyc",
-        ".r",
-        ".rst",
-        ".sh",
-        ".svg",
-        ".tex",
-        ".tif",
-        ".tiff",
-        ".webp",
-        ".yaml",
-        ".yml",
-    ]
-)
+_DOCUMENT_SUFFIXES = frozenset((
+    ".avif", ".bat", ".bmp", ".c", ".cfg", ".cpp", ".dll", ".doc", ".docx", ".exe", ".gif",
+    ".h", ".htm", ".html", ".ini", ".ipynb", ".jl", ".jpeg", ".jpg", ".lnk", ".m", ".md",
+    ".odt", ".pdf", ".png", ".ppt", ".pptx", ".ps1", ".py", ".pyc", ".r", ".rst", ".sh", ".svg",
+    ".tex", ".tif", ".tiff", ".webp", ".yaml", ".yml",
+))  # fmt: skip
 """Suffixes of files of text, pictures or programs."""
 _TEXT_SUFFIXES = frozenset(("", ".log", ".text", ".txt"))
 """Suffixes of files of text or tables."""
