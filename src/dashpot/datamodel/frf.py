@@ -29,7 +29,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.base.units import Quantity, Range, parse_unit
+from dashpot.base.units import Quantity, Range, convert_to_si, parse_unit, si_range
 
 if TYPE_CHECKING:
     from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
@@ -430,8 +430,9 @@ class FRF(EqualByValue, Plottable, Serialisable):
             sd=None if self.sd is None else self.sd[keep],
         )
 
-    def band(self, low: float, high: float) -> FRF:
-        """Return the lines from `low` to `high`, Hz, both included."""
+    def band(self, low: Quantity, high: Quantity) -> FRF:
+        """Return the lines from `low` to `high`, Hz or ``"4Hz"``, both included."""
+        low, high = convert_to_si(low, "frequency"), convert_to_si(high, "frequency")
         keep = (self.frequency >= low) & (self.frequency <= high)
         if not keep.any():
             raise DataError(
@@ -444,7 +445,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         self,
         *,
         method: str = "rational",
-        band: tuple[float, float] | None = None,
+        band: Range | None = None,
         count: int | None = None,
     ) -> tuple[Mode, ...]:
         r"""Natural frequencies, damping ratios and residues, each with its uncertainty.
@@ -460,8 +461,9 @@ class FRF(EqualByValue, Plottable, Serialisable):
             others look at the highest peak: ``"peak"`` (parabola), ``"half-power"`` (width at
             :math:`1/\sqrt2`), ``"circle"`` (Nyquist circle of the mobility) and ``"decrement"``
             (decay of the impulse response).
-        band : (float, float), optional
-            Hz; by default two octaves to either side of the highest peak of the receptance.
+        band : (float, float) or str, optional
+            Hz, ``"4:40Hz"``; by default two octaves to either side of the highest peak of the
+            receptance.
         count : int, optional
             Exactly this many modes (``"rational"`` only); by default the significant ones.
 
@@ -479,7 +481,8 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """
         accelerance = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
         find_modes = load_function("vibration.modal.modal_methods", "find_modes")
-        modes: tuple[Mode, ...] = find_modes(accelerance, method=method, band=band, count=count)
+        hertz = si_range(band, "frequency")
+        modes: tuple[Mode, ...] = find_modes(accelerance, method=method, band=hertz, count=count)
         if self.shift_sd == 0:
             return modes
         # a window that decays faster leaves less to the structure

@@ -1,0 +1,28 @@
+"""Suggestions for a keyword of a Python function that there is not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from types import MappingProxyType
+
+FORMER_KEYWORDS: Mapping[str, str] = MappingProxyType({
+    "cuts": "time_limits", "known": "prior", "memory": "relaxation", "only": "temperature",
+    "slam": "drop", "wanted": "max_std",
+})  # fmt: skip
+"""Present name of a keyword by its former name."""
+
+
+def suggest_keyword(name: str, keywords: Sequence[str]) -> str:
+    """Return the keyword of a function that another name means; empty if none is like it.
+
+    >>> suggest_keyword("massse", ["mass", "seals"]), suggest_keyword("n_arms", ["arms", "mass"])
+    ('mass', 'arms')
+    """
+    if name in FORMER_KEYWORDS:
+        return FORMER_KEYWORDS[name]
+    from dashpot.extensions.guidance.option_suggestions import OPTION_SYNONYMS  # loads click
+
+    meanings = OPTION_SYNONYMS.get(name.lower().replace("_", "-"), ())
+    synonyms = (word for word in meanings if word in keywords)
+    return next(iter((*get_close_matches(name, keywords, 1), *synonyms)), "")
