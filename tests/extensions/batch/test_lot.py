@@ -497,7 +497,7 @@ def test_texts_and_pictures_of_a_folder_are_ignored_by_name(folder, tmp_path):
 
 
 @pytest.mark.parametrize("form", ["folder", "pattern", "names"])
-def test_programs_and_documents_beside_the_tests_are_ignored_by_ending(folder, tmp_path, form):
+def test_batch_ignores_programs_and_documents_by_their_ending(folder, tmp_path, form):
     """`batch *`, as a shell expands it, counted each as a test that failed."""
     shutil.copy(folder / "lotA_seal0_rep0.csv", tmp_path)
     names = ("evaluate.py", "evaluate.m", "evaluate.ipynb", "rig.INI", "report.pdf", "run.bat")

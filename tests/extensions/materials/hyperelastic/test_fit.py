@@ -365,7 +365,7 @@ def test_fit_hyperelastic_reports_modes_that_differ_by_a_factor(law, factor, use
     ],
     ids=["negative term", "softer specimen"],
 )
-def test_modes_that_a_negative_term_separates_are_not_laid_to_the_area_alone(
+def test_modes_in_scale_names_a_negative_term_that_fits_as_well(
     constants, exponents, factor, is_signed
 ):
     """Such a material was answered by "its area or a gain may cause this"."""
