@@ -271,7 +271,8 @@ def test_method_with_an_argument_of_any_type_is_answered(
         (lambda r: dp.save(r.fit), 'dp.save needs path.*Give it, such as path="result.json"'),
         (lambda r: dp.plan(hold="2s"), 'needs frequency=.*such as frequency="12.71Hz"'),
         (lambda r: dp.read(r.file, r.file), "dp.read takes path by place, found 2 values"),
-        (lambda r: dp.fit(r.test, n_arms=2), "Did you mean arms="),
+        (lambda r: dp.fit(r.test, n_arms=2), r"Did you mean arms=\?"),
+        (lambda r: dp.read(r.file, sheet=2), r'Did you mean part=\{"sheet": ...\}\?'),
     ],
 )
 def test_sentence_names_what_a_call_lacks(

@@ -176,7 +176,7 @@ def refuse_unknown_option(
     if not unknown:
         return
     suggestion = call_handler("suggest", "keyword", unknown[0], expected, default="")
-    hint = f"Did you mean {suggestion}=? " if suggestion else ""
+    hint = f"Did you mean {suggestion}? " if suggestion else ""
     accepted_text = f"It takes {', '.join(expected)}" if expected else "It takes no options"
     raise error(f"{unknown[0]}= does not suit {subject}. {hint}{accepted_text}")
 
