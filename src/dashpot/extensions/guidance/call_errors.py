@@ -6,6 +6,7 @@ tests and solids whose modules are loaded: what a call returns is one of them.
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
@@ -14,7 +15,7 @@ from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
 from dashpot.api import refuse_unknown_option
-from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.errors import DashpotError, DataError, ExportError, FitError, ReadError
 from dashpot.base.result_mixins import Printable
 from dashpot.extensions.guidance.argument_types import refuse_wrong_types, suggest_argument
 from dashpot.registry import call_handler
@@ -46,6 +47,7 @@ def add_advice(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **keywords)
         except DashpotError as error:
             call_handler("add advice", name, error, *args[:1], default=None)
+            _add_keywords(error, signature(function).parameters)
             raise
         except TypeError as error:
             _refuse_arguments(error, f"dp.{name}", signature(function), args, keywords)
@@ -54,6 +56,25 @@ def add_advice(function: Callable[P, R]) -> Callable[P, R]:
             _add_advice_to_methods()
 
     return call
+
+
+def _add_keywords(error: DashpotError, keywords: Mapping[str, Parameter]) -> None:
+    """Raise an error with the keywords in place of the options that it names, if it names some.
+
+    Raises
+    ------
+    DashpotError
+        Of the same type.
+    """
+    text = str(error)
+    if type(error) not in _ERRORS or "(Python: " in text or _COMMAND.search(text):
+        return
+    options = [(name.replace("-", "_"), value) for name, value in _OPTION.findall(text)]
+    words = [
+        f'{name}="{value}"' if value else f"{name}=" for name, value in options if name in keywords
+    ]
+    if words:
+        raise type(error)(f"{text} (Python: {', '.join(dict.fromkeys(words))})") from None
 
 
 def _add_advice_to_methods() -> None:
@@ -150,4 +171,8 @@ def _refuse_unbound(
 
 _MOST_NAMES = 8
 """Largest number of keywords that a message names."""
+_ERRORS = (DataError, ExportError, FitError, ReadError)
+_COMMAND = re.compile(r"\bdashpot [a-z]+ [^.]*--")
+_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*[a-z])\b(?: (\d[\w.:/^]*\w))?")
+"""An option of the command line as shown in messages, with its value if that is a quantity."""
 _BY_PLACE = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
