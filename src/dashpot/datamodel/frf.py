@@ -29,7 +29,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.base.units import Quantity, Range, convert_to_si, parse_unit, si_range
+from dashpot.base.units import Dimension, Quantity, Range, convert_to_si, parse_unit, si_range
 
 if TYPE_CHECKING:
     from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
@@ -233,17 +233,20 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """Convert frequencies and values to SI; the ratio of two units shows the kind of FRF."""
         if self.units == SI:
             return
-        hertz, of_value = get_unit_words(self, {"frequency": "frequency", "value": "compliance"})
+        example = f"Hz, {UNITS[Kind(self.quantity)]}"
+        arrays: dict[str, Dimension] = {"frequency": "frequency", "value": "compliance"}
+        hertz, of_value = get_unit_words(self, arrays, example)
         ratio = load_function("reading.columns.header_units", "parse_response_unit")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
                 f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
-                f'units="Hz, {UNITS[Kind(self.quantity)]}"'
+                f'units="{example}"'
             )
         if ratio.kind != self.quantity and not ratio.kind.over_base:
             raise DataError(
                 f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
-                f"{Kind(self.quantity).value}. Say one of both otherwise"
+                f'{Kind(self.quantity).value}. Add quantity="{ratio.kind.value}", or write for '
+                f'example units="{example}"'
             )
         convert_field_to_si(self, "frequency", parse_unit(hertz, "frequency"))
         for name in ("value", "sd"):

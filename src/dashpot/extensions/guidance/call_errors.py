@@ -70,11 +70,14 @@ def _add_keywords(error: DashpotError, keywords: Mapping[str, Parameter]) -> Non
     if type(error) not in _ERRORS or "(Python: " in text or _COMMAND.search(text):
         return
     options = [(name.replace("-", "_"), value) for name, value in _OPTION.findall(text)]
-    words = [
-        f'{name}="{value}"' if value else f"{name}=" for name, value in options if name in keywords
-    ]
+    words = [f"{name}={_quote(value)}" for name, value in options if name in keywords]
     if words:
         raise type(error)(f"{text} (Python: {', '.join(dict.fromkeys(words))})") from None
+
+
+def _quote(value: str) -> str:
+    """Return the value of an option as Python writes it: a number, or a text with its unit."""
+    return value if not value or value.replace(".", "", 1).isdigit() else f'"{value}"'
 
 
 def _add_advice_to_methods() -> None:
@@ -173,6 +176,6 @@ _MOST_NAMES = 8
 """Largest number of keywords that a message names."""
 _ERRORS = (DataError, ExportError, FitError, ReadError)
 _COMMAND = re.compile(r"\bdashpot [a-z]+ [^.]*--")
-_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*[a-z])\b(?: (\d[\w.:/^]*\w))?")
+_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*[a-z])\b(?: (\d(?:[\w.:/^]*\w)?))?")
 """An option of the command line as shown in messages, with its value if that is a quantity."""
 _BY_PLACE = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
