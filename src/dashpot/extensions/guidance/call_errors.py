@@ -1,7 +1,8 @@
 """Advice in errors of Python calls: arguments that a function or a method cannot take.
 
-A call that succeeds is not checked, and costs 0.1 us more. The methods are those of public results,
-tests and solids whose modules are loaded: what a call returns is one of them.
+A call that succeeds is not checked, and takes 1 to 2 us more, where a stiffness at one frequency
+takes 20. The methods are those of public results, tests and solids whose modules are loaded: what a
+call returns is one of them.
 """
 
 from __future__ import annotations
