@@ -272,7 +272,7 @@ def test_method_with_an_argument_of_any_type_is_answered(
         (lambda r: dp.plan(hold="2s"), 'needs frequency=.*such as frequency="12.71Hz"'),
         (lambda r: dp.read(r.file, r.file), "dp.read takes path by place, found 2 values"),
         (lambda r: dp.fit(r.test, r.hits), r'such as --mass 104g. \(Python: mass="104g"\)'),
-        (lambda r: dp.batch(r.file, quick=True), r"\(Python: quick=, arms=2\)"),
+        (lambda r: dp.batch(r.file, quick=True), r"\(Python: quick=True, arms=2\)"),
         (lambda r: dp.export(r.fit, to="csv"), r"--unit-system.*\(Python: "),
         (lambda r: dp.GeneralizedMaxwell("100N/mm"), r"'100N/mm'.*expected numbers in SI: N/m"),
         (lambda r: dp.fit(r.test, n_arms=2), r"Did you mean arms=\?"),

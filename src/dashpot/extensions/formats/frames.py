@@ -152,7 +152,7 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
     DataError
         If arrays are not three, or have no units.
     """
-    values = [_convert_list(value) for value in values]
+    values = [_convert_column(value) for value in values]
     if isinstance(values[0], np.ndarray):
         if len(values) != 3 or not all(isinstance(value, np.ndarray) for value in values):
             raise DataError(f"{len(values)} arrays are no test. Give three: {_LINE}")
@@ -168,12 +168,19 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
     ]
 
 
-def _convert_list(value: Any) -> Any:
-    """Return a list of numbers as an array, anything else as it is."""
-    numbers = (
-        isinstance(value, list) and value and all(isinstance(element, Real) for element in value)
-    )
-    return np.asarray(value, float) if numbers else value
+def _convert_column(value: Any) -> Any:
+    """Return a list of numbers or a column of a table as an array, anything else as it is."""
+    if isinstance(value, list):
+        is_column = bool(value) and all(isinstance(element, Real) for element in value)
+    else:
+        is_column = getattr(value, "ndim", 1) == 1 and hasattr(value, "to_numpy")
+    try:
+        return np.asarray(value, float) if is_column else value
+    except (TypeError, ValueError):
+        raise DataError(
+            f"a {type(value).__name__} of {len(value)} values holds some that are no numbers. Give "
+            f"one column of numbers each: {_LINE}"
+        ) from None
 
 
 def _make_record(arrays: list[Any], units: Any) -> Any:

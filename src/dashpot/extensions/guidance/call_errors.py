@@ -71,7 +71,11 @@ def _add_keywords(error: DashpotError, keywords: Mapping[str, Parameter]) -> Non
     if type(error) not in _ERRORS or "(Python: " in text or _COMMAND.search(text):
         return
     options = [(name.replace("-", "_"), value) for name, value in _OPTION.findall(text)]
-    words = [f"{name}={_quote(value)}" for name, value in options if name in keywords]
+    words = [
+        f"{name}={'True' if keywords[name].annotation == 'bool' else _quote(value)}"
+        for name, value in options
+        if name in keywords
+    ]
     if words:
         raise type(error)(f"{text} (Python: {', '.join(dict.fromkeys(words))})") from None
 
