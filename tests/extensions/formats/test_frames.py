@@ -125,7 +125,7 @@ def test_fit_takes_columns_of_tables_as_arrays(make: Callable[[Any], Any]) -> No
 
 
 @pytest.mark.parametrize("make", [pd.Series, pl.Series, xr.DataArray])
-def test_column_of_a_table_alone_is_refused_with_what_to_give(make: Callable[[Any], Any]) -> None:
+def test_single_column_of_a_table_is_refused_with_what_to_give(make: Callable[[Any], Any]) -> None:
     for function in (dp.read, dp.inspect, dp.fit):
         with pytest.raises(dp.DataError, match=r"dp\.fit\(time, displacement, force, units="):
             function(make([1.0, 2.0]))
