@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 from dataclasses import replace
 
 import click
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from kit import handmade
-from kit.fits import replace_fields
+from kit.fits import a_fit, replace_fields
 from kit.trials import DISTURBANCES, KINDS, LAWS, trial
 from kit.verdicts import evaluate_record, failures, table
 
@@ -274,3 +276,16 @@ def test_disturbed_records_whose_result_is_wrong_are_not_to_be_used() -> None:
     print(table(groups))
     wrong = [item for group in groups.values() for item in group if item.wrong]
     assert np.mean([item.use != "use" for item in wrong]) >= 0.9
+
+
+@pytest.mark.parametrize("relative", [0.01, 0.5, 3.0, math.inf])
+@pytest.mark.parametrize("method", ["full", "joint", "frf"])
+@pytest.mark.parametrize("unit", ["N/m", "Pa"])
+def test_headline_of_a_fit_is_sentences_at_any_error(relative, method, unit):
+    """Where no error was known, it read "From 0.004 to 28 Hz."."""
+    fit = a_fit(dp.GeneralizedMaxwell(200.0, (100.0,), (0.5,)), relative=relative)
+    fit = replace_fields(fit, method=method, unit=unit, band=(0.004, 28.0))
+    first, *_ = re.split(r"(?<=\.) (?=[A-Z])", fit.verdict.message)
+    quantity = "modulus" if unit == "Pa" else "stiffness"
+    assert re.match(rf"From 0\.004 to 28 Hz the (error of the )?{quantity} is ", first)
+    assert ("±" in first) == (relative < 1)

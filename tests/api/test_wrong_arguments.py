@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import warnings
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -14,8 +16,9 @@ import pytest
 from kit.verbs import CASES, FUNCTIONS
 
 import dashpot as dp
+from dashpot.base.result_mixins import Printable
 from dashpot.extensions.batch import api as batch_api
-from dashpot.extensions.guidance import argument_types
+from dashpot.extensions.guidance import argument_types, call_errors
 from dashpot.registry import list_names, load_object
 from dashpot.solids.fractional import FractionalZener
 from dashpot.workflow.example_files import FILES, MASS
@@ -209,6 +212,94 @@ def test_every_quantity_has_an_example() -> None:
         if {"Quantity", "Range"} & set(argument_types._split(str(parameter.annotation)))
     }
     assert names - argument_types._EXAMPLES.keys() == set()
+
+
+#: method -> the result that has it, and what it is given beside the wrong argument
+METHODS: Mapping[str, tuple[Callable[[_Records], Any], dict[str, Any]]] = {
+    "at": (lambda r: r.fit, {"temperature": "23degC"}),
+    "at_compression": (lambda r: r.fit, {"compression": "4mm"}),
+    "at_temperature": (lambda r: r.fit, {"temperature": "23degC"}),
+    "in_parallel": (lambda r: r.fit, {"count": 2}),
+    "intervals": (lambda r: r.fit, {"level": 0.9}),
+    "model_at": (lambda r: r.fit, {"compression": "4mm", "secant": True}),
+    "part": (lambda r: r.fit, {"shape": 2.0, "mode": None, "bonded": False}),
+    "save": (lambda r: r.fit, {"path": "fit.json"}),
+    "band": (lambda r: r.frf, {"low": 4, "high": 40}),
+    "modes": (lambda r: r.frf, {"method": "peak", "band": (4, 40), "count": None}),
+    "only": (lambda r: r.frf, {"keep": slice(None)}),
+    "stiffness": (lambda r: r.frf, {"mass": MASS, "seals": 2}),
+    "to": (lambda r: r.frf, {"kind": "receptance", "mass": None}),
+    "frf": (lambda r: r.hits, {"estimator": "H1", "accept": (), "record": None}),
+    "prepare": (
+        lambda r: r.test,
+        {"onset": None, "cycle": None, "filter": None, "drift": None, "machine": None},
+    ),
+    "with_hold_end": (lambda r: r.test.prepare(), {"hold_end": 1.5}),
+    "ramp_hold_force": (lambda r: r.fit.model, {"t": [0.0], "depth": 8e-3, "ramp_time": 1.0}),
+    "stiffness_at": (lambda r: r.fit.model, {"s": 3j}),
+    "with_length": (lambda r: r.fit.model, {"length": 0.1, "measured_length": 0.05}),
+}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_method_with_an_argument_of_any_type_is_answered(
+    records: _Records, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A type that the annotation does not name was a TypeError from some lines deeper."""
+    monkeypatch.chdir(records.folder)
+    monkeypatch.setattr(warnings, "filters", [("ignore", None, Warning, None, 0)])
+    find_owner, stated = METHODS[name]
+    method = getattr(find_owner(records), name)
+    for argument in stated:
+        for word, wrong in WRONG.items():
+            if word not in {"nan", "infinite", "huge"}:
+                with contextlib.suppress(dp.DashpotError):
+                    method(**stated | {argument: wrong})
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda r: r.frf.band("a"), "FRF.band needs high: it was not given"),
+        (lambda r: r.fit.at(), 'Fit.at needs temperature.* such as temperature="23degC"'),
+        (lambda r: r.fit.intervals("95%"), "level is '95%'; expected a number, such as level=0.95"),
+        (lambda r: r.frf.modes("peak"), "by place, found 1 value. Name what else it takes: method"),
+        (lambda r: r.fit.save("a.json", True), "Fit.save takes path by place, found 2 values"),
+        (lambda r: r.fit.intervals(levle=0.9), "levle= does not suit Fit.int.*Did you mean level="),
+        (lambda r: r.test.prepare(machine={"drift": 1}), "of the type dict; expected a Machine"),
+        (lambda r: dp.predict(r.fit, MASS), "dp.predict takes solid by place, found 2 values"),
+        (lambda r: dp.save(r.fit), 'dp.save needs path.*Give it, such as path="result.json"'),
+        (lambda r: dp.plan(hold="2s"), 'needs frequency=.*such as frequency="12.71Hz"'),
+        (lambda r: dp.read(r.file, r.file), "dp.read takes path by place, found 2 values"),
+        (lambda r: dp.fit(r.test, r.hits), r'such as --mass 104g. \(Python: mass="104g"\)'),
+        (lambda r: dp.batch(r.file, quick=True), r"\(Python: quick=True, arms=2\)"),
+        (lambda r: dp.export(r.fit, to="csv"), r"--unit-system.*\(Python: "),
+        (lambda r: dp.GeneralizedMaxwell("100N/mm"), r"'100N/mm'.*expected numbers in SI: N/m"),
+        (lambda r: dp.fit(r.test, n_arms=2), r"Did you mean arms=\?"),
+        (lambda r: dp.read(r.file, sheet=2), r'Did you mean part=\{"sheet": ...\}\?'),
+    ],
+)
+def test_sentence_names_what_a_call_lacks(
+    records: _Records, call: Callable[[_Records], Any], message: str
+) -> None:
+    with pytest.raises(dp.DashpotError, match=message):
+        call(records)
+
+
+def test_methods_of_every_loaded_result_are_checked(records: _Records) -> None:
+    """The class of what a call returns may have been loaded by that call."""
+    dp.save(records.test, records.folder / "again.csv")
+    for root in (Printable, dp.GeneralizedMaxwell.__base__):
+        for kind in call_errors._iterate_subclasses(root):
+            for name, method in vars(kind).items():
+                if kind.__module__.startswith("dashpot.") and isinstance(method, FunctionType):
+                    is_wrapped = hasattr(method, "__wrapped__")
+                    assert is_wrapped or not call_errors._is_checked(name, method), (kind, name)
+
+
+def test_exception_without_a_wrong_argument_stays(records: _Records) -> None:
+    with pytest.raises(IndexError, match="boolean index did not match"):
+        records.frf.only([True, False])
 
 
 FINITE = [wrong for word, wrong in WRONG.items() if word not in {"-1", "infinite", "nan"}]

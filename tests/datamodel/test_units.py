@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RelaxationTest
@@ -126,3 +128,16 @@ def test_arrays_refuse_implausible_values(cls, name, just, excess, message):
 def test_what_did_not_move_is_for_others_to_say():
     still = RelaxationTest(T, 0 * X, 0 * F, units="SI")
     np.testing.assert_array_equal([still.displacement, still.force], 0)
+
+
+@pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance"])
+def test_units_that_an_frf_advises_make_it(kind: str) -> None:
+    """An accelerance was told to be in um/N, and then refused as a receptance."""
+    lines = {"frequency": [1.0, 2.0], "value": [1j, 2j], "quantity": kind}
+    with pytest.raises(dp.DataError) as unstated:
+        dp.FRF(**lines)
+    advised = re.findall(r'units="(Hz[^"]*)"', str(unstated.value))
+    assert dp.FRF(**lines, units=advised[-1]).quantity == kind
+    other = "N*s/m" if kind == "receptance" else "m/N"
+    with pytest.raises(dp.DataError, match=r"is (a|no) unit of .*units=\"Hz, "):
+        dp.FRF(**lines, units=f"Hz, {other}")

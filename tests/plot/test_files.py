@@ -147,3 +147,8 @@ def test_save_refuses_an_unknown_suffix_and_lists_valid_ones(tmp_path, figure):
 def test_save_reports_a_missing_folder(tmp_path, figure):
     with pytest.raises(ExportError, match="cannot be written: No such file or directory"):
         plot.save(figure, tmp_path / "nowhere" / "fit.png")
+
+
+def test_save_of_a_result_says_to_draw_it(tmp_path):
+    with pytest.raises(ExportError, match=r"GeneralizedMaxwell is no picture.*result\.plot\(\)"):
+        plot.save(dp.GeneralizedMaxwell(1.0), tmp_path / "a.png")

@@ -20,6 +20,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Serialisable
 from dashpot.cli import COMMANDS
 from dashpot.extensions.amplitude.fit_frfs import fit_levels
+from dashpot.extensions.app.page_form import get_form
 from dashpot.extensions.batch.columns import NUMBER_COLUMNS
 from dashpot.extensions.blank_tests.fit_files import fit_blank_files
 from dashpot.extensions.curves.creep.compliance import measured_compliance
@@ -49,7 +50,6 @@ from dashpot.registry import (
     Extension,
     KindOfTest,
     LotSpecimen,
-    asks_of,
     figure_of,
     find_handler,
     find_kinds_by_option,
@@ -149,7 +149,7 @@ def test_every_reference_of_a_kind_resolves(kind: KindOfTest) -> None:
     for result in kind.classes:
         assert isinstance(load_object(result), type)
     if kind.app_form:
-        assert asks_of(kind.name)
+        assert get_form(kind.name)
         assert callable(load_object(f"{kind.app_form}:fit_form_files"))
     assert not kind.alternative_kind or KINDS[kind.alternative_kind].app_form
     if kind.checks:

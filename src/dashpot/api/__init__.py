@@ -27,11 +27,6 @@ R = TypeVar("R")
 F = TypeVar("F", bound=Callable[..., Any])
 
 _STUB = Path(__file__).parents[1] / "_signatures.pyi"
-FORMER_KEYWORDS = {
-    "cuts": ["time_limits"], "known": ["prior"], "memory": ["relaxation"],
-    "only": ["temperature"], "slam": ["drop"], "wanted": ["max_std"],
-}  # fmt: skip
-"""Present name of an option by its former name, which an error suggests."""
 OPTION_CLASSES = {
     "hammer": "dashpot.workflow.job:HammerChoices",
     "machine": "dashpot.datamodel.machine:Machine",
@@ -106,7 +101,7 @@ def show_stub_signature(function: F) -> F:
     """Give a function the signature of its overloads in the stub, as a decorator."""
     merged_signature = merge_signatures(function, read_overloads()[function.__name__])
     function.__signature__ = merged_signature  # type: ignore[attr-defined]
-    return function
+    return call_handler("add advice", "function", function, default=function)  # type: ignore[no-any-return]
 
 
 def show_typed_keywords(keywords: type) -> Callable[[F], F]:
@@ -147,7 +142,7 @@ def refuse_wrong_options(function: Callable[P, R]) -> Callable[P, R]:
         options: Any = {name: convert_option(name, value) for name, value in kwargs.items()}
         return function(*args, **options)
 
-    return call
+    return call_handler("add advice", "function", call, default=call)  # type: ignore[no-any-return]
 
 
 def refuse_wrong_types(
@@ -180,10 +175,8 @@ def refuse_unknown_option(
     unknown = sorted(set(options) - set(expected))
     if not unknown:
         return
-    from difflib import get_close_matches  # where a word was misspelt
-
-    suggestions = FORMER_KEYWORDS.get(unknown[0]) or get_close_matches(unknown[0], expected, 1)
-    hint = f"Did you mean {suggestions[0]}=? " if suggestions else ""
+    suggestion = call_handler("suggest", "keyword", unknown[0], expected, default="")
+    hint = f"Did you mean {suggestion}? " if suggestion else ""
     accepted_text = f"It takes {', '.join(expected)}" if expected else "It takes no options"
     raise error(f"{unknown[0]}= does not suit {subject}. {hint}{accepted_text}")
 

@@ -15,7 +15,7 @@ from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.specimen import Specimen
 from dashpot.reading.columns.file_kinds import get_kind_label
 from dashpot.reading.read_options import ReadOptions, load_profile
-from dashpot.reading.readers.detect_kind import recognise
+from dashpot.reading.readers.detect_kind import describe_unknown_test, recognise
 from dashpot.registry import KINDS, find_handler, load_object, require_handler
 
 if TYPE_CHECKING:
@@ -150,6 +150,9 @@ def read(
     read_whole = find_handler("read", detection.kind)
     if read_whole is not None:
         return read_whole(path)
+    if detection.kind in {"unclear", "not-a-test"}:
+        problem = describe_unknown_test(path, detection.reason, options)
+        raise ReadError(f'{problem} To see its columns: dp.inspect("{path}")')
     return _read_record(path, detection.kind, options, keywords)
 
 

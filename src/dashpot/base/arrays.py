@@ -442,10 +442,12 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     return {name: unit.dimension for name, unit in units.items()}
 
 
-def get_unit_words(result: Any, options: Mapping[str, Dimensions]) -> list[str]:
+def get_unit_words(result: Any, options: Mapping[str, Dimensions], example: str = "") -> list[str]:
     """Return the words of the units, one for each array."""
     kind, names = _get_type_label(result), ", ".join(options)
-    example = ", ".join(get_default_unit(_several(option)[0]) for option in options.values())
+    example = example or ", ".join(
+        get_default_unit(_several(option)[0]) for option in options.values()
+    )
     if not result.units:
         raise DataError(
             f'{kind} is made of arrays, and no array says its unit. Add units="SI", or the unit '

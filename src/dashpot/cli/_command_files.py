@@ -96,24 +96,11 @@ def get_file_kinds(detections: Mapping[str, Recognised], options: ReadOptions) -
     """
     for path, item in detections.items():
         if item.kind in {"unclear", "not-a-test"}:
-            raise click.UsageError(
-                f"{path} is no test that dashpot knows: {item.reason}. "
-                f"{_format_column_hint(path, options)}"
-            )
+            from dashpot.reading.readers.detect_kind import describe_unknown_test
+
+            problem = describe_unknown_test(path, item.reason, options)
+            raise click.UsageError(f"{problem} To see its columns: dashpot inspect {path}")
     return {path: detection.kind for path, detection in detections.items()}
-
-
-def _format_column_hint(path: str, options: ReadOptions) -> str:
-    """Return the options that name the columns of a file; with too few columns, those missing."""
-    from dashpot.reading.readers.detect_kind import suggest_relaxation_options
-
-    inspect_hint = f"To see its columns: dashpot inspect {path}"
-    column_options = suggest_relaxation_options(path, options)
-    return (
-        f"If it is a test of a seal, name its columns: {column_options}. {inspect_hint}"
-        if column_options
-        else (f"A test of a seal has time, displacement and force. {inspect_hint}")
-    )
 
 
 def format_override_hint(kinds: Collection[str]) -> str:

@@ -167,9 +167,10 @@ class Fit(EqualByValue, Plottable, Serialisable):
         if self.method == "full" and 1 < len(shifts) < MIN_CONTRADICTING_TESTS:
             advice = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self._error_in_band
-        if not (np.isfinite(stiffness) and stiffness < 1):
-            return f"{sentence(band)} {advice}"
         quantity = "modulus" if self.unit == "Pa" else "stiffness"
+        if not (np.isfinite(stiffness) and stiffness < 1):
+            text_in_band = f"{band} the error of the {quantity} is above 100 % or not known"
+            return f"{sentence(text_in_band)} {advice}"
         text_in_band = f"{band} the {quantity} is known to ±{100 * stiffness:.2g} %"
         if np.isfinite(loss_factor) and loss_factor < 1:
             text_in_band += f", the loss factor to ±{100 * loss_factor:.2g} %"

@@ -29,7 +29,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.result_mixins import Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import Key, Serialisable
-from dashpot.base.units import Quantity, Range, parse_unit
+from dashpot.base.units import Dimension, Quantity, Range, convert_to_si, parse_unit, si_range
 
 if TYPE_CHECKING:
     from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
@@ -233,17 +233,20 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """Convert frequencies and values to SI; the ratio of two units shows the kind of FRF."""
         if self.units == SI:
             return
-        hertz, of_value = get_unit_words(self, {"frequency": "frequency", "value": "compliance"})
+        example = f"Hz, {UNITS[Kind(self.quantity)]}"
+        arrays: dict[str, Dimension] = {"frequency": "frequency", "value": "compliance"}
+        hertz, of_value = get_unit_words(self, arrays, example)
         ratio = load_function("reading.columns.header_units", "parse_response_unit")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
                 f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
-                f'units="Hz, {UNITS[Kind(self.quantity)]}"'
+                f'units="{example}"'
             )
         if ratio.kind != self.quantity and not ratio.kind.over_base:
             raise DataError(
                 f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
-                f"{Kind(self.quantity).value}. Say one of both otherwise"
+                f'{Kind(self.quantity).value}. Add quantity="{ratio.kind.value}", or write for '
+                f'example units="{example}"'
             )
         convert_field_to_si(self, "frequency", parse_unit(hertz, "frequency"))
         for name in ("value", "sd"):
@@ -430,8 +433,9 @@ class FRF(EqualByValue, Plottable, Serialisable):
             sd=None if self.sd is None else self.sd[keep],
         )
 
-    def band(self, low: float, high: float) -> FRF:
-        """Return the lines from `low` to `high`, Hz, both included."""
+    def band(self, low: Quantity, high: Quantity) -> FRF:
+        """Return the lines from `low` to `high`, Hz or ``"4Hz"``, both included."""
+        low, high = convert_to_si(low, "frequency"), convert_to_si(high, "frequency")
         keep = (self.frequency >= low) & (self.frequency <= high)
         if not keep.any():
             raise DataError(
@@ -444,7 +448,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         self,
         *,
         method: str = "rational",
-        band: tuple[float, float] | None = None,
+        band: Range | None = None,
         count: int | None = None,
     ) -> tuple[Mode, ...]:
         r"""Natural frequencies, damping ratios and residues, each with its uncertainty.
@@ -460,8 +464,9 @@ class FRF(EqualByValue, Plottable, Serialisable):
             others look at the highest peak: ``"peak"`` (parabola), ``"half-power"`` (width at
             :math:`1/\sqrt2`), ``"circle"`` (Nyquist circle of the mobility) and ``"decrement"``
             (decay of the impulse response).
-        band : (float, float), optional
-            Hz; by default two octaves to either side of the highest peak of the receptance.
+        band : (float, float) or str, optional
+            Hz, ``"4:40Hz"``; by default two octaves to either side of the highest peak of the
+            receptance.
         count : int, optional
             Exactly this many modes (``"rational"`` only); by default the significant ones.
 
@@ -479,7 +484,8 @@ class FRF(EqualByValue, Plottable, Serialisable):
         """
         accelerance = self.to(Kind.ACCELERANCE)  # what was recorded, and cut at its end
         find_modes = load_function("vibration.modal.modal_methods", "find_modes")
-        modes: tuple[Mode, ...] = find_modes(accelerance, method=method, band=band, count=count)
+        hertz = si_range(band, "frequency")
+        modes: tuple[Mode, ...] = find_modes(accelerance, method=method, band=hertz, count=count)
         if self.shift_sd == 0:
             return modes
         # a window that decays faster leaves less to the structure

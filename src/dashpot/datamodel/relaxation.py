@@ -23,7 +23,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Plottable, Series, collect_arrays, load_function
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
-from dashpot.base.units import Quantity, format_quantity
+from dashpot.base.units import Quantity, convert_to_si, format_quantity
 from dashpot.base.value_ranges import refuse_absurd_record, require_positive
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import Specimen
@@ -298,9 +298,9 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
 
-    def with_hold_end(self, hold_end: float) -> RampHold:
-        """Return the record with an earlier end of its hold, s; its readings are the same."""
-        record = replace(self, hold_end=min(hold_end, self.hold_end))
+    def with_hold_end(self, hold_end: Quantity) -> RampHold:
+        """Return the record with an earlier end of its hold, s or ``"20s"``, with its readings."""
+        record = replace(self, hold_end=min(convert_to_si(hold_end, "time"), self.hold_end))
         vars(record)["displacement_quantum"] = self.displacement_quantum
         return record
 

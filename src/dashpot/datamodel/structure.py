@@ -8,6 +8,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.result_mixins import load_function
+from dashpot.base.units import Range, si_range
 from dashpot.datamodel.frf import FRF, Kind, Mode
 
 # FRFs and mode shapes.
@@ -108,14 +109,15 @@ class FRFSet(EqualByValue):
         return np.array(arrays) if len(arrays) == len(columns) else None
 
     def modes(
-        self, *, band: tuple[float, float] | None = None, count: int | None = None
+        self, *, band: Range | None = None, count: int | None = None
     ) -> tuple[ModeShape, ...]:
         """Modes common to all points, the one that moves most first; see :class:`ModeShape`.
 
         Parameters
         ----------
-        band : (float, float), optional
-            Hz; by default two octaves to either side of where the points together move most.
+        band : (float, float) or str, optional
+            Hz, ``"4:40Hz"``; by default two octaves to either side of where the points together
+            move most.
         count : int, optional
             Exactly this many; by default the significant ones.
 
@@ -126,7 +128,7 @@ class FRFSet(EqualByValue):
         """
         shapes: tuple[ModeShape, ...] = load_function(
             "vibration.modal.modal_methods", "find_shapes"
-        )(self, band=band, count=count)
+        )(self, band=si_range(band, "frequency"), count=count)
         return shapes
 
 

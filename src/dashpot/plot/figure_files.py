@@ -174,8 +174,13 @@ def save(
     Raises
     ------
     ExportError
-        If the suffix names none of these, or the file cannot be written.
+        If it is no picture, the suffix names none of these, or the file cannot be written.
     """
+    if not hasattr(picture, "panels"):
+        raise ExportError(
+            f"a {type(picture).__name__} is no picture. Draw one first: "
+            'dp.plot.save(result.plot(), "figure.png")'
+        )
     target = Path(path)
     try:
         write_atomic(target, render_figure(picture, target.suffix, dpi=dpi, size=size))

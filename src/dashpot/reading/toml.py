@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 from dashpot.base import dataclass
 from dashpot.base.errors import DataError, ReadError
@@ -42,8 +42,6 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
 
 # Validated tables.
 
-
-Vector: TypeAlias = tuple[float, float, float]
 
 _MAX_SIZE = 1 << 24
 """Largest size of a file, bytes."""
@@ -100,48 +98,10 @@ class Section:
         value = self.entries.get(name)
         return None if value is None else self._quantity(name, value, dimension)
 
-    def quantities(self, name: str, dimension: Dimension) -> tuple[float, ...] | None:
-        """Return quantities: ``["5mm", "6mm"]``, or ``"5, 6, 7 mm"`` with one unit for all."""
-        value = self.entries.get(name)
-        if value is None:
-            return None
-        if isinstance(value, str):
-            *first, last = value.split(",")
-            unit = last.lstrip("+-0123456789.eE ")
-            value = [text if text.lstrip("+-0123456789.eE ") else text + unit for text in first]
-            value.append(last)
-        if not isinstance(value, list):
-            value = [value]
-        return tuple(self._quantity(name, item, dimension) for item in value)
-
-    def vector(self, name: str, dimension: Dimension) -> Vector | None:
-        """Return three quantities, along x, y and z: ``"0, 300, 0 mm"``."""
-        values = self.quantities(name, dimension)
-        if values is None:
-            return None
-        if len(values) != 3:
-            raise ReadError(
-                f"{self.location}: {name} has {len(values)} numbers; expected three, of x, y and z"
-            )
-        return values[0], values[1], values[2]
-
-    def direction(self, name: str) -> Vector | None:
-        """Return three plain numbers: ``[0, 0, 1]``."""
-        value = self.entries.get(name)
-        if value is None:
-            return None
-        is_vector = isinstance(value, list) and len(value) == 3
-        if not is_vector or not all(_is_number(item) for item in value) or not any(value):
-            raise ReadError(
-                f"{self.location}: {name} = {value!r}; expected a direction, three numbers such as "
-                "[0, 0, 1]"
-            )
-        return float(value[0]), float(value[1]), float(value[2])
-
     def number(self, name: str) -> float | None:
         """Return a plain number."""
         value = self.entries.get(name)
-        if value is not None and not _is_number(value):
+        if value is not None and not is_plain_number(value):
             raise ReadError(f"{self.location}: {name} = {value!r}; expected a number")
         return None if value is None else float(value)
 
@@ -152,22 +112,6 @@ class Section:
             raise ReadError(f"{self.location}: {name} = {value!r}; expected a text")
         return value
 
-    def words(self, name: str) -> tuple[str, ...] | None:
-        """Return texts."""
-        value = self.entries.get(name)
-        if value is not None and not (
-            isinstance(value, list) and all(isinstance(item, str) for item in value)
-        ):
-            raise ReadError(f"{self.location}: {name} = {value!r}; expected a list of texts")
-        return None if value is None else tuple(value)
-
-    def flag(self, name: str) -> bool:
-        """Return true or false; false if it is not there."""
-        value = self.entries.get(name, False)
-        if not isinstance(value, bool):
-            raise ReadError(f"{self.location}: {name} = {value!r}; expected true or false")
-        return value
-
     def _quantity(self, name: str, value: object, dimension: Dimension) -> float:
         try:
             return parse_quantity(str(value), dimension)
@@ -175,5 +119,6 @@ class Section:
             raise ReadError(f"{self.location}: {name} = {error}") from None
 
 
-def _is_number(value: object) -> bool:
+def is_plain_number(value: object) -> bool:
+    """Return whether a value is a number without a unit that is not huge."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e15

@@ -12,7 +12,7 @@ import os
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dashpot.base.errors import DashpotError
 from dashpot.registry.core import EXTENSION as CORE
@@ -27,10 +27,6 @@ from dashpot.registry.row import (
     Place,
     SolverInput,
 )
-
-if TYPE_CHECKING:
-    from dashpot.base.option_fields import FormField
-
 
 __all__ = [
     "COMMANDS",
@@ -53,7 +49,6 @@ __all__ = [
     "LotSpecimen",
     "Place",
     "SolverInput",
-    "asks_of",
     "call_handler",
     "figure_of",
     "find_handler",
@@ -256,12 +251,6 @@ def page_of(result: object) -> Any:
     """Return the function that lays out the page of a result; None if there is none."""
     words = (_PAGES.get(_type_name(kind)) for kind in type(result).__mro__)
     return next((load_object(word) for word in words if word), None)
-
-
-def asks_of(name: str) -> tuple[FormField, ...]:
-    """Return the app's form for the files of a kind."""
-    kind = KINDS.get(name)
-    return load_object(f"{kind.app_form}:ASKS") if kind is not None and kind.app_form else ()
 
 
 def _type_name(kind: type) -> str:

@@ -240,6 +240,12 @@ def format_plugin_names(group: Group) -> str:
     return (f" By plug-ins: {names}." if names else "") + refusals_text
 
 
+def format_plugin_hint() -> str:
+    """Return the option that reads a file by a format of a plug-in; empty if none is installed."""
+    names = "|".join(plugin.name for plugin in _list_plugins("formats"))
+    return f", or read it by a plug-in: --file-part format={names}" if names else ""
+
+
 def require_plugin(group: Group, name: str) -> Plugin:
     """Return the plug-in of a name.
 

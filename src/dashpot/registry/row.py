@@ -281,6 +281,7 @@ class Extension(NamedTuple):
         suggest key                     what to give for an unknown key of an option, by flag
         choice                          advice on a word that an option does not take, by the word
         check arguments                 refusal of arguments of a wrong type, by language
+        add advice                      what to do instead of a call from Python that failed
         install command                 command that installs an extra in this installation
         keep                            job and report saved in a folder
         fit records                     fit of bench tests, one of the type

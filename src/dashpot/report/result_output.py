@@ -102,7 +102,10 @@ def _write_table(result: Any, name: str) -> str:
     for kind, write in _TABLES.items():
         if isinstance(result, kind):
             return str(write(result))
-    raise ExportError(f"{name}: a {type(result).__name__} has no table. Write it as .json")
+    raise ExportError(
+        f"{name}: a {type(result).__name__} has no table. Write it as .json "
+        "(Python: its numbers are .to_pandas())"
+    )
 
 
 # Figure of a result, and its view in a notebook.

@@ -207,12 +207,23 @@ class GeneralizedMaxwell(Solid, Serialisable):
     b: float = 0.0
 
     def __post_init__(self) -> None:
-        k, tau = (np.atleast_1d(np.asarray(pair, dtype=float)) for pair in (self.k, self.tau))
+        try:
+            k, tau, (k_inf, b) = (
+                np.atleast_1d(np.asarray(values, dtype=float))
+                for values in (self.k, self.tau, (self.k_inf, self.b))
+            )
+        except (TypeError, ValueError):
+            raise DataError(
+                f"k_inf={self.k_inf!r}, k={self.k!r}, tau={self.tau!r}, b={self.b!r}; expected "
+                "numbers in SI: N/m, s and N s/m"
+            ) from None
         if len(k) != len(tau):
             raise DataError(f"every arm needs a k and a tau, found {len(k)} k and {len(tau)} tau")
-        for name, value in (("k_inf", self.k_inf), ("b", self.b)):
+        for name, value in (("k_inf", k_inf), ("b", b)):
             if not (np.isfinite(value) and value >= 0):
-                raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
+                raise DataError(
+                    f"{name} = {float(value)!r}; a passive solid needs {name} >= 0 and finite"
+                )
         for name, values in (("k", k), ("tau", tau)):
             bad_indices = np.flatnonzero(~(np.isfinite(values) & (values > 0)))
             if bad_indices.size:
@@ -221,8 +232,8 @@ class GeneralizedMaxwell(Solid, Serialisable):
                     f"{name}_{bad_index + 1} = {value!r}; a passive arm needs {name} > 0 and finite"
                 )
         order = np.argsort(tau, kind="stable")
-        object.__setattr__(self, "k_inf", float(self.k_inf))
-        object.__setattr__(self, "b", float(self.b))
+        object.__setattr__(self, "k_inf", float(k_inf))
+        object.__setattr__(self, "b", float(b))
         object.__setattr__(self, "k", tuple(k[order].tolist()))
         object.__setattr__(self, "tau", tuple(tau[order].tolist()))
 

@@ -78,7 +78,7 @@ class TestSweep:
         assert amplitude_fit.half_way == pytest.approx(2e-3, rel=0.05)
 
     def test_as_many_frequencies_as_amplitudes_tell_neither(self):
-        with pytest.raises(FitError, match="13 samples at 13 frequencies; expected two amplitudes"):
+        with pytest.raises(FitError, match=r"13 loops.*Record three loops at each"):
             fit_amplitude(sweep(5e6 * (1 + 0.1j) * payne(X), hz=np.geomspace(1, 100, len(X))))
 
     @pytest.mark.parametrize("change", [0.02, -0.04, 0.06])

@@ -10,8 +10,9 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.extensions.app import view_models, wire_format
 from dashpot.extensions.app.handler_registry import VERBS
+from dashpot.extensions.app.page_form import get_form
 from dashpot.extensions.app.upload_store import Store
-from dashpot.registry import KINDS, asks_of
+from dashpot.registry import KINDS
 
 pytestmark = pytest.mark.once
 
@@ -54,7 +55,7 @@ def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkey
     row = ask("inspect", store, file=files[0])
     assert row["mark"] == "good"
     assert kind == "rod" or (
-        row["page"] == "judged" and row["asks"] == view_models.make_form_fields(asks_of(kind))
+        row["page"] == "judged" and row["asks"] == view_models.make_form_fields(get_form(kind))
     )
     head = ask("judged", store, kind=kind, files=files, said=said)
     assert {"good", "care", "bad"} >= {head["colour"]}

@@ -496,6 +496,23 @@ def test_texts_and_pictures_of_a_folder_are_ignored_by_name(folder, tmp_path):
     assert lot.checks[0].message.startswith("1 of 2 files")
 
 
+@pytest.mark.parametrize("form", ["folder", "pattern", "names"])
+def test_batch_ignores_programs_and_documents_by_their_ending(folder, tmp_path, form):
+    """`batch *`, as a shell expands it, counted each as a test that failed."""
+    shutil.copy(folder / "lotA_seal0_rep0.csv", tmp_path)
+    names = ("evaluate.py", "evaluate.m", "evaluate.ipynb", "rig.INI", "report.pdf", "run.bat")
+    for name in names:
+        (tmp_path / name).write_text("1, 2, 3\n")
+    paths = {
+        "folder": [tmp_path],
+        "pattern": [tmp_path / "*"],
+        "names": sorted(tmp_path.iterdir()),
+    }[form]
+    lot = batch(paths, output=tmp_path / "lot", jobs=1, **QUICK)
+    assert lot.outcomes == {"ignored": len(names), "fitted": 1}
+    assert {Path(file).name for file in lot.ignored_files} == set(names)
+
+
 def test_csv_begins_with_the_verdict_and_has_no_empty_column(folder, tmp_path):
     for i in range(2):
         shutil.copy(folder / f"lotA_seal{i}_rep0.csv", tmp_path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,26 @@ def test_fit_takes_tables_and_arrays_as_records() -> None:
     assert dp.fit(pd.DataFrame(COLUMNS), arms=2).model.k_inf == pytest.approx(expected, rel=1e-9)
     said = dp.fit(pd.DataFrame(BARE), arms=2, units={"t": "s", "x": "mm", "F": "N"})
     assert said.model.k_inf == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("make", [pd.Series, pl.Series, xr.DataArray, np.array, list])
+def test_fit_takes_columns_of_tables_as_arrays(make: Callable[[Any], Any]) -> None:
+    """A Series was "no record that is fitted", where its values alone were."""
+    test = dp.simulate("relaxation", hold="2s", rate="100Hz", noise_free=True)
+    arrays = (test.time, 1e3 * test.displacement, test.force)
+    fit = dp.fit(*map(make, arrays), units="s, mm, N", arms=1)
+    assert fit.model == dp.fit(*arrays, units="s, mm, N", arms=1).model
+    with pytest.raises(dp.DataError, match=r"units=\"s, mm, N\""):
+        dp.fit(*map(make, arrays))
+
+
+@pytest.mark.parametrize("make", [pd.Series, pl.Series, xr.DataArray])
+def test_single_column_of_a_table_is_refused_with_what_to_give(make: Callable[[Any], Any]) -> None:
+    for function in (dp.read, dp.inspect, dp.fit):
+        with pytest.raises(dp.DataError, match=r"dp\.fit\(time, displacement, force, units="):
+            function(make([1.0, 2.0]))
+    with pytest.raises(dp.DataError, match="some that are no numbers"):
+        dp.fit(make(["a", "b"]), make([1.0, 2.0]), make([1.0, 2.0]), units="SI")
 
 
 def test_fit_shows_the_line_to_type_for_arrays() -> None:

@@ -92,8 +92,10 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     tones = len(np.unique(sweep.frequency))
     if 2 * tones > len(sweep.amplitude):
         raise FitError(
-            f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
-            "more at each: the effects of frequency and of amplitude cannot be separated"
+            f"{len(sweep.amplitude)} loops or lines at {tones} frequencies; expected two or more "
+            "at each: the effects of frequency and of amplitude cannot be separated. Record three "
+            "loops at each frequency, or a second amplitude. For a model over frequency alone, fit "
+            "a table with the columns frequency, storage and loss"
         )
     return_difference = _compare_way_back(sweep)
     candidates = _sort_candidate_laws(sweep, law)

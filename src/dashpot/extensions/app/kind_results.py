@@ -23,6 +23,7 @@ from dashpot.extensions.app.bench_tests import DEFAULT_SIZE, MAX_CACHED
 from dashpot.extensions.app.command_lines import format_options
 from dashpot.extensions.app.figure_cards import draw_cards, make_figure_cards
 from dashpot.extensions.app.limits_panel import judge_limits
+from dashpot.extensions.app.page_form import get_form
 from dashpot.extensions.app.request_parsing import (
     build_part,
     get_list,
@@ -31,7 +32,7 @@ from dashpot.extensions.app.request_parsing import (
 )
 from dashpot.extensions.app.upload_store import find_file
 from dashpot.reading.read_options import ReadOptions
-from dashpot.registry import KINDS, asks_of, find_handler, load_object, require_handler
+from dashpot.registry import KINDS, find_handler, load_object, require_handler
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import KindPage, format_json, kind_page
 from dashpot.workflow.job import Job
@@ -85,7 +86,7 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
     kind_of_test, test_identity = KINDS.get(kind), request.get("test")
     return KindRequest(
         kind, files[:1] if kind_of_test is not None and kind_of_test.takes_one_file else files,
-        read_form(asks_of(kind), typed_fields),
+        read_form(get_form(kind), typed_fields),
         build_part(ReadOptions, request.get("options", {}), "options"),
         str(find_file(folder, test_identity)) if test_identity else "",
     )  # fmt: skip
@@ -143,7 +144,7 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
             if list_cards is None
             else draw_cards(list_cards(result), width),
             "facts": [list(names) for names in page.summary_line],
-            "asks": view_models.make_form_fields(asks_of(kind_request.kind)),
+            "asks": view_models.make_form_fields(get_form(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
             **judge_limits(request, folder, result).add_to(_format_command(kind_request)),
         }

@@ -9,16 +9,24 @@ from typing import Any
 
 from dashpot.base.option_fields import (
     AmplitudeLawOption,
+    FormField,
     get_choice_values,
     is_path_field,
     iterate_option_fields,
 )
+from dashpot.registry import KINDS, load_object
 from dashpot.workflow.job import Job
 
 LABELS = {
     "full": "ramp and hold", "hold": "hold", "nonlinear": "curved", "maxwell": "Maxwell",
 }  # fmt: skip
 """Labels on the page for the values of options."""
+
+
+def get_form(kind: str) -> tuple[FormField, ...]:
+    """Return the form for the files of a kind of test; empty if it has none."""
+    row = KINDS.get(kind)
+    return load_object(f"{row.app_form}:ASKS") if row is not None and row.app_form else ()
 
 
 def fill_form(page: str) -> str:

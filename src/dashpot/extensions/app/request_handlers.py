@@ -34,6 +34,7 @@ from dashpot.extensions.app.command_lines import (
     format_predict_command,
 )
 from dashpot.extensions.app.limits_panel import judge_limits
+from dashpot.extensions.app.page_form import get_form
 from dashpot.extensions.app.request_parsing import (
     build_job,
     build_part,
@@ -47,7 +48,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation, relaxation_in
-from dashpot.registry import KINDS, asks_of, list_names, require_handler
+from dashpot.registry import KINDS, list_names, require_handler
 from dashpot.report import first_screen
 from dashpot.report.first_screen import find_simulated_files
 from dashpot.report.page_frame import VERDICT_COLOURS
@@ -119,7 +120,7 @@ def _get_kind_fields(kind: str) -> dict[str, Any]:
     if form_kind is None:
         return {"asks": [], "alone": False}
     return {
-        "asks": view_models.make_form_fields(asks_of(form_kind.name)),
+        "asks": view_models.make_form_fields(get_form(form_kind.name)),
         "alone": form_kind.takes_one_file,
     }
 

@@ -14,6 +14,7 @@ from dashpot.api.read_save import Place
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
 from dashpot.base.units import Dimension, Quantity
+from dashpot.registry import call_handler
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -28,7 +29,7 @@ def _show_overloads(function: F) -> F:
     """Give a function the signature of its overloads in the source, as a decorator."""
     cases = (signature(case) for case in get_overloads(function))
     function.__signature__ = merge_signatures(function, cases)  # type: ignore[attr-defined]
-    return function
+    return call_handler("add advice", "function", function, default=function)  # type: ignore[no-any-return]
 
 
 @overload

@@ -57,34 +57,13 @@ _LOG_LINE = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00 ")
 _PART_NAME = re.compile(r"part-[0-9a-f]{16}\.parquet")
 NO_TABLE = "it is no table of numbers"
 """Why a text or picture of a folder is not read."""
-_DOCUMENT_SUFFIXES = frozenset(
-    [
-        ".avif",
-        ".bmp",
-        ".doc",
-        ".docx",
-        ".gif",
-        ".htm",
-        ".html",
-        ".jpeg",
-        ".jpg",
-        ".md",
-        ".pdf",
-        ".png",
-        ".ppt",
-        ".pptx",
-        ".py",
-        ".rst",
-        ".sh",
-        ".svg",
-        ".tif",
-        ".tiff",
-        ".webp",
-        ".yaml",
-        ".yml",
-    ]
-)
-"""Suffixes of files of text or pictures."""
+_DOCUMENT_SUFFIXES = frozenset((
+    ".avif", ".bat", ".bmp", ".c", ".cfg", ".cpp", ".dll", ".doc", ".docx", ".exe", ".gif",
+    ".h", ".htm", ".html", ".ini", ".ipynb", ".jl", ".jpeg", ".jpg", ".lnk", ".m", ".md",
+    ".odt", ".pdf", ".png", ".ppt", ".pptx", ".ps1", ".py", ".pyc", ".r", ".rst", ".sh", ".svg",
+    ".tex", ".tif", ".tiff", ".webp", ".yaml", ".yml",
+))  # fmt: skip
+"""Suffixes of files of text, pictures or programs."""
 _TEXT_SUFFIXES = frozenset(("", ".log", ".text", ".txt"))
 """Suffixes of files of text or tables."""
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][-+]?\d+)?")
@@ -318,13 +297,14 @@ def _expand_path(path: str, output_folder: Path) -> Iterator[tuple[str, str]]:
     if Path(path).is_dir():
         yield from _scan_folder(Path(path), output_folder)
     elif Path(path).exists():
-        yield path, ""
+        yield path, NO_TABLE if Path(path).suffix.lower() in _DOCUMENT_SUFFIXES else ""
     elif glob.has_magic(path):
         matches = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
         if not matches:
             raise ReadError(f"{path}: the pattern fits no file; give another")
         for name in matches:
-            yield from _expand_path(name, output_folder)
+            for file, reason in _expand_path(name, output_folder):
+                yield file, reason or (NO_TABLE if _is_prose(Path(file)) else "")
     else:
         raise ReadError(missing(path))
 
@@ -359,7 +339,7 @@ def _is_prose(path: Path) -> bool:
     """Return whether a file of a folder is a text or a picture, by its ending and its lines.
 
     A line of three cells, or one that is numbers for the most part, may be that of a table, which a
-    reader then refuses for what it lacks. A file named explicitly is never taken for text.
+    reader then refuses for what it lacks. A file named explicitly is judged by its ending alone.
     """
     suffix = path.suffix.lower()
     if suffix in _DOCUMENT_SUFFIXES:

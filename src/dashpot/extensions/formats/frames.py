@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
@@ -31,11 +29,6 @@ if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 _NUMBERS, _INSTANTS, _SPANS = "iuf", "M", "m"
-_UNITS_OPTION = re.compile(r'--units "?([^"\s();]+=[^"\s();]+)')
-_COLUMN_OPTION = re.compile(r'--column ([\w-]+)="([^"]+)"')
-_FILE_PART_OPTION = re.compile(r'--file-part (\w+)="?([^"\s;,()]+)')
-_RATE_OPTION = re.compile(r"--rate (\d\w+)")
-"""Options of the command line as shown in messages, with their values."""
 _HINT = 'dp.read(frame, columns={"force": "F"}, units={"force": "N"})'
 _PART_ROLES, _MATERIAL_ROLES = ("time", "displacement", "force"), ("time", "strain", "stress")
 _LINE = 'dp.fit(time, displacement, force, units="s, mm, N")'
@@ -144,32 +137,8 @@ def _write_temporary_file(frame: Any) -> Iterator[Path]:
         try:
             yield path
         except ReadError as error:
-            text = str(error).replace(str(path), path.name)
-            text = text.replace(f'dp.inspect("{path.name}")', "dp.inspect(frame)")
-            hint = f" (Python: {_format_python_line(text)})" if "--" in text else ""
-            raise ReadError(text + hint) from None
-
-
-def _format_python_line(text: str) -> str:
-    """Return the call of `read` with the options in a message.
-
-    >>> _format_python_line('add --units "strain=%,stress=MPa"')
-    'dp.read(frame, units={"strain": "%", "stress": "MPa"})'
-    """
-    units = [
-        pair.split("=", 1) for pair in ",".join(_UNITS_OPTION.findall(text)).split(",") if pair
-    ]
-    rates = _RATE_OPTION.findall(text)[:1]
-    columns = [pair for pair in _COLUMN_OPTION.findall(text) if not rates or pair[0] != "time"]
-    parts = [(key, int(v) if v.isdigit() else v) for key, v in _FILE_PART_OPTION.findall(text)]
-    keywords = {"columns": columns, "units": units, "part": parts}
-    arguments = [
-        f"{name}={json.dumps(dict(pairs), ensure_ascii=False)}"
-        for name, pairs in keywords.items()
-        if pairs
-    ]
-    arguments += [f'rate="{rate}"' for rate in rates]
-    return f"dp.read(frame, {', '.join(arguments)})" if arguments else _HINT
+            text = str(error).replace(f'"{path}"', "frame").replace(str(path), path.name)
+            raise ReadError(text) from None
 
 
 def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
@@ -183,7 +152,7 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
     DataError
         If arrays are not three, or have no units.
     """
-    values = [_convert_list(value) for value in values]
+    values = [_convert_column(value) for value in values]
     if isinstance(values[0], np.ndarray):
         if len(values) != 3 or not all(isinstance(value, np.ndarray) for value in values):
             raise DataError(f"{len(values)} arrays are no test. Give three: {_LINE}")
@@ -199,12 +168,19 @@ def make_records(values: Sequence[Any], options: dict[str, Any]) -> list[Any]:
     ]
 
 
-def _convert_list(value: Any) -> Any:
-    """Return a list of numbers as an array, anything else as it is."""
-    numbers = (
-        isinstance(value, list) and value and all(isinstance(element, Real) for element in value)
-    )
-    return np.asarray(value, float) if numbers else value
+def _convert_column(value: Any) -> Any:
+    """Return a list of numbers or a column of a table as an array, anything else as it is."""
+    if isinstance(value, list):
+        is_column = bool(value) and all(isinstance(element, Real) for element in value)
+    else:
+        is_column = getattr(value, "ndim", 1) == 1 and hasattr(value, "to_numpy")
+    try:
+        return np.asarray(value, float) if is_column else value
+    except (TypeError, ValueError):
+        raise DataError(
+            f"a {type(value).__name__} of {len(value)} values holds some that are no numbers. Give "
+            f"one column of numbers each: {_LINE}"
+        ) from None
 
 
 def _make_record(arrays: list[Any], units: Any) -> Any:

@@ -9,6 +9,13 @@ _FRAMES = (
     "xarray.core.dataset:Dataset",
     "builtins:dict",
 )
+_COLUMNS = (
+    "numpy:ndarray",
+    "pandas:Series",
+    "pandas.core.series:Series",
+    "polars.series.series:Series",
+    "xarray.core.dataarray:DataArray",
+)
 _NO_TABLES = ("builtins:NoneType", "builtins:int", "builtins:float")
 EXTENSION = Extension(
     "formats",
@@ -21,15 +28,15 @@ EXTENSION = Extension(
         },
         "read": {
             **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:read_frame"),
-            "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
+            **dict.fromkeys(_COLUMNS, "dashpot.extensions.formats.frames:refuse_array"),
             **dict.fromkeys(_NO_TABLES, "dashpot.extensions.formats.frames:refuse_value"),
         },
         "inspect": {
             **dict.fromkeys(_FRAMES, "dashpot.extensions.formats.frames:inspect_frame"),
-            "numpy:ndarray": "dashpot.extensions.formats.frames:refuse_array",
+            **dict.fromkeys(_COLUMNS, "dashpot.extensions.formats.frames:refuse_array"),
             "builtins:object": "dashpot.extensions.formats.frames:refuse_value",
         },
-        "make records": dict.fromkeys((*_FRAMES, "numpy:ndarray", "builtins:list"), "dashpot.extensions.formats.frames:make_records"),
+        "make records": dict.fromkeys((*_FRAMES, *_COLUMNS, "builtins:list"), "dashpot.extensions.formats.frames:make_records"),
         "write frf": {
             ".uff": "dashpot.extensions.formats.write_uff:frf_uff",
             ".unv": "dashpot.extensions.formats.write_uff:frf_uff",

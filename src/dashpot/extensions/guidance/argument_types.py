@@ -5,12 +5,13 @@ Types are read from the annotations of the function, as text: nothing is importe
 
 from __future__ import annotations
 
+import ast
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from inspect import Parameter, Signature
-from numbers import Integral, Real
+from numbers import Integral, Number, Real
 from os import PathLike
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -20,11 +21,16 @@ from dashpot.base.errors import DashpotError
 
 
 def refuse_wrong_types(
-    signature: Signature, arguments: Mapping[str, Any], error: type[DashpotError]
+    signature: Signature,
+    arguments: Mapping[str, Any],
+    error: type[DashpotError],
+    *,
+    takes_mappings: bool = True,
 ) -> None:
     """Refuse the first argument that is not of the type of its annotation.
 
-    A class of options (:data:`dashpot.api.OPTION_CLASSES`) checks its own values.
+    A verb takes a mapping for a class of options (:data:`dashpot.api.OPTION_CLASSES`), which checks
+    its own values.
 
     Raises
     ------
@@ -33,11 +39,12 @@ def refuse_wrong_types(
     """
     for name, value in arguments.items():
         parameter = signature.parameters[name]
-        if name in OPTION_CLASSES or not isinstance(parameter.annotation, str):
+        is_checked_later = takes_mappings and name in OPTION_CLASSES
+        if is_checked_later or not isinstance(parameter.annotation, str):
             continue
         is_variadic = parameter.kind is Parameter.VAR_POSITIONAL
         for item in value if is_variadic else (value,):
-            example = _EXAMPLES.get(name) or _format_default(parameter.default)
+            example = suggest_argument(parameter)
             problem = describe_wrong_argument(name, item, parameter.annotation, example)
             if not (problem or parameter.default == ()) and _is_empty_sequence(item, parameter):
                 problem = f"is empty; expected at least one value, such as {name}={example}"
@@ -63,9 +70,9 @@ def describe_wrong_argument(name: str, value: Any, annotation: str, example: str
     >>> describe_wrong_argument("mass", "114.8g", "Quantity | None")
     ''
     """
-    alternatives = _split(annotation)
-    if any(_is_of_type(value, word) for word in alternatives):
+    if _is_of_any_type(value, annotation):
         return ""
+    alternatives = _split(annotation)
     expected = " or ".join(
         dict.fromkeys(_describe_type(word, alternatives) for word in alternatives if word != "None")
     )
@@ -79,7 +86,11 @@ def describe_wrong_argument(name: str, value: Any, annotation: str, example: str
     return f"is {_format_value(value)}; expected {expected}{hint}"
 
 
-def _format_default(default: Any) -> str:
+def suggest_argument(parameter: Parameter) -> str:
+    """Return a value that a parameter takes, as it is written; empty if none is known."""
+    example, default = _EXAMPLES.get(parameter.name, ""), parameter.default
+    if example and _is_of_any_type(ast.literal_eval(example), str(parameter.annotation)):
+        return example
     return repr(default) if isinstance(default, str | int | float) and default != "" else ""
 
 
@@ -154,6 +165,18 @@ def _is_sequence(value: Any) -> bool:
     )
 
 
+def _is_array(kinds: str, number: type) -> Callable[[Any], bool]:
+    """Return the test for a number, or numbers in an order, of some kinds of NumPy."""
+
+    def is_array(value: Any) -> bool:
+        if hasattr(value, "dtype"):
+            return value.dtype.kind in kinds
+        items = value if _is_sequence(value) else (value,)
+        return all(isinstance(item, number) or _is_truth_value(item) for item in items)
+
+    return is_array
+
+
 _WORD = _Type(_is_text, "a text")
 _TYPES: Mapping[str, _Type] = MappingProxyType({
     "Any": _Type(lambda _: True, "anything"),
@@ -179,6 +202,14 @@ _TYPES: Mapping[str, _Type] = MappingProxyType({
         "the name or number of a column",
     ),
     "tuple[float, float]": _Type(_is_pair(_is_number), "two numbers"),
+    **dict.fromkeys(
+        ("npt.ArrayLike", "FloatArray", "ComplexArray"),
+        _Type(_is_array("biufc", Number), "an array of numbers"),
+    ),
+    **dict.fromkeys(
+        ("BoolArray", "IndexArray"),
+        _Type(_is_array("biu", Integral), "an array of True or False, or of positions"),
+    ),
     **dict.fromkeys(
         ("To", "Method", "Elastic", "FamilyOption", "ShiftLaw", "VerticalAsked", "RampLawOption",
          "AmplitudeLawOption", "ElasticKindOption",
@@ -215,6 +246,10 @@ _EXAMPLES: Mapping[str, str] = MappingProxyType({
 """A value of a parameter by its name, as it is written."""
 
 
+def _is_of_any_type(value: Any, annotation: str) -> bool:
+    return any(_is_of_type(value, word) for word in _split(annotation))
+
+
 def _is_of_type(value: Any, word: str) -> bool:
     """Return whether a value is of the type that one word of an annotation names."""
     if word in _TYPES:
@@ -242,7 +277,8 @@ def _describe_type(word: str, alternatives: tuple[str, ...] = ()) -> str:
         return "a list of them"
     if bracket:
         return f"a list, each {' or '.join(map(_describe_type, _split(items[:-1])))}"
-    return _CLASS_NAMES.get(name, f"a {name}")
+    article = "an" if name.startswith(("A", "E", "I", "O", "FR")) else "a"
+    return _CLASS_NAMES.get(name, f"{article} {name}")
 
 
 def _is_class(word: str) -> bool:

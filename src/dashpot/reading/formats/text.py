@@ -120,9 +120,11 @@ def _lines(raw: RawFile, encoding: str, size: int, *, detected: bool) -> tuple[l
     if b"\0" in head.rstrip(b"\0\r\n ") and not encoding.startswith(
         ("utf-16", "utf-32", "utf_16", "utf_32")
     ):
+        from dashpot.registry.plugins import format_plugin_hint  # looks for installed packages
+
         raise ReadError(
-            "not a text file (zero bytes), and no format that dashpot knows by its "
-            "content; export it as text (csv, txt)"
+            "not a text file (zero bytes), and no format that dashpot knows by its content; export "
+            f"it as text (csv, txt){format_plugin_hint()}"
         )
     if not is_complete:  # an incremental decoder waits for the rest of a character cut in two
         text = "".join(_partial(head, encoding, detected=detected))

@@ -87,6 +87,17 @@ def recognise(
     return detection
 
 
+def describe_unknown_test(path: str | Path, reason: str, options: ReadOptions) -> str:
+    """Return why a file is no known test, and the options that name its columns."""
+    column_options = suggest_relaxation_options(path, options)
+    hint = (
+        f"If it is a test of a seal, name its columns: {column_options}."
+        if column_options
+        else "A test of a seal has time, displacement and force."
+    )
+    return f"{path} is no test that dashpot knows: {reason}. {hint}"
+
+
 def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = None) -> str:
     """Return the command-line options that read a file as a relaxation test.
 

@@ -357,6 +357,28 @@ def test_fit_hyperelastic_reports_modes_that_differ_by_a_factor(law, factor, use
     assert check(fit, "modes_enough").passed
 
 
+@pytest.mark.parametrize(
+    ("constants", "exponents", "factor", "is_signed"),
+    [
+        ((1.2e6, -0.15e6), (3.0, 1.0), 1.0, True),
+        ((0.4e6, 0.01e6), (1.3, -2.0), 0.9, False),
+    ],
+    ids=["negative term", "softer specimen"],
+)
+def test_modes_in_scale_names_a_negative_term_that_fits_as_well(
+    constants, exponents, factor, is_signed
+):
+    """Such a material was answered by "its area or a gain may cause this"."""
+    law = Hyperelastic("ogden", constants, exponents)
+    for seed in range(3):
+        tests = [simulate_scatter(law, mode, (1, 1.6), seed) for mode in ("equibiaxial", "planar")]
+        tests.append(simulate_scatter(law, "uniaxial", (1, 2), seed + 9, factor))
+        found = check(fit_hyperelastic(tests), "modes_in_scale")
+        assert found.failed
+        assert ("a negative term" in found.message) is is_signed
+        assert ("area or a gain" in found.message) is not is_signed
+
+
 def test_fit_hyperelastic_of_one_rubber_mode_is_use_with_care():
     hyperelastic_fit = fit_hyperelastic([simulate_scatter(RUBBER, "uniaxial", (1, 2), 0)])
     assert check(hyperelastic_fit, "modes_enough").failed

@@ -14,6 +14,7 @@ from dashpot.base.provenance import list_sources
 from dashpot.extensions.materials.hyperelastic.datamodel import ElasticCurve, HyperelasticFit, Span
 from dashpot.extensions.materials.hyperelastic.law_least_squares import (
     HyperelasticOptimum,
+    compute_best_signed_misfit,
     compute_best_stable_misfit,
 )
 from dashpot.extensions.materials.hyperelastic.strain_energy import (
@@ -224,11 +225,14 @@ def _has_both_directions(curves: Sequence[ElasticCurve]) -> bool:
 
 def _find_better_scale(
     curves: Sequence[ElasticCurve], poisson: float, best: float
-) -> tuple[float | None, float, str]:
-    """Return the reduction of the residual by scaling the stress of one mode, factor and mode."""
+) -> tuple[float | None, float, str, bool]:
+    """Return the reduction of the residual by scaling the stress of one mode, factor and mode.
+
+    The last value says whether a law with a negative term is as close without a factor.
+    """
     modes = dict.fromkeys(curve.mode for curve in curves if curve.mode != "volumetric")
     if len(modes) < 2:
-        return None, 0.0, ""
+        return None, 0.0, "", False
     result: tuple[float, float, str] = (best, 0.0, "")
     for mode in modes if best > SMALL_RESIDUAL else ():
         for size in (*_FACTORS, *(-factor for factor in _FACTORS)):
@@ -240,7 +244,9 @@ def _find_better_scale(
             ]
             result = min(result, (compute_best_stable_misfit(scaled_curves, poisson), size, mode))
     remainder, size, kind_index = result
-    return best / max(remainder, SMALL_RESIDUAL), math.expm1(size), kind_index
+    remainder = max(remainder, SMALL_RESIDUAL)
+    is_signed_as_close = compute_best_signed_misfit(curves, poisson) <= SCALED * remainder
+    return best / remainder, math.expm1(size), kind_index, is_signed_as_close
 
 
 def _find_other_label(
@@ -391,7 +397,9 @@ def modes_enough(modes: int, *, has_two_modes: bool, foam: bool) -> Finding:
     "residual / that with one mode scaled", "<=", SCALED,
     "simulation: faultless tests at most 1.02; 1.1 to 7 where a mode is 5 or 10 % off",
 )  # fmt: skip
-def modes_in_scale(ratio: float | None, scale_factor: float, mode: str) -> Finding:
+def modes_in_scale(
+    ratio: float | None, scale_factor: float, mode: str, is_signed_as_close: bool = False
+) -> Finding:
     """No scale factor on the stress of one mode improves the fit much."""
     if ratio is None:
         return Finding("One mode cannot show whether its stress is off by a factor")
@@ -401,8 +409,12 @@ def modes_in_scale(ratio: float | None, scale_factor: float, mode: str) -> Findi
         f"The modes agree {ratio:.3g} times better if the stress in {mode} is "
         f"{100 * scale_factor:+.0f} %",
         ratio,
-        "Softening of one specimen (Mullins), its area or a gain may cause this",
-        "Condition all specimens alike, and check areas and load cells.",
+        "A law with a negative term, which is not fitted, is as close without it"
+        if is_signed_as_close
+        else "Softening of one specimen (Mullins), its area or a gain may cause this",
+        "Check areas and load cells. If they are right, fit each mode alone."
+        if is_signed_as_close
+        else "Condition all specimens alike, and check areas and load cells.",
         always_passes=abs(scale_factor) < _OF_NOTE,
     )
 

@@ -201,3 +201,20 @@ def compute_best_stable_misfit(curves: Sequence[ElasticCurve], poisson: float) -
     A = _compute_columns(rows, SPECTRUM, poisson)
     mu, _ = solve_linear(A, rows.target, positive=True)
     return float(np.sqrt(np.mean((rows.target - A @ mu) ** 2)))
+
+
+def compute_best_signed_misfit(curves: Sequence[ElasticCurve], poisson: float) -> float:
+    """Return the residual of the closest law of two power terms of any sign, as the stable one's.
+
+    With a negative term a law need not be stable. None is fitted: here one shows what else than a
+    fault of a specimen may separate the modes.
+    """
+    rows = weight_curves(curves)
+    A = _compute_columns(rows, SPECTRUM, poisson)
+    normal, projection = A.T @ A, A.T @ rows.target
+    first, second = np.triu_indices(len(SPECTRUM), k=1)
+    pairs = np.stack((first, second), axis=1)
+    matrices = normal[pairs[:, :, None], pairs[:, None, :]]
+    mu = np.linalg.solve(matrices, projection[pairs][..., None])[..., 0]
+    best = int(np.argmax((mu * projection[pairs]).sum(axis=1)))
+    return float(np.sqrt(np.mean((rows.target - A[:, pairs[best]] @ mu[best]) ** 2)))

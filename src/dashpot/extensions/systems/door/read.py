@@ -27,10 +27,10 @@ from dashpot.extensions.systems.door.door_model import (
 from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
 from dashpot.extensions.systems.door.read_closing import read_closing
 from dashpot.extensions.systems.door.read_leak import read_leak_setup
-from dashpot.extensions.systems.door.required_keys import require_keys
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
+from dashpot.extensions.systems.door.toml_section import DoorSection, Vector
 from dashpot.reading.readers import channels
-from dashpot.reading.toml import Section, Vector, read_tables
+from dashpot.reading.toml import read_tables
 
 MAX_SIZE = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
@@ -63,7 +63,7 @@ def read_door(path: str | Path) -> Door:
         location = _TableLocation(f"{raw.name}, [{name}]", folder)
         try:
             if name == "closing":
-                size = Section(location.where, tables["door"], tuple(tables["door"]))
+                size = DoorSection(location.where, tables["door"], tuple(tables["door"]))
                 sizes = (size.quantity(word, "length") for word in ("width", "height"))
                 results["closing"] = read_closing(location.where, entries, *sizes)
             elif name == "leak":
@@ -88,10 +88,10 @@ class _TableLocation:
     where: str
     folder: Path
 
-    def section(self, entries: Any, *known_keys: str) -> Section:
-        return Section(self.where, entries, known_keys)
+    def section(self, entries: Any, *known_keys: str) -> DoorSection:
+        return DoorSection(self.where, entries, known_keys)
 
-    def parse_tables(self, entries: Any, *known_keys: str) -> list[Section]:
+    def parse_tables(self, entries: Any, *known_keys: str) -> list[DoorSection]:
         """Return the tables of an array of them; a single table is one."""
         rows = [entries] if isinstance(entries, Mapping) else entries
         if not isinstance(rows, list):
@@ -99,7 +99,7 @@ class _TableLocation:
         if len(rows) > _MAX_PARTS:
             raise ReadError(f"{self.where}: {len(rows)} tables; expected at most {_MAX_PARTS}")
         return [
-            Section(f"{self.where} {i}", row, known_keys) for i, row in enumerate(rows, start=1)
+            DoorSection(f"{self.where} {i}", row, known_keys) for i, row in enumerate(rows, start=1)
         ]
 
     def path(self, word: str | None) -> str:
@@ -117,9 +117,9 @@ class _TableLocation:
 _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
 
 
-def _read_rigid_body(section: Section) -> RigidPart:
+def _read_rigid_body(section: DoorSection) -> RigidPart:
     """Mass and inertia, or those of a uniform plate of that width and height."""
-    require_keys(section, "mass", "centre")
+    section.require_keys("mass", "centre")
     mass = section.quantity("mass", "mass") or 0.0
     inertia = section.vector("inertia", "moment of inertia")
     if inertia is None:
@@ -173,8 +173,8 @@ def _read_supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]
     return read
 
 
-def _read_support(location: _TableLocation, section: Section, name: str) -> Support:
-    require_keys(section, "at")
+def _read_support(location: _TableLocation, section: DoorSection, name: str) -> Support:
+    section.require_keys("at")
     direction, fit = section.direction("along"), location.path(section.word("fit"))
     direction_count = 1 if direction else 3
     stiffness = _read_directional_values(section, "stiffness", direction_count)
@@ -205,7 +205,7 @@ def _read_support(location: _TableLocation, section: Section, name: str) -> Supp
 
 
 def _read_directional_values(
-    section: Section, name: Literal["stiffness", "damping"], direction_count: int
+    section: DoorSection, name: Literal["stiffness", "damping"], direction_count: int
 ) -> tuple[float, ...]:
     """Return stiffness or damping in each direction; one number applies to all."""
     values = section.quantities(name, name) or ()
@@ -222,7 +222,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
         "friction",
     )  # fmt: skip
-    require_keys(section, "fit", "points")
+    section.require_keys("fit", "points")
     points, columns = _read_point_columns(location, section)
     normal_columns = [columns[name] for name in _NORMAL_KEYS if name in columns]
     normal = normal_columns if len(normal_columns) == 3 else section.direction("normal") or _Z
@@ -257,7 +257,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
 
 
 def _read_point_columns(
-    location: _TableLocation, section: Section
+    location: _TableLocation, section: DoorSection
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Points, m, and the other columns of their file."""
     points = section.entries["points"]
@@ -269,7 +269,7 @@ def _read_point_columns(
             'such as ["0, 0, 0 mm", "1100, 0, 0 mm"]'
         )
     _refuse_more(section.location, len(points), "points")
-    rows = [Section(section.location, {"points": row}, ("points",)) for row in points]
+    rows = [DoorSection(section.location, {"points": row}, ("points",)) for row in points]
     return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
 
 
@@ -314,7 +314,7 @@ def _refuse_more(location: str, count: float, noun: str) -> None:
 
 
 def _read_compression(
-    section: Section, columns: Mapping[str, FloatArray], count: int
+    section: DoorSection, columns: Mapping[str, FloatArray], count: int
 ) -> FloatArray | None:
     """Return how far the seal is pressed at each point: as stated, or its height less the gap."""
     given_keys = [name for name in ("compression", "gap") if name in section.entries]
@@ -347,7 +347,7 @@ def _read_compression(
 
 def _read_shear(location: _TableLocation, entries: Any) -> ShearChoice:
     """Ratios, or fits of their own, across the line and along it."""
-    row = Section(f"{location.where[:-1]}.shear]", entries, ("across", "along", "length"))
+    row = DoorSection(f"{location.where[:-1]}.shear]", entries, ("across", "along", "length"))
 
     def way(name: str) -> float | str:
         if isinstance(row.entries.get(name), str):
@@ -367,8 +367,8 @@ def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | Non
     """Return the sideways friction of the seal."""
     if entries is None:
         return None
-    row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
-    require_keys(row, "mu")
+    row = DoorSection(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
+    row.require_keys("mu")
     mu, friction_across, friction_along = (
         row.number(name) or 0.0 for name in ("mu", "across", "along")
     )
@@ -380,7 +380,7 @@ _MAX_NORMAL_ANGLE = np.radians(80.0)
 
 
 def _tilt_normals(
-    section: Section, normals: FloatArray, points: FloatArray, tilt: float
+    section: DoorSection, normals: FloatArray, points: FloatArray, tilt: float
 ) -> FloatArray:
     """Normals of the pieces, leant outwards of the line by an angle, rad."""
     if not abs(tilt) <= _MAX_NORMAL_ANGLE:
@@ -402,7 +402,7 @@ def _tilt_normals(
 def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     joints = []
     for row in location.parse_tables(rows, "name", "at", "length", "factor"):
-        require_keys(row, "at", "length", "factor")
+        row.require_keys("at", "length", "factor")
         position, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
         joints.append(
             Joint(position, length, row.number("factor") or 0.0, row.word("name") or "joint")
@@ -412,7 +412,7 @@ def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
 
 def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
-    require_keys(section, "file")
+    section.require_keys("file")
     max_hz = section.quantity("most", "frequency")
     return {
         "modes": ModesChoice(
@@ -429,7 +429,7 @@ def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
 def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
     points = []
     for i, row in enumerate(location.parse_tables(entries, "name", "at", "along", "on"), start=1):
-        require_keys(row, "at")
+        row.require_keys("at")
         body = row.word("on") or "door"
         if body not in {"door", "body"}:
             raise ReadError(f"{row.location}: on = '{body}'; expected door or body")
@@ -444,19 +444,19 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
 
 def _read_base(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "psd", "along")
-    require_keys(section, "psd")
+    section.require_keys("psd")
     word = section.word("psd") or ""
     direction = section.direction("along") or _Z
     path = location.folder / word
     return {"base": location.path(word) if path.is_file() else word, "base_along": direction}
 
 
-def _read_place(section: Section, name: str) -> Vector:
+def _read_place(section: DoorSection, name: str) -> Vector:
     values = section.vector(name, "length") or (0.0, 0.0, 0.0)
     return _refuse_implausible(section, name, values)
 
 
-def _read_size(section: Section, name: str) -> float | None:
+def _read_size(section: DoorSection, name: str) -> float | None:
     value = section.quantity(name, "length")
     if value is None:
         return None
@@ -465,7 +465,7 @@ def _read_size(section: Section, name: str) -> float | None:
     return _refuse_implausible(section, name, (value, 0.0, 0.0))[0]
 
 
-def _refuse_implausible(section: Section, name: str, lengths: Vector) -> Vector:
+def _refuse_implausible(section: DoorSection, name: str, lengths: Vector) -> Vector:
     """Refuse lengths that no door has: most often millimetres that are called metres."""
     max_length = max(map(abs, lengths))
     if max_length > MAX_SIZE:

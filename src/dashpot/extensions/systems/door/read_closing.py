@@ -21,8 +21,7 @@ from dashpot.extensions.systems.door.closing_setup import (
     Tolerances,
     Vents,
 )
-from dashpot.extensions.systems.door.required_keys import require_keys
-from dashpot.reading.toml import Section
+from dashpot.extensions.systems.door.toml_section import DoorSection
 
 T = TypeVar("T")
 _AIR_KEYS = ("discharge", "process")
@@ -46,18 +45,20 @@ def read_closing(
     ReadError
         If a key is unknown, missing or cannot be.
     """
-    section = Section(
+    section = DoorSection(
         location,
         entries,
         ("edge", "inertia", "axis", "start", "friction", "gravity", "check", "latch", "vents",
          "between", "cabin", "variation"),
     )  # fmt: skip
 
-    def sub(make: Callable[[Section], T], name: str, *known_keys: str) -> T | None:
+    def sub(make: Callable[[DoorSection], T], name: str, *known_keys: str) -> T | None:
         """Return the value built from a subtable, if there is one."""
         table = section.entries.get(name)
         return (
-            None if table is None else make(Section(f"{location[:-1]}.{name}]", table, known_keys))
+            None
+            if table is None
+            else make(DoorSection(f"{location[:-1]}.{name}]", table, known_keys))
         )
 
     area = width * height if width and height else None
@@ -86,15 +87,15 @@ def read_closing(
     )
 
 
-def _check(table: Section) -> CheckStrap:
-    require_keys(table, "angle", "moment")
+def _check(table: DoorSection) -> CheckStrap:
+    table.require_keys("angle", "moment")
     return CheckStrap(
         table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
     )
 
 
-def _read_latch(width: float | None, table: Section) -> Latch:
-    require_keys(table, "travel", "force")
+def _read_latch(width: float | None, table: DoorSection) -> Latch:
+    table.require_keys("travel", "force")
     return Latch(
         table.quantities("travel", "length") or (),
         table.quantities("force", "force") or (),
@@ -103,8 +104,8 @@ def _read_latch(width: float | None, table: Section) -> Latch:
     )
 
 
-def _read_vents(table: Section) -> Vents:
-    require_keys(table, "width", "hollow", "hole", "spacing")
+def _read_vents(table: DoorSection) -> Vents:
+    table.require_keys("width", "hollow", "hole", "spacing")
     width, hollow, hole, spacing = (
         table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
     )
@@ -113,16 +114,16 @@ def _read_vents(table: Section) -> Vents:
     return Vents(*_read_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
 
 
-def _read_inter_seal_air(table: Section) -> Between:
-    require_keys(table, "width", "depth")
+def _read_inter_seal_air(table: DoorSection) -> Between:
+    table.require_keys("width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
     )
     return Between(*_read_air(table), width, depth, leak)
 
 
-def _read_cabin(width: float | None, area: float | None, table: Section) -> Cabin:
-    require_keys(table, "volume", "opening")
+def _read_cabin(width: float | None, area: float | None, table: DoorSection) -> Cabin:
+    table.require_keys("volume", "opening")
     return Cabin(
         *_read_air(table),
         table.quantity("volume", "volume") or 0.0,
@@ -132,7 +133,7 @@ def _read_cabin(width: float | None, area: float | None, table: Section) -> Cabi
     )
 
 
-def _read_variation(table: Section) -> Tolerances:
+def _read_variation(table: DoorSection) -> Tolerances:
     doors, seed = table.number("doors"), table.number("seed") or 0.0
     for name, value in (("doors", doors or 0.0), ("seed", seed)):
         if value != int(value) or value < 0:
@@ -147,7 +148,7 @@ def _read_variation(table: Section) -> Tolerances:
     )
 
 
-def _read_air(table: Section) -> tuple[float, float]:
+def _read_air(table: DoorSection) -> tuple[float, float]:
     """Discharge coefficient and exponent."""
     entries = {"adiabatic": ADIABATIC, "isothermal": ISOTHERMAL}
     process = table.word("process") or "adiabatic"
@@ -160,7 +161,7 @@ def _read_air(table: Section) -> tuple[float, float]:
 
 
 def _read_or_default(
-    table: Section, name: str, dimension: Dimension, default: float | None
+    table: DoorSection, name: str, dimension: Dimension, default: float | None
 ) -> float:
     value = table.quantity(name, dimension)
     if value is None:

@@ -7,8 +7,7 @@ from typing import Any
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.systems.door.leak_setup import AgingChoice, LeakSetup, LeakState
-from dashpot.extensions.systems.door.required_keys import require_keys
-from dashpot.reading.toml import Section
+from dashpot.extensions.systems.door.toml_section import DoorSection
 
 _KEYS = (
     "lip", "lip_sd", "pressure_coefficient", "pressure_coefficient_sd", "gap_sd", "force_sd",
@@ -38,14 +37,14 @@ def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], st
     ReadError
         If a key is unknown or missing, or a value impossible.
     """
-    table = Section(location, entries, _KEYS)
-    require_keys(table, "lip")
+    table = DoorSection(location, entries, _KEYS)
+    table.require_keys("lip")
     rows = table.entries.get("state", [])
     rows = [rows] if isinstance(rows, dict) else rows
     if not isinstance(rows, list) or len(rows) > _MAX_STATES:
         raise ReadError(f"{location}: expected at most {_MAX_STATES} tables [[leak.state]]")
     states = tuple(
-        _read_state(Section(f"{location[:-1]}.state] {i}", row, _STATE_KEYS), i, path)
+        _read_state(DoorSection(f"{location[:-1]}.state] {i}", row, _STATE_KEYS), i, path)
         for i, row in enumerate(rows, start=1)
     )
     coefficient = table.number("pressure_coefficient")
@@ -61,11 +60,11 @@ def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], st
     )
 
 
-def _read_state(row: Section, number: int, path: Callable[[str | None], str]) -> LeakState:
+def _read_state(row: DoorSection, number: int, path: Callable[[str | None], str]) -> LeakState:
     time, retained_fraction = row.quantity("time", "time"), row.quantity("retained", "strain")
     aging = None
     if "aging" in row:
-        require_keys(row, "aging_time", "aging_temperature")
+        row.require_keys("aging_time", "aging_temperature")
         aging = AgingChoice(
             path(row.word("aging")),
             row.quantity("aging_time", "time") or 0.0,
