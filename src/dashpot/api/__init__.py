@@ -28,14 +28,15 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _STUB = Path(__file__).parents[1] / "_signatures.pyi"
 FORMER_KEYWORDS = {
-    "cuts": ["time_limits"], "known": ["prior"], "memory": ["relaxation"],
-    "only": ["temperature"], "slam": ["drop"], "wanted": ["max_std"],
+    "between": ["compression_limits"], "by": ["label_pattern"], "cuts": ["time_limits"],
+    "known": ["prior"], "memory": ["relaxation"], "only": ["temperature"], "slam": ["drop"],
+    "wanted": ["max_std"],
 }  # fmt: skip
 """Present name of an option by its former name, which an error suggests."""
 OPTION_CLASSES = {
     "hammer": "dashpot.workflow.job:HammerChoices",
     "machine": "dashpot.datamodel.machine:Machine",
-    "prior": "dashpot.fitting.identification.prior_knowledge:KnownSolid",
+    "prior": "dashpot.fitting.identification.prior_knowledge:SolidPrior",
     "rig": "dashpot.fitting.identification.prior_knowledge:HammerRig",
     "specimen": "dashpot.datamodel.specimen:Specimen",
     "time_limits": "dashpot.workflow.job:TimeLimits",

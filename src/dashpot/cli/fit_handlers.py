@@ -385,7 +385,7 @@ def run_joint(request: FitRequest) -> CommandResult:
                          "machine", "specimen"),
         ),
         **request.select_options("rig", "impact_temperature", "arms",
-                     "known", "band", "temperatures", "hammer"),
+                     "solid_prior", "band", "temperatures", "hammer"),
     )  # fmt: skip
     request.draw(lambda: dp.plot.stiffness(result.fit))
     if request["save_shifts"]:

@@ -56,11 +56,11 @@ class Specimen:
         None, "Free height of the section.", unit="length", size=SIZES["seal height"]
     )
     temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
-    notes: str = option("", "Material, fixing, load history.", under="label")
-    name: str = option("", "What the specimen is called.", under="label")
-    lot: str = option("", "Its lot.", under="label")
-    operator: str = option("", "Who tested it.", under="label")
-    date: str = option("", "Date of the test, e.g. 2026-11-21.", under="label")
+    notes: str = option("", "Material, fixing, load history.", keyed_flag="label")
+    name: str = option("", "What the specimen is called.", keyed_flag="label")
+    lot: str = option("", "Its lot.", keyed_flag="label")
+    operator: str = option("", "Who tested it.", keyed_flag="label")
+    date: str = option("", "Date of the test, e.g. 2026-11-21.", keyed_flag="label")
     stated_temperature: float | None = None
     warmed: float | None = None
     rested: float | None = None

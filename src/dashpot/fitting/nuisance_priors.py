@@ -89,9 +89,9 @@ class NuisanceTerms:
     drift_start: float = 0.0
     least_error: float = 0.0
 
-    def add_terms(self, **further_priors: Prior) -> NuisanceTerms:
+    def add_terms(self, **additional_priors: Prior) -> NuisanceTerms:
         """Return the terms and further ones."""
-        return replace(self, priors={**self.priors, **further_priors})
+        return replace(self, priors={**self.priors, **additional_priors})
 
     def build_rows(self, block: DataBlock, noise_sd: float) -> DataBlock:
         """Return the rows of the priors for a block whose independent rows have this `noise_sd`."""

@@ -17,7 +17,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Pr
 from dashpot.fitting.checks.solid import (
     MIN_CORRELATED_KAPPA,
     arms_enough,
-    optimum_found,
+    optimiser_converged,
     samples_independent,
 )
 from dashpot.fitting.data_blocks import (
@@ -295,7 +295,7 @@ class SelectedModel:
         """Whether no step would change more than rounding, or a bound holds the point."""
         solution = self.solution
         is_stationary = solution.converged or solution.relative_offset < _STATIONARY_SHARE
-        return optimum_found(stationary=bool(is_stationary or solution.at_bound.any()))
+        return optimiser_converged(stationary=bool(is_stationary or solution.at_bound.any()))
 
     @property
     def residual(self) -> Residual:

@@ -186,7 +186,7 @@ def frf(
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
-    informed: tuple[float, float] | None = None,
+    valid_band: tuple[float, float] | None = None,
     ordered: bool = False,
     intervals: Sequence[FloatArray | None] = (),
     stamp: str = "",
@@ -209,7 +209,7 @@ def frf(
     interval : (array, array), optional
         Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
         1/kg, or of a transmissibility where that is drawn.
-    informed : (float, float), optional
+    valid_band : (float, float), optional
         The frequencies that the test behind a prediction informs, Hz: shaded, or said where none
         of them is in sight.
     ordered : bool
@@ -235,8 +235,8 @@ def frf(
     )
     caption = "Frequency response function: magnitude and phase."
     upper, *others_below = _bode(curves, (*(make_prediction_bands(band) or value), *leveled))
-    if informed is not None:
-        upper = _shade_valid_band(upper, informed)
+    if valid_band is not None:
+        upper = _shade_valid_band(upper, valid_band)
     strip = (upper, *others_below)
     return Picture("frf", caption, (strip,), 1, stamp or format_frf_stamp(measured))
 

@@ -152,7 +152,7 @@ def baseline_recorded(baseline: Baseline) -> Finding:
 
 
 @criterion("its error / depth", "<=", 0.01, "our choice: it enters every stiffness")
-def contact_found(touch: Touch, depth: float, *, is_given: bool) -> Finding:
+def contact_detected(touch: Touch, depth: float, *, is_given: bool) -> Finding:
     """The position of first contact is known well enough."""
     if is_given:
         return Finding(

@@ -213,7 +213,7 @@ def prepare(
                 earlier_loadings=list_earlier_presses(motion),
             ),
             checks.baseline_recorded(baseline),
-            checks.contact_found(first_contact, record.depth, is_given=contact is not None),
+            checks.contact_detected(first_contact, record.depth, is_given=contact is not None),
             checks.preload_absent(
                 preload, rise, is_moving=earlier_loading is None and motion.cycle.rest is None
             ),

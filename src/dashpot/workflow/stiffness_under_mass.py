@@ -97,7 +97,7 @@ class StaticEquilibrium:
         point, secant, tangent = self.point, self.secant, self.tangent
         if point.linear:
             return ""
-        how_known = "as given" if point.given else "under its weight"
+        how_known = "as given" if point.is_stated else "under its weight"
         compression_text, depth = (
             format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )

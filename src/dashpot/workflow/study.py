@@ -214,7 +214,7 @@ class Study(Plottable, Serialisable):
         if other is None or self.mass is None or self.static_equilibrium is None:
             return None
         point = self.static_equilibrium.point
-        at = point.compression if point.given else None
+        at = point.compression if point.is_stated else None
         return predict_frf(other, mass=self.mass, seals=self.seals, compression=at)
 
     @property

@@ -137,7 +137,7 @@ class TestSweep:
         K = K * (1 + 0.003 * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
         K[:2] *= [1.3 + 0.4j, 0.85 - 0.2j]
         amplitude_fit = fit_amplitude(sweep(K))
-        assert amplitude_fit.left_out == 2
+        assert amplitude_fit.omitted_samples == 2
         assert amplitude_fit.half_way == pytest.approx(2e-3, rel=0.1)
 
     def test_a_rubber_that_does_not_follow_the_law(self):

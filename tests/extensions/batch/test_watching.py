@@ -249,7 +249,7 @@ def test_a_folder_whose_hammers_may_be_anywhere_is_sought_each_time(rig, search_
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):
-    for requested, message in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
+    for requested, message in (({"label_pattern": "("}, "no regular"), ({"pair": "x"}, "in braces")):
         with pytest.raises(DataError, match=message):
             Story(**requested)
     rig.rmdir()

@@ -137,7 +137,7 @@ class Live:
         if self._thread is not None:
             self._thread.join(timeout=timeout)
 
-    def look(self, width: float, height: float) -> dict[str, Any]:
+    def describe_state(self, width: float, height: float) -> dict[str, Any]:
         """Return the displayed state: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:

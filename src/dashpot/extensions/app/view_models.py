@@ -29,7 +29,7 @@ from dashpot.base.plain_text import sentences
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.units import Dimension, convert_to_unit, get_display_unit
 from dashpot.datamodel.bounds import StiffnessBounds
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.vibration_tests import ImpactTest
@@ -493,10 +493,10 @@ def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, st
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
     eq5_values = {}
     if by_eq5 is not None and fit.family != "fractional":
-        eq5_values = {fact.name: fact.cells.value for fact in list_known_values(by_eq5)}
+        eq5_values = {fact.name: fact.cells.value for fact in list_model_values(by_eq5)}
     return [
         (fact.symbol, fact.cells.value, eq5_values.get(fact.name, ""), fact.word)
-        for fact in list_known_values(fit)
+        for fact in list_model_values(fit)
         if fact.name[0] != "b" and fact.name != "k_end"
     ]
 
@@ -585,7 +585,7 @@ class Term(NamedTuple):
 def make_terms(fit: Fit) -> list[Term]:
     """Return every parameter of the solid, the stiffness at the end of the hold first."""
     # b = k tau says of an arm what k and tau say
-    return [make_term(fact) for fact in list_known_values(fit) if not fact.name.startswith("b_")]
+    return [make_term(fact) for fact in list_model_values(fit) if not fact.name.startswith("b_")]
 
 
 def make_term(fact: ReportedValue) -> Term:
@@ -619,7 +619,7 @@ def render_arms(fit: Fit, *, relaxation_fit: Fit | None = None) -> str:
     """
     if fit.family != "maxwell" or fit.model.arms > MAX_LISTED_ARMS:
         return render_solid(fit)
-    reported_values = {fact.name: fact for fact in list_known_values(fit)}
+    reported_values = {fact.name: fact for fact in list_model_values(fit)}
     row_parameters = [("k∞", "k_inf", "")]
     row_parameters += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
     if "b" in reported_values:

@@ -47,7 +47,7 @@ def batch(
     length: Quantity | None = None,
     radius: Quantity | None = None,
     machine: Machine | None = None,
-    by: str | None = None,
+    label_pattern: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
     joint: bool = False,
@@ -147,7 +147,7 @@ def _fit_files(
     lot = run_batch(
         paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
         at=frequency, compression=compression, length=length, radius=radius,
-        machine=machine, by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
+        machine=machine, label_pattern=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
         scheduler=scheduler,
     )  # fmt: skip
     if to is not None:

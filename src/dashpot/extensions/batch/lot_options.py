@@ -36,7 +36,7 @@ def build_lot_options(*own: CommandOption) -> list[CommandOption]:
         *own,
         opt("--manifest", type=File(), metavar="FILE",
             help="Table of files with lot, seal, repeat, mass, ..."),
-        opt("--label-pattern", "by", former="by", metavar="REGEX",
+        opt("--label-pattern", hidden_alias="by", metavar="REGEX",
             help="Lot, seal and repeat from the path."),
         opt("--pair", metavar="PATTERN", help="Hammer files of a test: {stem}_hammer*.csv."),
         opt("--limits", type=File(), metavar="FILE", help="Acceptance limits (.toml)."),

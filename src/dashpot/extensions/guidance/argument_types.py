@@ -180,9 +180,9 @@ _TYPES: Mapping[str, _Type] = MappingProxyType({
     ),
     "tuple[float, float]": _Type(_is_pair(_is_number), "two numbers"),
     **dict.fromkeys(
-        ("To", "Method", "Elastic", "FamilyOption", "ShiftLaw", "VerticalAsked", "RampLawOption",
+        ("To", "Method", "Elastic", "FamilyOption", "ShiftLaw", "VerticalOption", "RampLawOption",
          "AmplitudeLawOption", "ElasticKindOption",
-         "ImpactLawAsked"),
+         "ImpactLawOption"),
         _WORD,
     ),
 })  # fmt: skip

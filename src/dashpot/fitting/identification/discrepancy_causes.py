@@ -238,7 +238,7 @@ def agreement(candidate: Candidate, priors: NuisancePriors | None = None) -> lis
     all_checks = [
         checks.lines_explained(
             candidate.line_scale,
-            known_sd=frf_data.known_sd,
+            has_absolute_sd=frf_data.has_absolute_sd,
             coherent=frf_data.lines.coherence is not None,
         )
     ]

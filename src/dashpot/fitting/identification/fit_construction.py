@@ -32,7 +32,7 @@ from dashpot.datamodel.parameter_estimate import (
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
-from dashpot.fitting.checks.solid import optimum_found
+from dashpot.fitting.checks.solid import optimiser_converged
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.fractional_model.checks import (
     fractional_model_suffices,
@@ -658,7 +658,7 @@ def _run_checks(
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
     leading_explanation = None if discrepancy is None else discrepancy.explanations[0]
-    all_checks = [optimum_found(stationary=best.optimum.stationary)]
+    all_checks = [optimiser_converged(stationary=best.optimum.stationary)]
     requested_checks = agreement(best, None if discrepancy is None else discrepancy.priors)
     if earlier_fit is not None:
         check = checks.tests_agree(leading_explanation)

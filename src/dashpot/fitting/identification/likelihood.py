@@ -586,7 +586,7 @@ class Candidate:
         """Factor on the standard deviation of the lines that explains the misfit."""
         dof = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
         rms = float(np.sqrt(self.line_misfit / dof))
-        return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
+        return max(rms, 1.0 if self.problem.frf_data.has_absolute_sd else SMALLEST_SCATTER)
 
     def copy_with_scale(self, scale: float) -> Candidate:
         """Return the candidate with its covariance scaled by the scatter of the lines."""

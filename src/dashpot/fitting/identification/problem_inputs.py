@@ -13,7 +13,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_options import FitOptions, require_maxwell_family
 from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.fitting.input_tests import list_temperatures
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import Prior
@@ -161,7 +161,7 @@ def make_priors(mass: float | None, rig: HammerRig, point: OperatingPoint | None
     )
 
 
-def make_constraints(solid_prior: KnownSolid, prior_tests: PriorTests) -> Constraints:
+def make_constraints(solid_prior: SolidPrior, prior_tests: PriorTests) -> Constraints:
     """Return the constraints on the solid: its priors, and an earlier fit without its tests."""
 
     def prior(name: str) -> Prior | None:

@@ -633,7 +633,7 @@ def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
 
     space = kernels.space(exact, means)
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
-    rank = kernels.right_factors.shape[1]
+    rank = kernels.column_basis.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
     return ReducedBasis(
         JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS_ACCURACY)

@@ -102,7 +102,7 @@ DOCUMENT_KINDS: Mapping[str, KindOfFile] = MappingProxyType({
 
 
 @dataclass(frozen=True)
-class Recognised:
+class RecognisedKind:
     """Kind of a file, and the reason for it.
 
     Attributes
@@ -162,10 +162,10 @@ def get_kind_command(kind: str) -> str:
     return kinds[kind].usage if kind in kinds else ""
 
 
-def identify_json(raw: RawFile) -> Recognised | None:
+def identify_json(raw: RawFile) -> RecognisedKind | None:
     """Return the kind in a document's schema; None of JSON that is not dashpot's own."""
     match = _SCHEMA.search(raw.head(_SCHEMA_BYTES))
     if match is None:
         return None
     word = match[1].decode()
-    return Recognised(word, f"its schema is dashpot/{word}", stored=True)
+    return RecognisedKind(word, f"its schema is dashpot/{word}", stored=True)

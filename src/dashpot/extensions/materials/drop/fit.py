@@ -311,7 +311,7 @@ class _FittedImpacts:
                 else [checks.impact_within_measured_depth(self.depth, elastic_law.depth)]
             ),
             checks.air_escapes(float(speeds.max())),
-            checks.specimen_length_given(is_given=self.records[0].specimen.length is not None),
+            checks.specimen_length_stated(is_given=self.records[0].specimen.length is not None),
             *caution_checks(list_sources(self.records)),
         )
 

@@ -157,7 +157,7 @@ def predict_drop(
         ),
         checks.impact_in_valid_band(motion.frequency, fit.band[1]),
         checks.air_escapes(approach.speed),
-        checks.specimen_length_given(is_given=parallel_fit.specimen.length is not None),
+        checks.specimen_length_stated(is_given=parallel_fit.specimen.length is not None),
     )
     return DropPrediction(
         approach, kg, seals, _collect_answers(motions), motion,
@@ -180,7 +180,7 @@ _NAMED = (
     ("compression", "m", "mm", "largest compression"),
     ("compression_time", "s", "ms", "time to the largest compression"),
     ("contact", "s", "ms", "contact"),
-    ("compression_left", "m", "mm", "compression when it is let go"),
+    ("residual_compression", "m", "mm", "compression when it is let go"),
     ("rebound", "1", "%", "rebound speed"),
     ("taken", "J", "mJ", "energy to the largest compression"),
     ("lost", "J", "mJ", "energy absorbed"),
