@@ -234,7 +234,9 @@ MADE: dict[str, Callable[[Path], object]] = {
     ),
     "Aging": lambda folder: csr_files([folder / "ovens.csv"]),
     "AgingPlan": lambda _: plan_aging(use_at=358.15),
-    "AgingPrediction": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
+    "AgingPrediction": lambda folder: predict_aging(
+        csr_files([folder / "ovens.csv"]), temperature=343.15
+    ),
     "MachineFit": lambda folder: fit_blank_files(
         [folder / f"rig_{name}.csv" for name in ("stop", "spring", "empty")], spring_stiffness=1e3
     ),

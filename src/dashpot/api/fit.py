@@ -163,7 +163,7 @@ def _get_record_name(record: Any, number: int, entries: Mapping[str, str]) -> st
 
 VIBRATION_RECORDS = (ImpactTest, ShakenTest, FRF, FRFSet)
 
-# -- what each meaning of `route` is done by ------------------------------------------------------
+# -- Functions of each route ----------------------------------------------------------------------
 
 
 def fit_bench_tests(
@@ -256,7 +256,7 @@ def fit_jointly(
     return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))
 
 
-# -- what several verbs make of a record ----------------------------------------------------------
+# -- Records of several functions -----------------------------------------------------------------
 
 
 def prepare_ramp_hold(test: Any, machine: Machine | None = None) -> RampHold:

@@ -446,7 +446,7 @@ def _format_kinds(kinds: Mapping[str, str]) -> str:
     return "; ".join(f"{Path(path).name} is {get_kind_label(word)}" for path, word in kinds.items())
 
 
-# -- how it is laid out ---------------------------------------------------------------------------
+# -- Layout of the help ---------------------------------------------------------------------------
 
 
 def _format_groups(options: Sequence[CommandOption]) -> list[str]:

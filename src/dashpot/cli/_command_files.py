@@ -66,7 +66,7 @@ def is_json(path: str) -> bool:
         return looks_like_json(file.read(64))
 
 
-# The kind that each record was taken for, which is reported to the user.
+# Recognised kind of each record, as reported to the user.
 
 
 def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, RecognisedKind]:

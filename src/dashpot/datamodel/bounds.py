@@ -22,7 +22,8 @@ from dashpot.solids.maxwell import Solid
 # Limits of the stiffness of a solid.
 
 
-# naming the machine is worth a sentence if it leaves less than this part of the width
+# Ratio of the widths of the limits, with over without a stated machine, below which a remark
+# advises to state it.
 MAX_NAMED_WIDTH_RATIO = 0.8
 #: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
 MAX_DEVIANCE = 5.0
@@ -48,7 +49,7 @@ def naming(time: float, now: float, then: float) -> str:
     )
 
 
-# the kind of test that ended, and what would have extended it
+# Kind of test, and what would extend it.
 Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
 _MORE_DATA: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",
@@ -359,7 +360,7 @@ class FRFBounds(FrozenArrays, Serialisable):
 # Errors of stiffness and loss factor at some frequencies.
 
 
-#: a loss factor that is known no better than this part of itself is not known
+#: relative error above which a loss factor counts as not determined
 MAX_LOSS_FACTOR_ERROR = 0.3
 
 

@@ -67,7 +67,7 @@ UNITS = {
     Kind.RELATIVE_TRANSMISSIBILITY: "m/m",
 }
 
-# relative random error above which a line does not determine a peak
+# Relative random error above which a line does not determine a peak.
 MAX_LINE_ERROR = 0.5
 # noise cannot be estimated from fewer quiet lines
 MIN_QUIET_LINES = 5

@@ -19,7 +19,7 @@ from dashpot.base.value_ranges import (
     select_fields,
 )
 
-# two channels of one clock are together to this part of a sample
+# Delay between two channels of one clock, in samples.
 _CLOCK_TOLERANCE = 0.01
 
 

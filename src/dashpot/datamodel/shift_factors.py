@@ -15,7 +15,7 @@ from dashpot.base.units import celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
-# no law of free volume is trusted nearer to the glass transition, K
+# Smallest distance from the glass transition at which a WLF law is used, K.
 GLASS_MARGIN = 10.0
 # temperatures that differ by less, K, count as equal
 SAME_TEMPERATURE = 0.5

@@ -11,7 +11,7 @@ from dashpot.base.option_fields import option
 from dashpot.base.units import convert_to_unit, format_quantity, si_fields
 from dashpot.base.value_ranges import SIZES, require_positive, select_fields
 
-# K; no elastomer is tested beyond
+# Plausible test temperatures of elastomers, K.
 _COLDEST, _HOTTEST = 100.0, 550.0
 
 

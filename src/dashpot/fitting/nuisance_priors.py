@@ -25,7 +25,7 @@ from dashpot.numerics.design_matrices.block import DataBlock, prior_block
 from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise
 from dashpot.signals.noise import scatter
 
-# fewest samples before contact that determine a scatter and a slope
+# Smallest number of samples before contact for noise and drift.
 _MIN_REST_SAMPLES = 5
 # part of the mean rate on the ramp from which a rising force is no drift
 _MIN_RATE_RATIO = 0.05

@@ -135,7 +135,7 @@ def _parameters(solution: Solution) -> int:
 # Fit of every number of arms, and selection.
 
 
-# fraction of the residual below which a step is rounding, whatever it does to tau
+# Relative change of the residual below which a step in tau is rounding.
 _STATIONARY_SHARE = 1e-6
 # fraction of the residual below which that of another spectrum shows a misfit
 _MISFIT_SHARE = 0.5
@@ -475,7 +475,7 @@ def _is_whole_number(number: object) -> bool:
     return is_integer and number >= 0  # type: ignore[operator]
 
 
-# -- parts of a fit -------------------------------------------------------------------------------
+# -- Parts of a fit -------------------------------------------------------------------------------
 
 
 def compute_certificate(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:

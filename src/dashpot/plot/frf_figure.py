@@ -129,13 +129,13 @@ DISPLAY_UNITS = {
 }
 INTERVAL, BOUND = "95 % interval of the parameters", "95 % bounds over all spectra"
 
-# a magnitude axis ends that far above the median line at most
+# Largest distance of the upper end of a magnitude axis from the median of the lines.
 MAX_MAGNITUDE_RATIO = 1e4
 
-# px: a joint solid shows on both sides of the measured line that it lies under
+# Line width of a joint model, px: visible on both sides of the measured line.
 JOINT_LINE_WIDTH = 7.0
 
-# about a peak, as factors of its frequency
+# Frequency range of a peak, as factors of its frequency.
 VIEW_FACTORS = (0.48, 2.3)
 
 

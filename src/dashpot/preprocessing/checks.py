@@ -93,7 +93,7 @@ class ClockedTest(Protocol):
         """The samples of the hold."""
 
 
-# -- what the file says of the temperature --------------------------------------------------------
+# -- Temperature of the file ----------------------------------------------------------------------
 
 
 @criterion(
@@ -132,7 +132,7 @@ def check_temperature(specimen: Specimen) -> list[Check]:
     return all_checks
 
 
-# -- what preparation found -----------------------------------------------------------------------
+# -- Preparation ----------------------------------------------------------------------------------
 
 
 @criterion(
@@ -694,7 +694,7 @@ def load_cell_range_used(peak: float, full_scale: float) -> Finding:
     )
 
 
-# -- what a prepared record shows -----------------------------------------------------------------
+# -- Prepared records -----------------------------------------------------------------------------
 
 
 def check_records(

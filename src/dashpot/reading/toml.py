@@ -95,12 +95,6 @@ class Section:
     def __contains__(self, name: str) -> bool:
         return name in self.entries
 
-    def require_keys(self, *names: str) -> None:
-        """Raise a :class:`ReadError` for the first of the keys that is missing."""
-        for name in names:
-            if name not in self.entries:
-                raise ReadError(f"{self.location}: {name} is missing")
-
     def quantity(self, name: str, dimension: Dimension) -> float | None:
         """Return a quantity in SI units, such as ``"25kg"``; None if the key is missing."""
         value = self.entries.get(name)
@@ -119,17 +113,6 @@ class Section:
         if not isinstance(value, list):
             value = [value]
         return tuple(self._quantity(name, item, dimension) for item in value)
-
-    def vector(self, name: str, dimension: Dimension) -> Vector | None:
-        """Return three quantities, along x, y and z: ``"0, 300, 0 mm"``."""
-        values = self.quantities(name, dimension)
-        if values is None:
-            return None
-        if len(values) != 3:
-            raise ReadError(
-                f"{self.location}: {name} has {len(values)} numbers; expected three, of x, y and z"
-            )
-        return values[0], values[1], values[2]
 
     def direction(self, name: str) -> Vector | None:
         """Return three plain numbers: ``[0, 0, 1]``."""

@@ -113,18 +113,6 @@ class Plugin(Serialisable):
             f"Ask who maintains {self.package}"
         ) from error
 
-    def refuse_result(self, problem: str, expected: str) -> NoReturn:
-        """Raise an error: its result violates the contract.
-
-        Raises
-        ------
-        ReadError
-        """
-        raise ReadError(
-            f"{self.label} returned {problem}; expected {expected}. Ask who maintains "
-            f"{self.package}"
-        )
-
 
 @dataclass(frozen=True)
 class Installed(Serialisable):

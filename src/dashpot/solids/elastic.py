@@ -21,7 +21,7 @@ from dashpot.base.units import format_quantity
 # A hold at one depth gives one secant stiffness; vibration about a preload feels the tangent.
 
 
-# a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
+# Largest relative deviations of tangent and path from the secant of a weakly nonlinear law.
 GENTLE_TOLERANCE, STRAIGHT_TOLERANCE = 0.10, 0.025
 # and even, if its path leaves it by no more than this part of its tangent's, and this more
 EVENNESS_TOLERANCE, PATH_TOLERANCE = 0.30, 0.004
@@ -185,7 +185,7 @@ class ElasticLaw(Serialisable):
     __rmul__ = __mul__
 
 
-# How far a seal is believed to be pressed.
+# Plausible compression of a seal.
 
 
 MAX_EXTRAPOLATION = 3.0

@@ -41,7 +41,7 @@ from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 
-#: of the arms that stand for a solid where no more is asked, and of its own answer in time
+#: tolerances of the arms that approximate a solid, by default and for the response in time
 TOLERANCE, EXACT_TOLERANCE = 1e-4, 1e-11
 # the error of the trapezoidal rule, over the law's exponential, at most
 _ERROR_FACTOR = 10.0

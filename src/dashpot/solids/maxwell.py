@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # Base class of solids, and the generalized Maxwell solid.
 
 
-# numbers of a history times its arms that a scan goes through fastest at once
+# Number of values (samples times arms) of one step of a scan, for speed.
 _CACHE_SIZE = 8192
 
 

@@ -443,7 +443,7 @@ def _format_tangents(law: ElasticLaw) -> str:
     )
 
 
-# Storage and loss factor line by line, with the effect of small errors.
+# Storage stiffness and loss factor line by line, with the effect of small errors.
 
 
 ERRORS = {

@@ -34,7 +34,7 @@ from dashpot.workflow.stiffness_under_mass import (
     frf_limits,
 )
 
-# rounds in which a mass and the stiffness under it find each other
+# Iterations of the mass and the stiffness under it.
 MAX_ITERATIONS = 100
 
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # Static equilibrium, with peaks by secant and tangent stiffness, and limits.
 
 
-# lines of the limits over a band
+# Number of lines of the limits in a band.
 LIMIT_LINES = 401
 # what a tangent in doubt keeps at least of its value
 MIN_TANGENT_SHARE = 0.05

@@ -371,7 +371,9 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     )
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
     stiffness = result["per_doubling"]["stiffness"]
-    assert abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["detectable_change"] * 2 < 0.01
+    assert (
+        abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["detectable_change"] * 2 < 0.01
+    )
     low, high = result["amplitudes"]
     requested, far = result["peaks"]
     assert low < requested["amplitude"] < high < far["amplitude"]

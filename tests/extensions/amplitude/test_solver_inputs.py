@@ -296,8 +296,8 @@ def test_a_deck_of_levels_says_where_it_comes_from(target):
     deck = TARGETS[target](a_level_fit(), units="mm-t-s")
     for words in (
         "slider 2: k = 0.06 N/mm, slips at 0.012 N (0.2 mm)",
-        "cubic spring: k3 = 0.02 N/mm^3, by straight lines to 4. mm either way",
-        "displacement amplitudes tested: 0.1 to 2 mm; whatever moves less or farther is EXTRA",
+        "cubic spring: k3 = 0.02 N/mm^3, piecewise linear to 4. mm in both directions",
+        "displacement amplitudes tested: 0.1 to 2 mm; other amplitudes are EXTRA",
         "at the amplitudes 0.02, 0.5 (N, or m/s^2 of a base), which leaves 1 % of F/X",
         f"source: low.csv sha256 {'0' * 64}",
         "valid band: 8 to 20 Hz",

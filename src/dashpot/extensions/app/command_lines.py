@@ -110,7 +110,7 @@ def format_command_quantity(value: float, dimension: Dimension) -> str:
     return text if parse_quantity(text, dimension) == value else f"{value!r}{si.word}"
 
 
-# A job as the command that is typed for it, so that what a page shows can be repeated.
+# Command of a job, so that a result of the page can be repeated in a shell.
 
 
 FIT_FILE = "fit.json"

@@ -90,7 +90,9 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.render_template(
-                "against", message=_format_comparison(a, b, rows), lights=_make_indicators(a, b)
+                "fit_comparison",
+                message=_format_comparison(a, b, rows),
+                lights=_make_indicators(a, b),
             ),
             "colour": "open",
             "panels": {
@@ -98,7 +100,7 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
                 "ab-rest": _render_residuals(a, b, sizes),
             },
             "table": view_models.render_template(
-                "beside_each", rows=rows, names=(_get_source_name(a), _get_source_name(b))
+                "compared_values", rows=rows, names=(_get_source_name(a), _get_source_name(b))
             ),
             "simulated": True
             in {

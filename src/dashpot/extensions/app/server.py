@@ -346,7 +346,7 @@ async def _read_body(request: Request, max_bytes: int = MAX_BYTES) -> bytes:
     return bytes(body)
 
 
-# by their path: naming a package would import it
+# Modules by their path: the name of a package would import it.
 _PACKAGE = resources.files("dashpot")
 
 

@@ -429,7 +429,7 @@ def format_hammer_line(study: Study) -> str:
     return f"{accepted} of {len(study.measured.hits)} hits{peak}"
 
 
-# -- curves while a handle is held ----------------------------------------------------------------
+# -- Curves while a handle is dragged -------------------------------------------------------------
 
 
 class LiveCurves(NamedTuple):
@@ -475,7 +475,9 @@ def compute_live_test(
         relaxation.residual_panel(plotted_fit, prepared).note, prepared, unit
     )
     return LiveCurves(
-        arrays, render_template("beside", rows=make_parameter_rows(fit, by_eq5)), residual_note
+        arrays,
+        render_template("paper_values", rows=make_parameter_rows(fit, by_eq5)),
+        residual_note,
     )
 
 
@@ -515,7 +517,7 @@ def compute_live_response(predicted: FRF) -> LiveCurves:
     )
 
 
-# -- pieces of the page ---------------------------------------------------------------------------
+# -- Parts of the page ----------------------------------------------------------------------------
 
 
 def render_verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "") -> str:
@@ -706,7 +708,7 @@ def render_checks(checks: Sequence[Check]) -> str:
         "checks",
         failed=failed_checks,
         passed=passed_count,
-        judged=passed_count + len(failed_checks),
+        checked=passed_count + len(failed_checks),
         grades=grades,
     )
 
@@ -729,7 +731,7 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
     value_groups.append(("One seal", [_shorten_name(*pair) for pair in pairs]))
     has_measurement = study.comparison is not None
     return render_template(
-        "answers", groups=value_groups, measured=has_measurement, ranged=True, told="Numbers",
+        "answers", groups=value_groups, measured=has_measurement, ranged=True, caption="Numbers",
         note=""
     )  # fmt: skip
 
@@ -740,7 +742,7 @@ def format_next_test(study: Study, checks: Sequence[Check]) -> str:
     stated_remedies = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated_remedies:
         return ""
-    return render_template("more", remedy=end.remedy, told=end.format_limits(study.fit.unit))
+    return render_template("more", remedy=end.remedy, limits_text=end.format_limits(study.fit.unit))
 
 
 def render_groups(groups: Sequence[Group], text: str, note: str) -> str:
@@ -749,7 +751,7 @@ def render_groups(groups: Sequence[Group], text: str, note: str) -> str:
     has_measurement = any(row.measured for _, rows in value_groups for row in rows)
     has_interval = any(row.low or row.high for _, rows in value_groups for row in rows)
     return render_template(
-        "answers", groups=value_groups, measured=has_measurement, ranged=has_interval, told=text,
+        "answers", groups=value_groups, measured=has_measurement, ranged=has_interval, caption=text,
         note=note
     )  # fmt: skip
 
@@ -899,7 +901,7 @@ def render_column_questions(
         if unit.dimension in REQUESTED_DIMENSIONS:
             units_by_dimension.setdefault(unit.dimension, []).append(unit.word)
     return render_template(
-        "asked", file=result, heading=_format_heading(result),
+        "column_questions", file=result, heading=_format_heading(result),
         stranger=_format_unplaced_kind(result), roles=ROLES,
         units=units_by_dimension, consequences=consequences, on_page=format_for_page, rate=rate,
         timeless=rate is not None or any(question.role == "time" for question in result.questions),

@@ -131,10 +131,10 @@ def html(lot: Lot, *, title: str = "Lot", lot_summary: Summary | None = None) ->
                 if check.passed is not None
             ],
             signals=signals,
-            further=quantities,
+            other_quantities=quantities,
             seals=seals,
             decisions=_count_decisions(seals),
-            judged=bool(main.seal_decisions),
+            has_decisions=bool(main.seal_decisions),
             labels=labels,
             tests=tests,
             every=_encode_test_rows(tests, labels, lot_summary),
@@ -252,7 +252,7 @@ def _make_capability_row(main: QuantitySummary) -> dict[str, Any] | None:
     }
 
 
-# -- words and tables -----------------------------------------------------------------------------
+# -- Texts and tables -----------------------------------------------------------------------------
 
 
 def _has_repeats(main: QuantitySummary) -> bool:
@@ -355,7 +355,7 @@ def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
 def _select_other_quantities(
     lot: Lot, main: QuantitySummary
 ) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
-    """The further quantities of the table of seals, each with the means that any of them has."""
+    """The other quantities of the table of seals, each with the means that any of them has."""
     sentences, seal_keys = (
         (main.quantity.name, "k_inf", "E_inf"),
         {(seal.lot, seal.name) for seal in main.seals},

@@ -402,7 +402,7 @@ def _compute_quantity_summary(
     )  # fmt: skip
 
 
-# -- what to look at ------------------------------------------------------------------------------
+# -- Findings -------------------------------------------------------------------------------------
 
 
 def _flag_seals(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
@@ -530,7 +530,7 @@ def _count_out_of_band(lot: Lot, frequency: float) -> int:
     return sum(not low <= frequency <= high for low, high in bands)
 
 
-# -- lights ----------------------------------------------------------------------------------------
+# -- Indicators ------------------------------------------------------------------------------------
 
 
 _NOT_JUDGED = {
@@ -586,7 +586,7 @@ def _format_limits(quantity: QuantitySummary) -> str:
     return f"{passed_count} of {len(quantity.seal_decisions)} seals pass"
 
 
-# -- for people and programs -----------------------------------------------------------------------
+# -- Text and documents ----------------------------------------------------------------------------
 
 
 def _list_alarms(quantity_summary: QuantitySummary) -> str:

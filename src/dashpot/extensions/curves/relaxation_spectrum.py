@@ -25,8 +25,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 FindBand: TypeAlias = Callable[[GeneralizedMaxwell], tuple[tuple[float, float], BandError | None]]
 
-# arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
-# one farther out shows only its tail
+# Arms within half a decade outside the measured frequencies affect the loss at the ends of the
+# band; of those farther out only the tail of their loss peak does.
 EDGE_FACTOR = float(np.sqrt(10.0))
 # a loss below this part of the modulus is not weighed by its own value
 _SMALL_LOSS = 1e-3
@@ -246,7 +246,7 @@ def _require_positive(name: str, values: FloatArray) -> None:
         )
 
 
-# where few arms do not follow the curves, a dense spectrum must miss far less
+# Ratio of the misfits, few arms over dense spectrum, above which the dense spectrum is used.
 _MUCH_BETTER = 0.5
 # few arms that leave no more than this of what a spectrum of several temperatures leaves will do
 _AS_CLOSE = 1.2

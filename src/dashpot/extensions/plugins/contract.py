@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
+from dashpot.base.errors import ReadError
 from dashpot.registry.plugins import Plugin, format_plain_line
+
+
+def refuse_result(plugin: Plugin, problem: str, expected: str) -> NoReturn:
+    """Raise an error: the result of a plug-in violates the contract.
+
+    Raises
+    ------
+    ReadError
+    """
+    raise ReadError(
+        f"{plugin.label} returned {problem}; expected {expected}. Ask who maintains "
+        f"{plugin.package}"
+    )
 
 
 def validate_keys(
@@ -21,7 +35,7 @@ def validate_keys(
     """
     unknown_keys = sorted(str(key) for key in item if key not in keys)
     if unknown_keys:
-        plugin.refuse_result(f"the key '{unknown_keys[0]}'{place}", f"among {', '.join(keys)}")
+        refuse_result(plugin, f"the key '{unknown_keys[0]}'{place}", f"among {', '.join(keys)}")
 
 
 def get_items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
@@ -55,7 +69,7 @@ def _get_typed_list(
     if not isinstance(results, list | tuple) or not all(
         isinstance(result, kind) for result in results
     ):
-        plugin.refuse_result(f"'{key}' of type {type(results).__name__}", expected)
+        refuse_result(plugin, f"'{key}' of type {type(results).__name__}", expected)
     return results
 
 
@@ -69,5 +83,5 @@ def get_text(plugin: Plugin, item: Mapping[str, Any], key: str, default: str | N
     """
     text = item.get(key, default)
     if not isinstance(text, str):
-        plugin.refuse_result(f"'{key}' of type {type(text).__name__}", "a text")
+        refuse_result(plugin, f"'{key}' of type {type(text).__name__}", "a text")
     return format_plain_line(text)

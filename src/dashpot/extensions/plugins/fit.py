@@ -12,7 +12,13 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import list_sources
 from dashpot.base.reported_values import NORMAL, ReportedValue
 from dashpot.datamodel.checks import caution_checks
-from dashpot.extensions.plugins.contract import get_items, get_text, get_texts, validate_keys
+from dashpot.extensions.plugins.contract import (
+    get_items,
+    get_text,
+    get_texts,
+    refuse_result,
+    validate_keys,
+)
 from dashpot.extensions.plugins.datamodel import PluggedTest, PluginFit
 from dashpot.registry.plugins import Plugin, require_plugin
 
@@ -56,13 +62,13 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluginFit:
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
-        plugin.refuse_result(f"a {type(entries).__name__}", _EXPECTED)
+        refuse_result(plugin, f"a {type(entries).__name__}", _EXPECTED)
     validate_keys(plugin, entries, _KEYS)
     reported_values = tuple(
         _make_reported_value(plugin, entry) for entry in get_items(plugin, entries, "numbers")
     )
     if not reported_values:
-        plugin.refuse_result("no numbers", _EXPECTED)
+        refuse_result(plugin, "no numbers", _EXPECTED)
     all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
     checks = (*all_checks, *caution_checks(list_sources(records)))
     notes = get_texts(plugin, entries, "notes")
@@ -75,25 +81,25 @@ def _make_reported_value(plugin: Plugin, item: Mapping[str, Any]) -> ReportedVal
     name = get_text(plugin, item, "name")
     validate_keys(plugin, item, _NUMBER_KEYS, f" of the number '{name}'")
     if not name.isidentifier():
-        plugin.refuse_result(f"a number called '{name}'", "an identifier, such as peel_force")
+        refuse_result(plugin, f"a number called '{name}'", "an identifier, such as peel_force")
     unit = get_text(plugin, item, "unit", "")
     resolved_unit = units.find_unit(unit) if unit else None
     if unit and (resolved_unit is None or resolved_unit.factor != 1.0 or resolved_unit.offset):
-        plugin.refuse_result(f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
+        refuse_result(plugin, f"'{name}' in '{unit}'", "a unit of SI that dashpot knows, or none")
     value = _number(plugin, item, "value", name)
     words = get_text(plugin, item, "words", "")
     if "low" in item or "high" in item:
         low, high = (_number(plugin, item, end, name) for end in ("low", "high"))
         if not low <= value <= high:
-            plugin.refuse_result(
-                f"'{name}' = {value:g} outside {low:g} to {high:g}", "a value within"
+            refuse_result(
+                plugin, f"'{name}' = {value:g} outside {low:g} to {high:g}", "a value within"
             )
         return ReportedValue(name, value, low, high, unit, words=words)
     if "error" not in item:
         return ReportedValue(name, value, unit=unit, words=words)
     error = _number(plugin, item, "error", name)
     if error < 0:
-        plugin.refuse_result(f"'{name}' with the standard error {error:g}", "one of 0 or more")
+        refuse_result(plugin, f"'{name}' with the standard error {error:g}", "one of 0 or more")
     half_width = NORMAL * error  # an interval alone: that is what a document keeps
     return ReportedValue(name, value, value - half_width, value + half_width, unit, words=words)
 
@@ -101,7 +107,7 @@ def _make_reported_value(plugin: Plugin, item: Mapping[str, Any]) -> ReportedVal
 def _number(plugin: Plugin, item: Mapping[str, Any], key: str, name: str) -> float:
     value = item.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        plugin.refuse_result(f"'{name}' whose {key} is {value!r:.40}", "a finite number")
+        refuse_result(plugin, f"'{name}' whose {key} is {value!r:.40}", "a finite number")
     return float(value)
 
 
@@ -110,12 +116,12 @@ def _check(plugin: Plugin, item: Mapping[str, Any]) -> Check:
     validate_keys(plugin, item, _CHECK_KEYS, f" of the check '{name}'")
     is_passed, grade = item.get("passed"), item.get("grade", "limit")
     if not (is_passed is None or isinstance(is_passed, bool)):
-        plugin.refuse_result(
-            f"the check '{name}' whose 'passed' is {is_passed!r:.40}", "True, False or None"
+        refuse_result(
+            plugin, f"the check '{name}' whose 'passed' is {is_passed!r:.40}", "True, False or None"
         )
     if grade not in GRADES:
-        plugin.refuse_result(
-            f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}"
+        refuse_result(
+            plugin, f"the check '{name}' of grade {grade!r:.40}", f"one of {', '.join(GRADES)}"
         )
     remedy = get_text(plugin, item, "remedy", "")
     return Check(name, is_passed, message, grade=grade, remedy=Remedy(remedy) if remedy else None)

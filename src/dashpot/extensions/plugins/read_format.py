@@ -9,7 +9,13 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.extensions.plugins.contract import get_items, get_text, get_texts, validate_keys
+from dashpot.extensions.plugins.contract import (
+    get_items,
+    get_text,
+    get_texts,
+    refuse_result,
+    validate_keys,
+)
 from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
@@ -56,15 +62,15 @@ def make_table(plugin: Plugin, module: Any, content: bytes, name: str) -> FileTa
     except Exception as error:  # noqa: BLE001  others' code may raise anything
         plugin.raise_failure(error)
     if not isinstance(entries, dict):
-        plugin.refuse_result(f"a {type(entries).__name__}", _EXPECTED)
+        refuse_result(plugin, f"a {type(entries).__name__}", _EXPECTED)
     validate_keys(plugin, entries, _KEYS)
     columns = get_items(plugin, entries, "columns")
     if not columns:
-        plugin.refuse_result("no columns", _EXPECTED)
+        refuse_result(plugin, "no columns", _EXPECTED)
     values = [_convert_values(plugin, column) for column in columns]
     lengths = sorted({len(value) for value in values})
     if len(lengths) > 1 or lengths[0] < 2:
-        plugin.refuse_result(f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
+        refuse_result(plugin, f"columns of {', '.join(map(str, lengths))} values", _EXPECTED)
     check_value_count(len(values) * lengths[0], "the file holds")
     return FileTable(
         format=plugin.full_label,
@@ -88,7 +94,7 @@ def _convert_values(plugin: Plugin, item: Mapping[str, Any]) -> FloatArray:
     try:
         values = np.asarray(item.get("values"), dtype=float)
     except (TypeError, ValueError):
-        plugin.refuse_result(f"column '{name}' whose values are not numbers", _EXPECTED)
+        refuse_result(plugin, f"column '{name}' whose values are not numbers", _EXPECTED)
     if values.ndim != 1:
-        plugin.refuse_result(f"column '{name}' of {values.ndim} dimensions", _EXPECTED)
+        refuse_result(plugin, f"column '{name}' of {values.ndim} dimensions", _EXPECTED)
     return values

@@ -9,6 +9,7 @@ from dashpot.base.plain_text import escape_terminal_text
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText, Exportable
 from dashpot.export.deck_validation import Target, open_deck
+from dashpot.extensions.plugins.contract import refuse_result
 from dashpot.registry.plugins import Plugin
 
 _FORM = "arms"
@@ -49,7 +50,7 @@ def make_writer(plugin: Plugin) -> Target:
             plugin.raise_failure(error)
         if not isinstance(cards, str) or not cards.strip():
             text = "an empty text" if isinstance(cards, str) else f"a {type(cards).__name__}"
-            plugin.refuse_result(text, "the cards of a deck as one text")
+            refuse_result(plugin, text, "the cards of a deck as one text")
         comment = getattr(import_module(plugin.value.partition(":")[0]), "COMMENT", _COMMENT)
         return deck.format_text(
             str(comment),

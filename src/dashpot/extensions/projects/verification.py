@@ -129,7 +129,7 @@ def _find_unlisted_files(project: Project, history: History) -> list[str]:
     return sorted({path.relative_to(project.folder).as_posix() for path in complete_files} - names)
 
 
-# -- the work, done again -------------------------------------------------------------------------
+# -- Recomputation --------------------------------------------------------------------------------
 
 
 def _compare_with_rerun(

@@ -255,7 +255,7 @@ def _validate_history(owner: str, values: npt.ArrayLike, t: FloatArray) -> Float
     return history
 
 
-# Complex modes, by two methods that must agree.
+# Complex modes, computed by two methods.
 
 
 _RIGID = 1e-6

@@ -201,7 +201,7 @@ def _plausible(quantity: str, end_status: Status | None = None) -> Believable:
     return evaluate
 
 
-# a mass beyond belief is another than that on the balance: hammer and balance disagree
+# An implausible fitted mass: hammer and balance disagree.
 mass_plausible = _plausible("mass", Status.TESTS_DISAGREE)
 gain_plausible, delay_plausible, stiffness_plausible = map(
     _plausible, ("gain", "delay", "stiffness")

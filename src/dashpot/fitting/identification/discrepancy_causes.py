@@ -43,7 +43,7 @@ from dashpot.numerics.inference.model_order import DECISIVE_BIC
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
-#: what the model lacks may decide between causes by this part of what they explain
+#: relative error of the explained deviance, from the imperfect model
 MODEL_ERROR_SHARE = 0.02
 TOLERANCE = 1e-11
 # standard errors beyond which a stiffness is said to be another

@@ -59,7 +59,7 @@ from dashpot.solids.maxwell import Solid
 # best is reported beside it.
 
 
-# what would distinguish families that explain a hammer alone, and with relaxation tests
+# Tests that would distinguish the model families, for a hammer test and for a joint fit.
 _HAMMER_ADVICE, _JOINT_ADVICE = (
     "a relaxation test of the seal",
     "a colder test or a hammer on another mass",
@@ -187,7 +187,7 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
 
 
-# of the decay of a window, over which the response is differenced
+# Step of the finite difference by the decay rate of a window, in its standard errors.
 _DECAY_STEP = 1e-3
 
 
@@ -248,7 +248,7 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
 # Construction of a fit: errors, nuisances, changes.
 
 
-# arms nearer than this in ln tau are the same arm
+# Distance in ln tau below which two arms count as the same.
 SAME_ARM_DISTANCE = 1.0
 
 

@@ -60,7 +60,7 @@ from dashpot.numerics.inference.model_order import DECISIVE_BIC, Shortage, selec
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# a criterion this much above the best ends the search for more arms
+# Excess of the criterion over its best value that ends the search for more arms.
 MAX_CRITERION_RISE = 6.0
 # a fractional element lies in a narrow valley of slope and relaxation time: so many starts along it
 ELEMENT_STARTS = 4
@@ -234,7 +234,7 @@ def _run_final_descent(problem: IdentificationProblem, theta: FloatArray) -> Can
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
 
-# -- the best solid of either family ----------------------------------------------------------
+# -- Best model of each family ----------------------------------------------------------------
 
 
 def _select_best(
@@ -298,7 +298,7 @@ def _fit_fractional(
     return min(attempts, key=lambda candidate: candidate.bic)
 
 
-# -- the best solid for each number of arms ---------------------------------------------------
+# -- Best model for each number of arms -------------------------------------------------------
 
 
 def _solve_every_order(

@@ -52,7 +52,7 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, ringing_pole
 
-# one unit of the delay parameter, s: of the order of what channels differ by
+# Unit of the delay parameter, s: a typical delay between channels.
 DELAY_UNIT = 1e-4
 # arms are sought this far, as a factor in time, beyond what the lines and tests could show
 TAU_MARGIN = 3.0
@@ -456,7 +456,7 @@ class ModelPrediction:
             yield constraints.damping_ratio.standardise(-pole.real / pole_magnitude, slope)
 
 
-# -- the optimum ------------------------------------------------------------------------------
+# -- Optimum ----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.vibration.mass_on_seals import MassOnSeals, OperatingPoint, operating_point
 
-# a block on a workshop balance: 0.1 g of 100 g
+# Relative error of a weighed mass: 0.1 g of 100 g on a workshop balance.
 USUAL_MASS_SD = 0.001
 MAX_ARMS = 3
 

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 # Source: C. J. Geyer, Statistical Science 7 (1992) 473.
 
 
-# a direction whose share of the information is below this is a rounding error, not knowledge
+# Share of the information below which a direction is rounding error.
 _SINGULAR_SHARE = 1e-13
 # kappa below which residuals are so nearly white that evenness is not tested
 _MIN_KAPPA = 3.0

@@ -30,7 +30,8 @@ from dashpot.numerics.inference.correlated_noise import (
 from dashpot.numerics.inference.model_order import bic
 from dashpot.numerics.least_squares import Optimum
 
-#: of a profile interval: slices to a side, trials at most, and how close its ends come in quantiles
+#: profile intervals: steps on each side, largest number of trials, tolerance of the ends in
+#: quantiles
 _SLICES, _TRIALS, _END_TOLERANCE = 3, 40, 1e-2
 
 

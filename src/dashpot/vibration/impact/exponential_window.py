@@ -264,7 +264,7 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
     )
 
 
-# -- what noise shows ------------------------------------------------------------------------------
+# -- Decay of the noise ----------------------------------------------------------------------------
 
 
 def estimate_scatter_decay(

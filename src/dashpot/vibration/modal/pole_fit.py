@@ -48,7 +48,7 @@ def mac(shapes: ComplexArray, other_shapes: ComplexArray) -> FloatArray:
 # FRF lines to be fitted, and the shape of a pole on them.
 
 
-# no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
+# Smallest relative error of a line of a measured FRF: leakage and aliasing.
 MIN_LINE_ERROR = 1e-3
 MIN_ERROR_OF_PEAK = 3e-4  # and of the highest line: leakage is modelled that well
 

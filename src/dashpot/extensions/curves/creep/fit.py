@@ -94,7 +94,7 @@ from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# retardations of the first solution, which gives the velocity
+# Number of retardation times of the first solution, which gives the velocity.
 _FIRST_ORDER = 2
 _MIN_COUNT = 5
 # smallest retardation time over the time resolution of the load
@@ -204,7 +204,7 @@ def _list_candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
     return [(False, options), (True, replace(options, arms=arms if arms == "auto" else arms - 1))]
 
 
-# -- a test ---------------------------------------------------------------------------------------
+# -- Creep tests ----------------------------------------------------------------------------------
 
 
 def _build_data(record: LoadHold, *, has_flow: bool) -> FitData:
@@ -324,7 +324,7 @@ def _compute_delay_column(
     return np.gradient(_compute_response(block, first_solution), time)
 
 
-# -- a kind of part ------------------------------------------------------------------------------
+# -- Part with or without flow -------------------------------------------------------------------
 
 
 def _choose_by_bic(selections: Sequence[SelectedModel]) -> SelectedCreepModel:
@@ -627,7 +627,7 @@ def _make_step(result: SelectedCreepModel, limit_text: str, arms: int | Literal[
     return Step("fit_creep", (("arms", str(arms)),), message)
 
 
-# -- a curve --------------------------------------------------------------------------------------
+# -- Creep compliance curves ----------------------------------------------------------------------
 
 
 def _fit_curve(

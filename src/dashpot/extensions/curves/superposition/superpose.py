@@ -243,7 +243,7 @@ def _apply_stated_shifts(
     return fit_spectrum(isotherms, ln_a, ln_b, make_grid(isotherms, ln_a)), vertical_rule, ()
 
 
-# -- what is known of the shifts ------------------------------------------------------------------
+# -- Stated shifts --------------------------------------------------------------------------------
 
 
 def _compute_decadic_covariance(best: ShiftedSpectrum, reference_index: int) -> FloatArray:
@@ -284,7 +284,7 @@ def _compute_overlap(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> Fl
     )  # fmt: skip
 
 
-# -- the master curve -----------------------------------------------------------------------------
+# -- Master curve ---------------------------------------------------------------------------------
 
 
 def _solid(

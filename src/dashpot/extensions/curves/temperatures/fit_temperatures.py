@@ -107,7 +107,7 @@ class MultiTemperatureFit(NamedTuple):
     covariance: JointCovariance
 
 
-# most arms of the fit of one test alone, where it is one of several temperatures
+# Largest number of arms in the separate fit of each of the tests.
 _MAX_TEST_ARMS = 6
 
 
@@ -311,7 +311,7 @@ def _end_of_hold(
     )
 
 
-# -- the fit --------------------------------------------------------------------------------------
+# -- Fit ------------------------------------------------------------------------------------------
 
 
 def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:

@@ -116,7 +116,7 @@ class IndentationTest(EqualByValue, HasSummary):
         )
 
 
-# main results, by priority
+# Main results, by priority.
 _CAME_FOR = ("modulus", "k")
 
 

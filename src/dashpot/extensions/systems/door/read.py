@@ -13,6 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
+from dashpot.base.units import Dimension
 from dashpot.base.value_ranges import SIZES
 from dashpot.datamodel.seal_line import LineFriction, Shear
 from dashpot.extensions.systems.door.door_model import (
@@ -25,7 +26,7 @@ from dashpot.extensions.systems.door.door_model import (
     Support,
 )
 from dashpot.extensions.systems.door.named_columns import convert_column_to_si, read_named_columns
-from dashpot.extensions.systems.door.read_closing import read_closing
+from dashpot.extensions.systems.door.read_closing import read_closing, require_keys
 from dashpot.extensions.systems.door.read_leak import read_leak_setup
 from dashpot.extensions.systems.door.seal_line import Joint, SealLine
 from dashpot.reading.readers import channels
@@ -118,9 +119,9 @@ _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
 
 def _read_rigid_body(section: Section) -> RigidPart:
     """Mass and inertia, or those of a uniform plate of that width and height."""
-    section.require_keys("mass", "centre")
+    require_keys(section, "mass", "centre")
     mass = section.quantity("mass", "mass") or 0.0
-    inertia = section.vector("inertia", "moment of inertia")
+    inertia = _read_vector(section, "inertia", "moment of inertia")
     if inertia is None:
         if "width" not in section or "height" not in section:
             raise ReadError(
@@ -173,7 +174,7 @@ def _read_supports(kind: str) -> Callable[[_TableLocation, Any], dict[str, Any]]
 
 
 def _read_support(location: _TableLocation, section: Section, name: str) -> Support:
-    section.require_keys("at")
+    require_keys(section, "at")
     direction, fit = section.direction("along"), location.path(section.word("fit"))
     direction_count = 1 if direction else 3
     stiffness = _read_directional_values(section, "stiffness", direction_count)
@@ -221,7 +222,7 @@ def _read_seal(location: _TableLocation, entries: Any) -> dict[str, Any]:
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
         "friction",
     )  # fmt: skip
-    section.require_keys("fit", "points")
+    require_keys(section, "fit", "points")
     points, columns = _read_point_columns(location, section)
     normal_columns = [columns[name] for name in _NORMAL_KEYS if name in columns]
     normal = normal_columns if len(normal_columns) == 3 else section.direction("normal") or _Z
@@ -269,7 +270,7 @@ def _read_point_columns(
         )
     _refuse_more(section.location, len(points), "points")
     rows = [Section(section.location, {"points": row}, ("points",)) for row in points]
-    return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
+    return np.array([_read_vector(row, "points", "length") for row in rows], dtype=float), {}
 
 
 _POSITION_KEYS, _COMPRESSION_KEYS, _NORMAL_KEYS = (
@@ -367,7 +368,7 @@ def _read_friction(location: _TableLocation, entries: Any) -> LineFriction | Non
     if entries is None:
         return None
     row = Section(f"{location.where[:-1]}.friction]", entries, ("mu", "across", "along"))
-    row.require_keys("mu")
+    require_keys(row, "mu")
     mu, friction_across, friction_along = (
         row.number(name) or 0.0 for name in ("mu", "across", "along")
     )
@@ -401,7 +402,7 @@ def _tilt_normals(
 def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
     joints = []
     for row in location.parse_tables(rows, "name", "at", "length", "factor"):
-        row.require_keys("at", "length", "factor")
+        require_keys(row, "at", "length", "factor")
         position, length = (row.quantity(name, "length") or 0.0 for name in ("at", "length"))
         joints.append(
             Joint(position, length, row.number("factor") or 0.0, row.word("name") or "joint")
@@ -411,7 +412,7 @@ def _read_joints(location: _TableLocation, rows: Any) -> tuple[Joint, ...]:
 
 def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "file", "unit", "modal_mass", "damping", "most", "held")
-    section.require_keys("file")
+    require_keys(section, "file")
     max_hz = section.quantity("most", "frequency")
     return {
         "modes": ModesChoice(
@@ -428,7 +429,7 @@ def _read_modes(location: _TableLocation, entries: Any) -> dict[str, Any]:
 def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
     points = []
     for i, row in enumerate(location.parse_tables(entries, "name", "at", "along", "on"), start=1):
-        row.require_keys("at")
+        require_keys(row, "at")
         body = row.word("on") or "door"
         if body not in {"door", "body"}:
             raise ReadError(f"{row.location}: on = '{body}'; expected door or body")
@@ -443,15 +444,27 @@ def _read_points(location: _TableLocation, entries: Any) -> dict[str, Any]:
 
 def _read_base(location: _TableLocation, entries: Any) -> dict[str, Any]:
     section = location.section(entries, "psd", "along")
-    section.require_keys("psd")
+    require_keys(section, "psd")
     word = section.word("psd") or ""
     direction = section.direction("along") or _Z
     path = location.folder / word
     return {"base": location.path(word) if path.is_file() else word, "base_along": direction}
 
 
+def _read_vector(section: Section, name: str, dimension: Dimension) -> Vector | None:
+    """Return three quantities, along x, y and z: ``"0, 300, 0 mm"``."""
+    values = section.quantities(name, dimension)
+    if values is None:
+        return None
+    if len(values) != 3:
+        raise ReadError(
+            f"{section.location}: {name} has {len(values)} numbers; expected three, of x, y and z"
+        )
+    return values[0], values[1], values[2]
+
+
 def _read_place(section: Section, name: str) -> Vector:
-    values = section.vector(name, "length") or (0.0, 0.0, 0.0)
+    values = _read_vector(section, name, "length") or (0.0, 0.0, 0.0)
     return _refuse_implausible(section, name, values)
 
 

@@ -85,15 +85,22 @@ def read_closing(
     )
 
 
+def require_keys(section: Section, *names: str) -> None:
+    """Raise a :class:`ReadError` for the first of the keys that a section lacks."""
+    for name in names:
+        if name not in section:
+            raise ReadError(f"{section.location}: {name} is missing")
+
+
 def _check(table: Section) -> CheckStrap:
-    table.require_keys("angle", "moment")
+    require_keys(table, "angle", "moment")
     return CheckStrap(
         table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
     )
 
 
 def _read_latch(width: float | None, table: Section) -> Latch:
-    table.require_keys("travel", "force")
+    require_keys(table, "travel", "force")
     return Latch(
         table.quantities("travel", "length") or (),
         table.quantities("force", "force") or (),
@@ -103,7 +110,7 @@ def _read_latch(width: float | None, table: Section) -> Latch:
 
 
 def _read_vents(table: Section) -> Vents:
-    table.require_keys("width", "hollow", "hole", "spacing")
+    require_keys(table, "width", "hollow", "hole", "spacing")
     width, hollow, hole, spacing = (
         table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
     )
@@ -113,7 +120,7 @@ def _read_vents(table: Section) -> Vents:
 
 
 def _read_inter_seal_air(table: Section) -> InterSealAir:
-    table.require_keys("width", "depth")
+    require_keys(table, "width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
     )
@@ -121,7 +128,7 @@ def _read_inter_seal_air(table: Section) -> InterSealAir:
 
 
 def _read_cabin(width: float | None, area: float | None, table: Section) -> Cabin:
-    table.require_keys("volume", "opening")
+    require_keys(table, "volume", "opening")
     return Cabin(
         *_read_air(table),
         table.quantity("volume", "volume") or 0.0,

@@ -7,6 +7,7 @@ from typing import Any
 
 from dashpot.base.errors import ReadError
 from dashpot.extensions.systems.door.leak_setup import AgingChoice, LeakSetup, LeakState
+from dashpot.extensions.systems.door.read_closing import require_keys
 from dashpot.reading.toml import Section
 
 _KEYS = (
@@ -38,7 +39,7 @@ def read_leak_setup(location: str, entries: Any, path: Callable[[str | None], st
         If a key is unknown or missing, or a value impossible.
     """
     table = Section(location, entries, _KEYS)
-    table.require_keys("lip")
+    require_keys(table, "lip")
     rows = table.entries.get("state", [])
     rows = [rows] if isinstance(rows, dict) else rows
     if not isinstance(rows, list) or len(rows) > _MAX_STATES:
@@ -64,7 +65,7 @@ def _read_state(row: Section, number: int, path: Callable[[str | None], str]) ->
     time, retained_fraction = row.quantity("time", "time"), row.quantity("retained", "strain")
     aging = None
     if "aging" in row:
-        row.require_keys("aging_time", "aging_temperature")
+        require_keys(row, "aging_time", "aging_temperature")
         aging = AgingChoice(
             path(row.word("aging")),
             row.quantity("aging_time", "time") or 0.0,
