@@ -29,6 +29,7 @@ FORMER_NAMES = {
     "`--resonance-at`, `--resonance-level`": "`--resonance-amplitude`",
     "`--memory`, `--slam`, `--between`": "`--relaxation`, `--drop`, `--compression-limits`",
     "`--kind slam`": "`--kind drop`",
+    "`--kind one-frequency`": "`--kind single-frequency`",
     "`dashpot predict --kind`": "`dashpot predict --frf-type`",
     "`dp.fit(cuts=)`, `dp.report(cuts=)`": "`time_limits=`",
     "`dp.Pieces`, `dp.CompressionTest`": "`dp.CLDResult`, `dp.CLDTest`",

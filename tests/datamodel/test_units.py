@@ -62,7 +62,9 @@ def _get_unit(made):
 
 @pytest.mark.parametrize(("cls", "arrays", "units", "factors"), CLASSES)
 def test_units_refuse_missing_surplus_and_wrong_words(cls, arrays, units, factors):
-    with pytest.raises(DataError, match=f'{cls.__name__} is made of arrays.*units="SI".*units="'):
+    with pytest.raises(
+        DataError, match=f'{cls.__name__} has arrays without a unit.*units="SI".*units="'
+    ):
         cls(**arrays)
     with pytest.raises(DataError, match=r"names 1 units? for .*\(" + ", ".join(arrays)):
         cls(**arrays, units=units.split(",")[0])

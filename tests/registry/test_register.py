@@ -69,7 +69,7 @@ NO_EXAMPLE = {
     "master-curve",
     "strain-sweep",
     "temperature-sweep",
-    "one-frequency",
+    "single-frequency",
     "creep",
     "rod",
     "plug-in",

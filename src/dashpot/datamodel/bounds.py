@@ -10,7 +10,14 @@ from typing import Literal, TypeAlias, TypedDict
 import numpy as np
 
 from dashpot.base import dataclass, field, replace
-from dashpot.base.arrays import EqualByValue, FloatArray, FrozenArrays, frozen, increasing, samples
+from dashpot.base.arrays import (
+    EqualByValue,
+    FloatArray,
+    FrozenArrays,
+    make_readonly_copy,
+    require_increasing,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, interval, round_to_error
 from dashpot.base.reported_values import ReportedValue
@@ -288,7 +295,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
     message: str = ""
 
     def __post_init__(self) -> None:
-        frequency = increasing("frequency", samples("frequency", self.frequency))
+        frequency = require_increasing("frequency", validate_samples("frequency", self.frequency))
         object.__setattr__(self, "frequency", frequency)
         for name in ("storage", "loss", "loss_factor"):
             limits = np.asarray(getattr(self, name), dtype=float)
@@ -299,7 +306,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
                 )
             if not (limits[0] <= limits[1]).all():
                 raise DataError(f"the lower limit of {name} lies above its upper limit")
-            object.__setattr__(self, name, frozen(limits))
+            object.__setattr__(self, name, make_readonly_copy(limits))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,9 +12,9 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    frozen,
     hold_measured,
     make_cosine_sequence,
+    make_readonly_copy,
     make_units_field,
     median,
 )
@@ -555,4 +555,4 @@ class Trajectory(EqualByValue):
                     f"position has the shape {self.position.shape}; expected {len(self.time)} rows "
                     "of x, y, z"
                 )
-            object.__setattr__(self, "position", frozen(self.position))
+            object.__setattr__(self, "position", make_readonly_copy(self.position))

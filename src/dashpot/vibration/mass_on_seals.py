@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, validate_samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
@@ -219,7 +219,7 @@ def predict_frf(
     f = (
         _default_frequencies(model.k_0, mass)
         if frequency is None
-        else samples("frequency", frequency)
+        else validate_samples("frequency", frequency)
     )
     s = 2j * np.pi * f + shift
     stiffness = model.stiffness_at(s)

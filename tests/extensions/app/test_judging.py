@@ -71,7 +71,7 @@ def test_every_kind_of_the_register_has_a_place_on_the_page():
     # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {
         "temperature-sweep",
-        "one-frequency",
+        "single-frequency",
         "rod",
         "plug-in",
         "preload-map",

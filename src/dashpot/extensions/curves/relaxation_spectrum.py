@@ -9,7 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
@@ -123,9 +128,9 @@ def master_curve(
     DataError
         If the times do not increase from above 0, or a modulus is not above 0.
     """
-    t = increasing("time", samples("time", time, minimum=3))
-    values = samples("modulus", modulus)
-    same_length(time=t, modulus=values)
+    t = require_increasing("time", validate_samples("time", time, minimum=3))
+    values = validate_samples("modulus", modulus)
+    require_same_length(time=t, modulus=values)
     _require_positive("time", t)
     _require_positive("modulus", values)
     # an arm faster than the second time would show in one sample only

@@ -13,7 +13,7 @@ from dashpot.base.arrays import (
     IndexArray,
     convert_arrays_to_si,
     make_units_field,
-    same_length,
+    require_same_length,
     validate_measured,
 )
 from dashpot.base.checks import Check
@@ -77,7 +77,7 @@ class CSRTest(EqualByValue, HasSummary):
             self.specimen_number if len(self.specimen_number) else np.ones(len(self.time))
         )
         object.__setattr__(self, "specimen_number", np.asarray(specimen_number, dtype=np.intp))
-        same_length(
+        require_same_length(
             time=self.time,
             force=self.force,
             temperature=self.temperature,
