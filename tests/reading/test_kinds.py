@@ -112,7 +112,8 @@ def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("decades", "kind"),
-    [(SINGLE_FREQUENCY_DECADES - 1e-6, "single-frequency"), (SINGLE_FREQUENCY_DECADES + 1e-6, "dma"),
+    [(SINGLE_FREQUENCY_DECADES - 1e-6, "single-frequency"),
+     (SINGLE_FREQUENCY_DECADES + 1e-6, "dma"),
      (MASTER_CURVE_DECADES - 1e-6, "dma"), (MASTER_CURVE_DECADES + 1e-6, "master-curve")],
 )  # fmt: skip
 def test_kind_of_sweep_depends_on_its_decades(decades: float, kind: str) -> None:

@@ -120,7 +120,7 @@ class ReadOptions:
         Path of an ATI ``.cal`` file that turns six gauge voltages into the force.
     axis : str
         The axis of the calibrated transducer that is the force.
-    own : tuple of (str, ReadOptions)
+    file_options : tuple of (str, ReadOptions)
         Options for files whose name matches a pattern: ``"hammer*.csv"``.
     """
 

@@ -263,8 +263,8 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     Examples
     --------
     >>> import dashpot as dp
-    >>> found = dp.fit(dp.simulate("impact", seal="broad", hits=3))
-    >>> len(found), round(found[0].damping_ratio, 3)
+    >>> modes = dp.fit(dp.simulate("impact", seal="broad", hits=3))
+    >>> len(modes), round(modes[0].damping_ratio, 3)
     (1, 0.029)
     """
 

@@ -57,8 +57,8 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     --------
     >>> import dashpot as dp
     >>> light, heavy = dp.simulate("impact", mass="90g"), dp.simulate("impact", mass="120g")
-    >>> found = dp.fit(light.frf(), heavy.frf(), mass=["90g", "120g"], seals=2)
-    >>> found.verdict.use in ("use", "use with care", "do not use")
+    >>> result = dp.fit(light.frf(), heavy.frf(), mass=["90g", "120g"], seals=2)
+    >>> result.verdict.use in ("use", "use with care", "do not use")
     True
     """
 

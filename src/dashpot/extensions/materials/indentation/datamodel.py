@@ -45,7 +45,7 @@ class IndentationTest(EqualByValue, HasSummary):
         s, evenly spaced.
     signal : array, shape (n,)
         In the unit of `quantity`; its sign as recorded.
-    of : str
+    quantity : str
         ``"acceleration"``, ``"velocity"``, ``"displacement"`` or ``"force"``.
     indenter : Indenter
     force : array, shape (n,), or None
@@ -134,7 +134,7 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
     indenter : Indenter
-    of : str
+    quantity : str
         Recorded quantity.
     time, measured, modelled : array, shape (n,)
         Time from first contact, s; the record around the contact, positive for a push from the
@@ -151,8 +151,8 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     Examples
     --------
     >>> import dashpot as dp
-    >>> found = dp.fit(dp.read("hit.csv", mass="5g", radius="2.5mm"))  # doctest: +SKIP
-    >>> found.law  # doctest: +SKIP
+    >>> fit = dp.fit(dp.read("hit.csv", mass="5g", radius="2.5mm"))  # doctest: +SKIP
+    >>> fit.law  # doctest: +SKIP
     'hertz'
     """
 
