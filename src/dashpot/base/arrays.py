@@ -87,14 +87,14 @@ def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
     """Cache the result of a function on its frozen record, as a decorator."""
 
     @wraps(function)
-    def cached(record: T) -> R:
+    def wrapper(record: T) -> R:
         entries: dict[str, R] = vars(record)
         if key not in entries:
             entries[key] = function(record)
         return entries[key]
 
     key = f"_{function.__name__}"
-    return cached
+    return wrapper
 
 
 def replace_notes(record: T, **changes: object) -> T:
