@@ -274,7 +274,7 @@ LINEAR = [
 @pytest.mark.parametrize(("target", "form"), LINEAR)
 def test_a_form_that_holds_no_friction_says_who_does(target, form):
     write, fit = TARGETS[target], a_level_fit()
-    with pytest.raises(ExportError, match="3 sliders and a cubic spring, whose force is not") as no:
+    with pytest.raises(ExportError, match="3 sliders and a cubic spring in parallel") as no:
         write(fit, units="SI", form=form, allow=("all",))
     message = str(no.value)
     if target in CARRIERS:

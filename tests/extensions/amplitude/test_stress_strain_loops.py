@@ -82,7 +82,7 @@ def test_fit_of_loops_in_strain_and_stress_gives_moduli(tmp_path, head, strain, 
 
 def test_read_of_loops_in_strain_and_stress_gives_a_sweep_in_pascal(tmp_path) -> None:
     sweep = dp.read(write_record(tmp_path / "loops.csv", loops()))
-    assert (sweep.unit, sweep.of) == ("Pa", "strain")
+    assert (sweep.unit, sweep.amplitude_unit) == ("Pa", "strain")
     np.testing.assert_allclose(sweep.storage, 1e6 * modulus(1.0).real, rtol=0.01)
     assert dp.fit(sweep).unit == "Pa"
 

@@ -70,7 +70,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     >>> import dashpot as dp, numpy as np
     >>> t = np.linspace(0, 10, 50)
     >>> sweep = dp.AmplitudeSweep(1 + 0 * t, 1 + t, 5 - t / 9, 1 + 0 * t, units="Hz, %, MPa, MPa")
-    >>> sweep.of, float(sweep.amplitude[0])
+    >>> sweep.amplitude_unit, float(sweep.amplitude[0])
     ('strain', 0.01)
     """
 
