@@ -41,8 +41,8 @@ def file(tmp_path):
 
 def look_twice(watch, name):
     """What two looks say: one that is still written is left alone at the first."""
-    watch.look([name])
-    return watch.look([name])[name]
+    watch.list_file_states([name])
+    return watch.list_file_states([name])[name]
 
 
 def test_a_file_that_rests_is_as_it_was_read(store, file):
