@@ -147,8 +147,8 @@ def _fit_files(
     lot = run_batch(
         paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
         at=frequency, compression=compression, length=length, radius=radius,
-        machine=machine, label_pattern=label_pattern, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
-        scheduler=scheduler,
+        machine=machine, label_pattern=label_pattern, manifest=manifest, pair=pair, joint=joint,
+        jobs=jobs, scheduler=scheduler,
     )  # fmt: skip
     if to is not None:
         from dashpot.extensions.batch.lot_output import write_lot  # figures and pages take time
