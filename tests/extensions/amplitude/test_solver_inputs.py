@@ -278,7 +278,7 @@ def test_a_form_that_holds_no_friction_says_who_does(target, form):
         write(fit, units="SI", form=form, allow=("all",))
     message = str(no.value)
     if target in CARRIERS:
-        assert f"take --form {CARRIERS[target][0]}" in message
+        assert f"use --form {CARRIERS[target][0]}" in message
     else:
         assert f"--to {', '.join(CARRIERS)}" in message
     # arms alone are linear: any deck takes them
