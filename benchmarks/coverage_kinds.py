@@ -158,7 +158,7 @@ def indentation(seed: int) -> Held:
         "impact_velocity": true["speed"], "depth": true["depth"],
     }  # fmt: skip
     for name, value in numbers.items():
-        quantity = next(item for item in indentation_fit.found if item.name == name)
+        quantity = next(item for item in indentation_fit.reported_values if item.name == name)
         yield name, bool(quantity.low <= value <= quantity.high)
 
 

@@ -169,7 +169,7 @@ def main() -> None:
         intact, spoilt = write_files(folder, how.tests)
         size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
         began = time.perf_counter()
-        lot = batch(folder, output=Path(place) / "lot", arms=2, by=BY, jobs=how.jobs)
+        lot = batch(folder, output=Path(place) / "lot", arms=2, label_pattern=BY, jobs=how.jobs)
         wall = time.perf_counter() - began
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = used.ru_utime + used.ru_stime

@@ -462,7 +462,7 @@ def _measure_indentation(sheet: Sheet, path: Path) -> Answer:
     # as a lab knows it, by the height of its fall
     indenter = Indenter(mass=sheet.truth["mass"], impact_velocity=sheet.truth["speed"])
     indentation_fit = fit_indentation(read_indentation(path, indenter=indenter))
-    depth = next(fact.value for fact in indentation_fit.found if fact.name == "depth")
+    depth = next(fact.value for fact in indentation_fit.reported_values if fact.name == "depth")
     return indentation_fit.verdict, _error(depth, sheet.truth["depth"])
 
 
@@ -523,7 +523,7 @@ def _late_drop(sheet: Sheet) -> Answer:
     test = dp.DropTest(sheet["time"], sheet["force"], sheet["acceleration"], units="SI")
     random = np.random.default_rng([77, *sheet.name.encode()])
     result = dp.fit(test, mass=specimen.mass, relaxation=make_relaxation_fit(specimen, random))
-    loss = result.found[0]
+    loss = result.reported_values[0]
     off = specimen.loss_factor(result.frequency) - loss.value
     return result.verdict, WITHIN * abs(off) / ((loss.high - loss.low) / 2)
 

@@ -235,7 +235,7 @@ def judge_cars(seed: int, *, is_spoilt: bool) -> Answer:
         cars = predict_population(path, lot=table, limits=[f"mode 1 >= {limit!r}Hz"])
     (mode,) = (quantity for quantity in cars.quantities if quantity.limit is not None)
     truth = norm.cdf(z)
-    error = abs(mode.share_beyond - truth) / 0.25
+    error = abs(mode.nonconforming_share - truth) / 0.25
     return Answer(cars.verdict.use, error, (_holds(mode.share_low, truth, mode.share_high),))
 
 

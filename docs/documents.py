@@ -29,6 +29,7 @@ FORMER_NAMES = {
     "`--resonance-at`, `--resonance-level`": "`--resonance-amplitude`",
     "`--memory`, `--slam`, `--between`": "`--relaxation`, `--drop`, `--compression-limits`",
     "`--kind slam`": "`--kind drop`",
+    "`--kind one-frequency`": "`--kind single-frequency`",
     "`dashpot predict --kind`": "`dashpot predict --frf-type`",
     "`dp.fit(cuts=)`, `dp.report(cuts=)`": "`time_limits=`",
     "`dp.Pieces`, `dp.CompressionTest`": "`dp.CLDResult`, `dp.CLDTest`",
@@ -64,6 +65,22 @@ FORMER_NAMES = {
         "`.unmeasured`, `.other_tests`, `.static_equilibrium`"
     ),
     "`described`, `series`, `document` of a result": "`print(result)`, `to_pandas()`, `to_dict()`",
+    "`dp.fit(between=)`": "`dp.fit(compression_limits=)`",
+    "`dp.batch(by=)`": "`dp.batch(label_pattern=)`",
+    "`.found` of a result": "`.reported_values`",
+    "`modes.sound`": "`modes.verdict.message`",
+    "`prediction.at_rest`, `.limited`, `.at_edge`, `.of_part`": (
+        "`.static_equilibrium`, `.response_limits`, `.is_peak_at_edge`, `.is_of_part`"
+    ),
+    "`comparison.at_rest`, `.noted`": "`.static_equilibrium`, `.frf_checks`",
+    "`dp.AmplitudeFit.of`, `.left_out`, `dp.AmplitudeSweep.of`, `dp.AmplitudeResult.at`": (
+        "`.amplitude_unit`, `.omitted_samples`, `.amplitude_unit`, `.peaks`"
+    ),
+    "`dp.IndentationTest(of=)`, `dp.IndentationFit.of`": "`quantity=`, `.quantity`",
+    "`dp.files.ReadOptions(own=)`": "`dp.files.ReadOptions(file_options=)`",
+    "`dp.plot.frf(informed=)`, `dp.plot.bench(found)`": "`valid_band=`, `bench_fit`",
+    "`dp.systems.mac(one, other)`": "`dp.systems.mac(shapes, other_shapes)`",
+    "`beyond` of `[closing.latch]`": "`overtravel`",
 }
 """Options and names of Python before 0.9.0, and what they are now."""
 HEAD = """\

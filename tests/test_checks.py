@@ -471,8 +471,8 @@ def judge_hold_residual(times: float) -> Check:
 PREPARATION = [
     Case("baseline_recorded", judge_integer(baseline), 5, 4),
     Case(
-        "contact_found",
-        lambda x: preparation.contact_found(Touch(0.0, 1e-3, DEPTH * x), DEPTH, is_given=False),
+        "contact_detected",
+        lambda x: preparation.contact_detected(Touch(0.0, 1e-3, DEPTH * x), DEPTH, is_given=False),
         0.00999,
         0.01001,
     ),
@@ -604,7 +604,7 @@ FITTING = [
     Case(
         "uncertainty_estimated", lambda x: solid.uncertainty_estimated(is_estimated=bool(x)), 1, 0
     ),
-    Case("optimum_found", lambda x: solid.optimum_found(stationary=bool(x)), 1, 0),
+    Case("optimiser_converged", lambda x: solid.optimiser_converged(stationary=bool(x)), 1, 0),
     Case("k_end_determined", check_k_inf, 0.499, 0.501),
     Case("k_end_determined", check_k_end, 0.499, 0.501),
     Case(
@@ -990,10 +990,16 @@ FRACTIONAL = [
 
 IDENTIFICATION = [
     Case(
-        "lines_explained", lambda x: identification.lines_explained(x, known_sd=True), 1.999, 2.001
+        "lines_explained",
+        lambda x: identification.lines_explained(x, has_absolute_sd=True),
+        1.999,
+        2.001,
     ),
     Case(
-        "lines_explained", lambda x: identification.lines_explained(x, known_sd=False), 0.099, 0.101
+        "lines_explained",
+        lambda x: identification.lines_explained(x, has_absolute_sd=False),
+        0.099,
+        0.101,
     ),
     Case(
         "hammer_agrees_with_relaxation_test",
@@ -1135,7 +1141,9 @@ SEALS = [
         0.0,
         0.01,
     ),
-    Case("leak_speed_known", lambda x: seals.leak_speed_known(x, state="new"), 0.199, 0.201),
+    Case(
+        "leak_speed_determined", lambda x: seals.leak_speed_determined(x, state="new"), 0.199, 0.201
+    ),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
     Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("lateral_restraint_present", lambda x: seals.lateral_restraint_present(x, 0.354), 0, 1),
@@ -1321,8 +1329,8 @@ MODAL = [
     Case("points_share_modes", lambda x: modal.points_share_modes(sharing(x)), 0.2001, 0.1999),
     # of two masses four numbers, whose sum of squares exceeds 13.28 once in a hundred
     Case(
-        "one_solid_explains_masses",
-        lambda x: modal.one_solid_explains_masses(x, (0.1, 0.2), (0.1, "1 % of stiffness")),
+        "single_solid_explains_masses",
+        lambda x: modal.single_solid_explains_masses(x, (0.1, 0.2), (0.1, "1 % of stiffness")),
         3.63,
         3.66,
     ),
@@ -1336,7 +1344,7 @@ ROD = [
         7,
     ),
     Case("mass_ratio_suitable", rod.mass_ratio_suitable, 99.9, 100.1),
-    Case("one_solid_explains_lines", rod.one_solid_explains_lines, 1.499, 1.501),
+    Case("single_solid_explains_lines", rod.single_solid_explains_lines, 1.499, 1.501),
     Case("waves_plane", lambda x: rod.waves_plane(x, 300.0), 0.0499, 0.0501),
     Case(
         "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, values=(0.01, 0.02)), 2.99, 3.01
@@ -1414,9 +1422,12 @@ CSR = [
         0.34,
         -0.5,
     ),
-    Case("aging_answer_known", csr.aging_answer_known, 0.99, 1.01),
+    Case("aging_prediction_determined", csr.aging_prediction_determined, 0.99, 1.01),
     Case(
-        "one_activation_energy_explains_ovens", csr.one_activation_energy_explains_ovens, 8.99, 9.01
+        "single_activation_energy_explains_ovens",
+        csr.single_activation_energy_explains_ovens,
+        8.99,
+        9.01,
     ),
     *(
         Case(
@@ -1496,7 +1507,7 @@ DROP = [
         2.999,
         3.001,
     ),
-    Case("specimen_length_given", lambda x: drop.specimen_length_given(is_given=bool(x)), 1, 0),
+    Case("specimen_length_stated", lambda x: drop.specimen_length_stated(is_given=bool(x)), 1, 0),
 ]
 
 IMPACT = [
@@ -1604,8 +1615,18 @@ TEMPERATURE = [
     Case("thermorheologically_simple", lambda x: simple(0.0, x), 0.99 * 5e-6, 1.01 * 5e-6),
     Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (x, 0.01)), 0.0499, 0.0501),
     Case("thermorheologically_simple", lambda x: simple(0.5, 5e-4, (0.1, 0.1 / x)), 2.49, 2.51),
-    Case("stiffness_of_one_seal", lambda x: several.stiffness_of_one_seal(b_of(x)), 0.1499, 0.1501),
-    Case("stiffness_of_one_seal", lambda x: several.stiffness_of_one_seal(b_of(-x)), None, 0.1501),
+    Case(
+        "vertical_shift_plausible",
+        lambda x: several.vertical_shift_plausible(b_of(x)),
+        0.1499,
+        0.1501,
+    ),
+    Case(
+        "vertical_shift_plausible",
+        lambda x: several.vertical_shift_plausible(b_of(-x)),
+        None,
+        0.1501,
+    ),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(x)]), 0.99, 1.01),
     Case("temperature_steady", lambda x: several.temperature_steady([warming(-x)]), None, 1.01),
     Case("shifts_distinguished", judge_integer(several.shifts_distinguished), 3, 2),
@@ -1817,7 +1838,7 @@ CLD = [
     Case("no_adhesion_on_release", cld.no_adhesion_on_release, 0.0099, 0.0101),
     Case("no_energy_gained", cld.no_energy_gained, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(is_recorded=bool(x)), 1, 0),
-    Case("length_given", lambda x: cld.length_given(is_given=bool(x)), 1, 0),
+    Case("length_stated", lambda x: cld.length_stated(is_given=bool(x)), 1, 0),
     Case(
         "relaxation_explains_hysteresis",
         lambda x: cld.relaxation_explains_hysteresis(0.2, x),
@@ -1857,7 +1878,7 @@ CLD = [
         1.001,
     ),
     Case("relaxation_times_determined", cld.relaxation_times_determined, 0.499, 0.501),
-    Case("one_relaxation_explains_speeds", cld.one_relaxation_explains_speeds, 9.9, 10.1),
+    Case("single_relaxation_explains_speeds", cld.single_relaxation_explains_speeds, 9.9, 10.1),
     Case("relaxation_tests_agree", cld.relaxation_tests_agree, 0.0499, 0.0501),
     Case("relaxed_agrees", lambda x: cld.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
     Case("specimens_tested_alike", lambda x: cld.specimens_tested_alike(["speed"] * int(x)), 0, 1),
@@ -1886,8 +1907,8 @@ LOTS = [
         1,
     ),
     Case(
-        "capability_as_asked",
-        lambda x: lots.capability_as_asked(
+        "capability_requirement_met",
+        lambda x: lots.capability_requirement_met(
             "k", ("A", capability(np.array([-1.0, 0.0, 1.0]), None, 3 * x)), 0, 1.33
         ),
         1.33,
@@ -1996,8 +2017,8 @@ PROJECTS = [
         0,
     ),
     Case(
-        "former_result_recomputed",
-        lambda x: verification_checks.former_result_recomputed(x, "k", 1, "0.1"),
+        "earlier_result_reproduced",
+        lambda x: verification_checks.earlier_result_reproduced(x, "k", 1, "0.1"),
         0.99e-6,
         1.01e-6,
     ),
@@ -2143,7 +2164,8 @@ PRELOAD_MAPS = [
         lambda x: maps.loss_factor_determined(x, loss_factor=0.1), 0.49, 0.51,
     ),
     Case(
-        "repeatability_known", lambda x: maps.repeatability_known(int(x), is_stated=False), 2, 0
+        "repeatability_determined",
+        lambda x: maps.repeatability_determined(int(x), is_stated=False), 2, 0,
     ),
 ]  # fmt: skip
 DRAWS = [
@@ -2216,8 +2238,8 @@ LIMITS = {
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
     "preprocessing": {
-        "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
-        "ramp_recorded": 1.1,
+        "baseline_recorded": 5, "contact_detected": 0.01, "preload_absent": 0.05,
+        "single_loading": 1, "ramp_recorded": 1.1,
         "history_explained": 0.03, "face_recovered": 0.01, "earlier_loading_negligible": 0.005,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
         "readings_not_repeated": 0.005,
@@ -2255,7 +2277,7 @@ LIMITS = {
         "no_energy_gained": -0.02, "no_adhesion_on_release": 0.01,
         "relaxation_explains_hysteresis": 0.03, "stroke_within_relaxation_times": 1,
         "relaxed_agrees": 0.05,
-        "relaxation_tests_agree": 0.05, "one_relaxation_explains_speeds": 10,
+        "relaxation_tests_agree": 0.05, "single_relaxation_explains_speeds": 10,
         "speeds_spread": 10, "speeds_residual_small": 2, "slowest_stroke_quasi_static": 1,
         "relaxation_times_determined": 0.5,
         "specimens_tested_alike": 0, "specimens_capable": 1.33,
@@ -2324,7 +2346,7 @@ LIMITS = {
         "model_families_distinguished": 100,
     },
     "extensions/curves/temperatures": {
-        "thermorheologically_simple": 0.0027, "stiffness_of_one_seal": 0.15,
+        "thermorheologically_simple": 0.0027, "vertical_shift_plausible": 0.15,
         "temperature_steady": 1, "shifts_distinguished": 3,
         "shifts_independent_of_vertical_rule": 0.1,
     },
@@ -2357,8 +2379,8 @@ LIMITS = {
         "force_falls": 3, "f0_read": 2, "readings_residuals_random": 3,
         "readings_residual_small": 0.04,
         "chemical_aging_resolved": 4, "ovens_enough": 3, "activation_energy_plausible": 3,
-        "aging_answer_known": 1,
-        "one_activation_energy_explains_ovens": 9, "aging_exceeds_cell_drift": 1,
+        "aging_prediction_determined": 1,
+        "single_activation_energy_explains_ovens": 9, "aging_exceeds_cell_drift": 1,
         "load_cell_zero_stable": 3,
         "temperature_near_ovens": 30, "robust_to_lower_activation_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1, "end_point_reached": 1,
@@ -2379,7 +2401,7 @@ LIMITS = {
     "extensions/materials/rod": {
         "modulus_determined_near_resonance": 8, "waves_plane": 0.05, "sensors_agree": 3,
         "mass_ratio_suitable": 100,
-        "one_solid_explains_lines": 1.5,
+        "single_solid_explains_lines": 1.5,
     },
     "extensions/amplitude": {
         "softening_detectable": 0.01,
@@ -2402,7 +2424,7 @@ LIMITS = {
         "modes_suffice": 5e-3, "mode_shapes_cover_points": 0.03, "masses_agree": 1.05,
         "door_supported": 0,
         "closing_in_valid_band": 1.0, "lateral_restraint_present": 0,
-        "shear_stiffness_plausible": 1.5, "leak_speed_known": 0.2,
+        "shear_stiffness_plausible": 1.5, "leak_speed_determined": 0.2,
         "seals_suffice": 10, "scatter_exceeds_testing": 1,
     },
     "extensions/preload_map": {
@@ -2439,7 +2461,7 @@ LIMITS = {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
     },
     "extensions/projects": {
-        "result_recomputed": 1e-6, "former_result_recomputed": 1e-6, "uncertainty_unrevised": 0,
+        "result_recomputed": 1e-6, "earlier_result_reproduced": 1e-6, "uncertainty_unrevised": 0,
         "history_present": 1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0, "nothing_half_written": 0,
     },
@@ -2454,10 +2476,10 @@ GRADES = {
     "note": {
         "extensions/systems/door": {"line_closed", "faster_closings_latch"},
         "extensions/transfer_stiffness": {"line_noise_stated"},
-        "extensions/preload_map": {"repeatability_known"},
+        "extensions/preload_map": {"repeatability_determined"},
         "extensions/batch": {"records_distinct", "no_lot_outlier", "scatter_normal"},
         "extensions/blank_tests": {"blank_tests_complete"},
-        "extensions/materials/cld": {"unloading_recorded", "length_given"},
+        "extensions/materials/cld": {"unloading_recorded", "length_stated"},
         "preprocessing": {
             "baseline_recorded", "single_loading", "overshoot_small", "load_cell_range_used",
             "hold_outlasts_ramp", "motion_resolved", "preload_absent",
@@ -2475,7 +2497,7 @@ GRADES = {
         "extensions/materials/hyperelastic": {"bulk_modulus_determined"},
         "extensions/materials/csr": {"f0_read", "load_cell_zero_stable",
         "aging_exceeds_cell_drift"},
-        "extensions/materials/drop": {"air_escapes", "specimen_length_given"},
+        "extensions/materials/drop": {"air_escapes", "specimen_length_stated"},
         "reading/readers": {
             "travel_of_a_seal", "force_of_a_seal", "ramp_not_slow", "stiffness_of_a_seal",
         },
@@ -2503,7 +2525,7 @@ GRADES = {
             "hammer_not_oversampled",
         },
         "fitting": {
-            "optimum_found", "arms_where_force_relaxes", "valid_band_exists", "same_specimen",
+            "optimiser_converged", "arms_where_force_relaxes", "valid_band_exists", "same_specimen",
         },
         "extensions/amplitude": {"loops_not_clipped"},
         "extensions/curves": {
@@ -2532,7 +2554,7 @@ GRADES = {
 ENDS = {
     "preprocessing": {"force_relaxes": Status.FORCE_RISES},
     "fitting": {
-        "optimum_found": Status.NOT_CONVERGED,
+        "optimiser_converged": Status.NOT_CONVERGED,
         "tau_inside_window": Status.TAU_AT_BOUND,
         "arms_supported": Status.NOT_IDENTIFIED,
         "k_inf_positive": Status.NOT_IDENTIFIED,
@@ -2627,7 +2649,7 @@ def test_the_statuses_that_checks_set_are_those_typed_here() -> None:
 
 
 def test_the_gravest_of_what_went_wrong_is_how_a_fit_ended() -> None:
-    optimum, arms = solid.optimum_found(stationary=False), solid.arms_supported(arm(), WEAK)
+    optimum, arms = solid.optimiser_converged(stationary=False), solid.arms_supported(arm(), WEAK)
     assert select_fit_status([arms, optimum, arms]) is Status.NOT_CONVERGED
     assert select_fit_status([arms], {Status.FEWER_ARMS: True}) is Status.FEWER_ARMS
     assert select_fit_status([arms], {Status.FEWER_ARMS: False}) is Status.NOT_IDENTIFIED
@@ -2640,7 +2662,7 @@ def test_the_gravest_of_what_went_wrong_is_how_a_fit_ended() -> None:
 
 
 def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set() -> None:
-    check = solid.optimum_found(stationary=False)
+    check = solid.optimiser_converged(stationary=False)
     assert check.fit_status is Status.NOT_CONVERGED
     assert check == replace(check, fit_status=None)
     assert list(check.to_dict()) == [
@@ -2672,10 +2694,16 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
         pytest.param(judge_hold_residual, 9.9, 10.1, id="displacement_residual_small"),
         pytest.param(lambda x: curves.data_agree([x], ["loss"], [80]), 2.9, 3.1, id="data_agree"),
         pytest.param(
-            lambda x: identification.lines_explained(x, known_sd=True), 19.9, 20.1, id="lines"
+            lambda x: identification.lines_explained(x, has_absolute_sd=True),
+            19.9,
+            20.1,
+            id="lines",
         ),
         pytest.param(
-            lambda x: identification.lines_explained(x, known_sd=False), 0.49, 0.51, id="share"
+            lambda x: identification.lines_explained(x, has_absolute_sd=False),
+            0.49,
+            0.51,
+            id="share",
         ),
         pytest.param(
             lambda x: identification.hammer_agrees_with_relaxation_test(1, x),
@@ -2881,8 +2909,8 @@ def test_undecidable_check_neither_passes_nor_fails() -> None:
     spring = GeneralizedMaxwell(1.0)
     unknown = make_comparison(measured_damping=None)
     for check in (
-        preparation.contact_found(Touch(0.0, 1e-3), DEPTH, is_given=True),
-        preparation.contact_found(Touch(0.0, 0.0), DEPTH, is_given=False),
+        preparation.contact_detected(Touch(0.0, 1e-3), DEPTH, is_given=True),
+        preparation.contact_detected(Touch(0.0, 0.0), DEPTH, is_given=False),
         preparation.overshoot_small(RECORD, ramp_count=2),
         preparation.force_resolved(RECORD.force),
         preparation.strain_small(RECORD),

@@ -21,7 +21,7 @@ from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.base.units import find_unit
-from dashpot.datamodel.fit import list_arm_values, list_known_values
+from dashpot.datamodel.fit import list_arm_values, list_model_values
 from dashpot.extensions.amplitude import page as level
 from dashpot.extensions.amplitude import text as amplitude_text
 from dashpot.extensions.amplitude.fit_files import level_files
@@ -151,7 +151,7 @@ def require_shown(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.labe
 
 
 def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
-    names = [fact.name for fact in list_known_values(fit)]
+    names = [fact.name for fact in list_model_values(fit)]
     assert len(set(names)) == len(names)
     assert ("k_end" in names) == (fit.evidence.end_of_hold is not None)
     if fit.family == "fractional":
@@ -170,13 +170,13 @@ def format_for_terminal(fit):
 
 
 def test_the_text_has_every_fact(fit):
-    require_shown(list_known_values(fit), format_for_terminal(fit))
+    require_shown(list_model_values(fit), format_for_terminal(fit))
 
 
 def test_text_row_of_an_arm_equals_its_reported_values(fit):
     rows, expected = (
         table(results.render_fit(fit).lines),
-        {fact.name: fact for fact in list_known_values(fit)},
+        {fact.name: fact for fact in list_model_values(fit)},
     )
     for j in range(1, fit.model.arms + 1):
         arm = [expected.get(f"{name}_{j}") for name in ("k", "tau", "b")]
@@ -187,13 +187,13 @@ def test_text_row_of_an_arm_equals_its_reported_values(fit):
 
 def test_the_page_has_every_fact(fit):
     rows = {name: cells for name, *cells in tables.coefficients(fit, None).rows}
-    require_shown(list_known_values(fit), rows, name=lambda fact: fact.symbol)
+    require_shown(list_model_values(fit), rows, name=lambda fact: fact.symbol)
 
 
 def test_page_and_terminal_print_the_same_cells(fit):
     terminal = format_for_terminal(fit)
     for (_, value, between, unit), fact in zip(
-        tables.coefficients(fit, None).rows, list_known_values(fit), strict=True
+        tables.coefficients(fit, None).rows, list_model_values(fit), strict=True
     ):
         cells = terminal[fact.label]
         assert fact.cells.ascii.value == cells[0]
@@ -204,7 +204,7 @@ def test_page_and_terminal_print_the_same_cells(fit):
 
 def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
     """b = k tau says of an arm what k and tau say."""
-    shown = [fact for fact in list_known_values(fit) if fact.name[:2] != "b_"]
+    shown = [fact for fact in list_model_values(fit) if fact.name[:2] != "b_"]
     rows = {term.name: (term.value, term.unit) for term in view_models.make_terms(fit)}
     assert len(rows) == len(shown)
     require_shown(shown, rows, name=lambda fact: fact.symbol)
@@ -236,10 +236,10 @@ def test_the_document_has_every_fact_in_si(fit):
         expected = fact.error is not None and math.isfinite(fact.error)
         size = fact.error if expected else None
         assert there == (fact.value, size, ends), fact
-    for fact in list_known_values(fit):
+    for fact in list_model_values(fit):
         if fact.name == "k_end":
             assert tuple(whole["end_of_hold_limits"]["k_end"]) == (fact.low, fact.high)
-    assert whole["unit"] == list_known_values(fit)[0].unit
+    assert whole["unit"] == list_model_values(fit)[0].unit
 
 
 def test_the_frame_has_every_fact_but_dashpots(fit):
@@ -321,7 +321,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
     ball = indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.to_dict()
-    require_shown(ball.found, table(indentation_text.indentation(ball).lines))
+    require_shown(ball.reported_values, table(indentation_text.indentation(ball).lines))
     piece = LotSpecimen(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
     modulus = ball["modulus"]
@@ -330,7 +330,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     ends = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
     for end, value in ends.items():
         assert row_of[f"indent_modulus{end}_Pa"] == value
-    for fact in ball.found:
+    for fact in ball.reported_values:
         assert plain[fact.name] == fact.value
         assert plain["intervals"][fact.name] == [fact.low, fact.high]
         assert plain["units"][fact.name] == fact.unit
@@ -340,9 +340,11 @@ def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
     hyperelastic_fit = hyperelastic_files(
         {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
     )
-    require_shown(hyperelastic_fit.found, table(format_values(hyperelastic_fit.found)))
+    require_shown(
+        hyperelastic_fit.reported_values, table(format_values(hyperelastic_fit.reported_values))
+    )
     retained = {value["name"]: value for value in to_document(hyperelastic_fit)["values"]}
-    for fact in hyperelastic_fit.found:
+    for fact in hyperelastic_fit.reported_values:
         assert retained[fact.name] == {
             key: getattr(fact, key) for key in ("name", "value", "low", "high", "unit")
         }
@@ -379,7 +381,7 @@ def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
     values = {item.name: item for item in level.list_level_values(amplitude_result)}
     rows = table(amplitude_text.render_levels(amplitude_result).lines)
     for (peak, motion), element in zip(
-        (item.facts for item in amplitude_result.at), amplitude_result.at, strict=True
+        (item.facts for item in amplitude_result.peaks), amplitude_result.peaks, strict=True
     ):
         cells = rows[f"{element.level:.4g}"]
         assert same(peak, cells[0], "Hz")
@@ -428,7 +430,7 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
     limits = read_limits(path, lot.table.columns)
     result = summary(lot, limits=limits)
     shell = "\n".join(result.lines)
-    text = unescape(re.sub(r"<[^>]+>", " ", page.html(lot, found=result)))
+    text = unescape(re.sub(r"<[^>]+>", " ", page.html(lot, lot_summary=result)))
     message = result.main.gauge.summary
     assert message in text
     assert message in shell

@@ -56,8 +56,8 @@ from dashpot.extensions.modes import fit_handler as modes_handler
 from dashpot.extensions.modes.job import ModesJob
 from dashpot.extensions.modes.mass_series_files import modes_by_mass
 from dashpot.extensions.modes.measured_modes import modes_files
-from dashpot.fitting.identification.prior_knowledge import KnownSolid
-from dashpot.reading.columns.file_kinds import Recognised
+from dashpot.fitting.identification.prior_knowledge import SolidPrior
+from dashpot.reading.columns.file_kinds import RecognisedKind
 from dashpot.reading.read_options import OF_HAMMER, ReadOptions
 from dashpot.reading.readers import detect_kind
 from dashpot.workflow.bench_tests import BenchFitOptions
@@ -87,7 +87,7 @@ FACES: dict[str, dict[type, tuple[str, ...]]] = {
         Job: (*RIG, "arms", "method", "filter", "band", "temperatures", "impact_temperature"),
         TimeLimits: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
         LevelJob: ("levels", "at"), ModesJob: ("masses", "band"), RodChoices: (),
-        ShiftChoices: (), Measures: (), KnownSolid: (), Indenter: INDENTER,
+        ShiftChoices: (), Measures: (), SolidPrior: (), Indenter: INDENTER,
     },
     "predict": {
         Job: (*RIG, "mass", "band"), HammerChoices: ("motion",), Machine: (), ReadOptions: (),
@@ -292,18 +292,18 @@ OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
 def values(cls: type, field: Field[Any]) -> st.SearchStrategy[Any]:
     """Any value of a declared field, by its declaration."""
     how = field.metadata
-    if "part" in how:
-        return instances(how["part"])
+    if "options_class" in how:
+        return instances(how["options_class"])
     if (cls.__name__, field.name) in OWN:
         return OWN[cls.__name__, field.name]
     if "choices" in how:
         return st.sampled_from(how["choices"])
     if "is_flag" in how:
         return st.booleans()
-    if "ends" in how:
+    if "is_range" in how:
         return st.tuples(st.just(0.0) | st.floats(1e-6, 10), st.floats(11, 1e3))
-    if "least" in how:
-        return st.integers(how["least"], 9)
+    if "minimum" in how:
+        return st.integers(how["minimum"], 9)
     single = NAMES if is_path_field(field) else TEXT
     if "unit" in how:
         single = st.floats(100, 550) if how["unit"] == "temperature" else SOUND
@@ -320,7 +320,8 @@ def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
     requested = {
         field.name: values(cls, field)
         for field in fields(cls)
-        if ({"help", "part"} & field.metadata.keys()) and (not names or field.name in names)
+        if ({"help", "options_class"} & field.metadata.keys())
+        and (not names or field.name in names)
     }
     must = {name for name in requested if cls is Job and name == "relaxation"}
     inputs = {name: requested[name] for name in must}
@@ -367,8 +368,10 @@ def heard(place: Any, name: str, typed: str, kind: str = "") -> _HeardError:
     def work(*message: Any, **named: Any) -> None:
         raise _HeardError(*message, **named)
 
-    def recognise_by_name(path: str, _: ReadOptions) -> Recognised:
-        return Recognised(kind or ("impact" if "hits" in path else "relaxation"), "it is said so")
+    def recognise_by_name(path: str, _: ReadOptions) -> RecognisedKind:
+        return RecognisedKind(
+            kind or ("impact" if "hits" in path else "relaxation"), "it is said so"
+        )
 
     with (
         patch.object(place, name, work),
@@ -392,7 +395,7 @@ def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
     assert messages.heard == (job,)
 
 
-OF_FIT = tuple(field.name for field in fields(Job) if "decides" in field.metadata)
+OF_FIT = tuple(field.name for field in fields(Job) if "stage" in field.metadata)
 
 
 @given(instances(Job, *OF_FIT))

@@ -18,7 +18,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.datamodel.fit import (
     list_arm_values,
-    list_known_values,
+    list_model_values,
 )
 from dashpot.reading.read_options import ReadOptions
 from dashpot.report.result_page import kind_page
@@ -66,7 +66,7 @@ def results(tmp_path_factory):
 @pytest.mark.parametrize("name", [*FILES, *OTHERS])
 def test_every_output_states_the_same_limit_of_k_inf(results, name):
     fit = results[name]
-    fact = next(value for value in list_known_values(fit) if value.name == "k_inf")
+    fact = next(value for value in list_model_values(fit) if value.name == "k_inf")
     most = fact.high
     assert fact.is_at_most
     assert most >= fit.model.k_inf

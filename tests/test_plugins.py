@@ -177,7 +177,7 @@ def test_plugin_kind_reports_numbers_under_its_name(tmp_path: Path) -> None:
     assert force["value"] == pytest.approx(1.602, abs=1e-3)
     assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in document["verdict"]["message"]
     again = dp.read(path)
-    assert (again.by, again.found[0].value) == ("labkit 0.1.0", force["value"])
+    assert (again.package, again.reported_values[0].value) == ("labkit 0.1.0", force["value"])
     test = dp.read(file, part={"format": "labkit"}, kind="peel")
     assert dp.fit(test)["peel_force"].value == force["value"]
     assert "fitted one by one" not in ran(*words).stderr

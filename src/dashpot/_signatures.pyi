@@ -25,7 +25,7 @@ from .extensions.dynamic_stiffness.prediction import StiffnessPrediction
 from .extensions.materials.cld.datamodel import CLDTest
 from .extensions.materials.cld.fit_files import CLDResult
 from .extensions.materials.csr.datamodel import Aging, CSRTest
-from .extensions.materials.csr.lifetime_prediction import Aged
+from .extensions.materials.csr.lifetime_prediction import AgingPrediction
 from .extensions.materials.drop.datamodel import DropFit, DropTest
 from .extensions.materials.drop.prediction import DropPrediction
 from .extensions.materials.hyperelastic.datamodel import HyperelasticFit, StressStrainTest
@@ -35,7 +35,7 @@ from .extensions.systems.door.closing_result import ClosingResult
 from .extensions.systems.door.door_model import Door
 from .extensions.systems.door.leak_result import LeakResult
 from .extensions.systems.door.result import DoorResult
-from .fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from .fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from .reading.read_options import ReadOptions
 from .solids.maxwell import Solid
 from .solids.part_geometry import Block, Disc, Geometry
@@ -105,7 +105,7 @@ def fit(
     model: str = "maxwell",
     band: Range | None = None,
     compression: Quantity | None = None,
-    prior: KnownSolid | None = None,
+    prior: SolidPrior | None = None,
     rig: HammerRig | None = None,
     machine: Machine | None = None,
     impact_temperature: Quantity | None = None,
@@ -144,7 +144,7 @@ def fit(
     /,
     *more: CLDTest,
     compression: Quantity | None = None,
-    between: Range | None = None,
+    compression_limits: Range | None = None,
     force_limits: Range | None = None,
     relaxation: Fit | Sequence[Fit] = (),
     cycle: int | None = None,
@@ -228,7 +228,9 @@ def predict(
     quantity: str = "accelerance",
 ) -> FRF: ...
 @overload
-def predict(solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ()) -> Aged: ...
+def predict(
+    solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ()
+) -> AgingPrediction: ...
 @overload
 def predict(solid: Aging, /, *, temperature: Quantity, until: str, new: Fit) -> Fit: ...
 @overload

@@ -193,7 +193,7 @@ def test_every_annotation_is_understood() -> None:
     public = {name.rpartition(":")[2] for name in (*list_names("figure"), *list_names("document"))}
     classes = public | set(dp.__all__) | {
         "HasVerdict", "Solid", "Shear", "Stations", "Disc", "Block", "Bush", "Bulb", "ShakenTest",
-        "HammerChoices", "HammerRig", "KnownSolid", "TimeLimits", "ReadOptions", "Aging",
+        "HammerChoices", "HammerRig", "SolidPrior", "TimeLimits", "ReadOptions", "Aging",
         "ElasticLawPrior", "PluggedTest",
     }  # fmt: skip
     unknown = {

@@ -13,9 +13,9 @@ from dashpot.base.arrays import (
     MAX_SI_MAGNITUDE,
     MIN_SI_MAGNITUDE,
     compute_single_dft,
-    frozen,
     interpolate_quantile,
     make_cosine_sequence,
+    make_readonly_copy,
     sample_count,
     set_readonly,
     slow_periodogram,
@@ -74,15 +74,19 @@ def test_slow_periodogram_is_the_plain_sum_at_its_cycles(n, most):
 def test_what_nobody_can_write_to_is_taken_as_it_is_and_all_else_is_copied():
     individual, others = set_readonly(np.arange(8.0)), np.arange(8.0)
     assert validate_measured("time", individual) is individual
-    assert frozen(individual[1:]).base is individual
+    assert make_readonly_copy(individual[1:]).base is individual
     # a small part would keep the whole
-    assert frozen(individual[:1]).base is None
+    assert make_readonly_copy(individual[:1]).base is None
     view = others[:]
     view.setflags(write=False)
-    retained = [validate_measured("time", others), validate_measured("time", view), frozen(view)]
+    retained = [
+        validate_measured("time", others),
+        validate_measured("time", view),
+        make_readonly_copy(view),
+    ]
     others[0] = 7.0
     assert [item[0] for item in retained] == [0.0, 0.0, 0.0]
-    for element in (*retained, frozen(individual)):
+    for element in (*retained, make_readonly_copy(individual)):
         with pytest.raises(ValueError, match="read-only"):
             element[0] = 1.0
 

@@ -253,7 +253,7 @@ def test_a_pattern_that_matches_no_file_is_refused(flag: str) -> None:
 
 
 def test_read_options_apply_per_file_overrides() -> None:
-    read_options = ReadOptions(force="F", own=(("h*.csv", ReadOptions(hammer="H")),))
+    read_options = ReadOptions(force="F", file_options=(("h*.csv", ReadOptions(hammer="H")),))
     assert (
         read_options.for_file("lab/h1.csv").hammer,
         read_options.for_file("lab/seal.csv").hammer,

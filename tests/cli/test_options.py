@@ -33,13 +33,13 @@ class Tea:
 
     kind: str = option("green", "What leaves.", choices=("green", "black"))
     water: float | None = option(None, "How hot.", unit="temperature")
-    infusions: int = option(1, "How often.", least=1)
+    infusions: int = option(1, "How often.", minimum=1)
     with_: tuple[str, ...] = option((), "What else.", metavar="WHAT", multiple=True)
     cups: tuple[int, ...] | None = option(
         None, "How large.", multiple=True, parse=lambda texts: tuple(map(int, texts)) or None
     )
-    steep: float | None = option(None, "How long.", unit="time", under="pot", key="time")
-    leaf: str | None = option(None, "Whose.", under="pot")
+    steep: float | None = option(None, "How long.", unit="time", keyed_flag="pot", key="time")
+    leaf: str | None = option(None, "Whose.", keyed_flag="pot")
     hidden: str = "not asked for"
 
 
@@ -123,7 +123,7 @@ def test_commands_offer_every_field_of_their_nouns(command, nouns):
             (requested,) = [
                 parameter for parameter in result.params if get_option_flag(field) in parameter.opts
             ]
-            if "under" in field.metadata:
+            if "keyed_flag" in field.metadata:
                 assert isinstance(requested.type, Keyed)
                 assert requested.type.fields[get_option_key(field)] == field
 
@@ -181,9 +181,9 @@ def test_option_takes_its_earlier_spelling_and_hides_it(name):
     help_text = ran(name, "--help-all").output
     parser = command.make_parser(click.Context(command))
     declared = {
-        f"--{option.former}": option.flag
+        f"--{option.hidden_alias}": option.flag
         for option in command.options
-        if option.former and option.former not in {"text", "part", "as"}
+        if option.hidden_alias and option.hidden_alias not in {"text", "part", "as"}
     }
     assert declared.items() <= FORMER[name].items()
     for previous, flag in FORMER[name].items():

@@ -64,7 +64,9 @@ def _get_unit(made):
 
 @pytest.mark.parametrize(("cls", "arrays", "units", "factors"), CLASSES)
 def test_units_refuse_missing_surplus_and_wrong_words(cls, arrays, units, factors):
-    with pytest.raises(DataError, match=f'{cls.__name__} is made of arrays.*units="SI".*units="'):
+    with pytest.raises(
+        DataError, match=f'{cls.__name__} has arrays without a unit.*units="SI".*units="'
+    ):
         cls(**arrays)
     with pytest.raises(DataError, match=r"names 1 units? for .*\(" + ", ".join(arrays)):
         cls(**arrays, units=units.split(",")[0])
@@ -74,9 +76,9 @@ def test_units_refuse_missing_surplus_and_wrong_words(cls, arrays, units, factor
 
 def test_sweeps_and_modulus_classes_accept_their_units():
     sweep = AmplitudeSweep(F, X[1:].max() + F, F, F, units="Hz, mm, N/mm, N/mm")
-    assert (sweep.of, sweep.unit, sweep.amplitude[0]) == ("m", "N/m", 9.0e-3)
+    assert (sweep.amplitude_unit, sweep.unit, sweep.amplitude[0]) == ("m", "N/m", 9.0e-3)
     strained = AmplitudeSweep(F, F, F, F, units="Hz, %, MPa, MPa")
-    assert (strained.of, strained.unit, strained.amplitude[0]) == ("strain", "Pa", 0.01)
+    assert (strained.amplitude_unit, strained.unit, strained.amplitude[0]) == ("strain", "Pa", 0.01)
     pulled = StressStrainTest("uniaxial", 1 + X, F, units="1, MPa")
     assert pulled.stress[0] == 1e6
     hit = IndentationTest(T, F, "velocity", Indenter("5g"), units="ms, mm/s")

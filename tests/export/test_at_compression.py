@@ -46,8 +46,8 @@ def test_a_straight_law_changes_nothing() -> None:
 
 def test_a_deck_says_which_stiffness_it_holds() -> None:
     secant = TARGETS["csv"](make_nonlinear_fit(), units="SI", allow=("all",))
-    assert "elastic law: not straight; its tangent k_inf is 147.4 N/m at 0 m" in secant
-    assert "feels the tangent there" in secant
+    assert "elastic law: nonlinear; its tangent k_inf is 147.4 N/m at 0 m" in secant
+    assert "depends on the tangent there" in secant
     tangent = TARGETS["csv"](make_nonlinear_fit().at_compression(2e-3), units="SI", allow=("all",))
     assert "tangent at 2 mm, 0.85 times the secant of fit" in tangent
     assert "elastic law" not in tangent

@@ -16,7 +16,7 @@ from dashpot.base.provenance import Step
 from dashpot.datamodel.fit_diagnostics import Evidence, Provenance
 from dashpot.datamodel.parameter_estimate import Nuisance
 from dashpot.datamodel.relaxation import RampHold
-from dashpot.fitting.checks.solid import arms_supported, optimum_found
+from dashpot.fitting.checks.solid import arms_supported, optimiser_converged
 from dashpot.fitting.fit_construction import (
     NO_EVIDENCE,
     SolidEstimate,
@@ -96,7 +96,7 @@ def test_a_fit_ends_as_its_optimum_and_its_checks_say(
 ):
     failed = {
         "weak": arms_supported(PAPER, np.full(5, np.inf)),
-        "lost": optimum_found(stationary=False),
+        "lost": optimiser_converged(stationary=False),
     }
     evidence = Evidence((0.1, 1.0), checks=tuple(failed[name] for name in checks))
     fit = build_fit(

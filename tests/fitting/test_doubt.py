@@ -14,7 +14,7 @@ from kit.foreign.rigs import RIGS, Record, read
 from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
@@ -69,7 +69,7 @@ def test_hold_fit_includes_clock_differences_in_its_errors() -> None:
         record = prepare(simulate_relaxation(PAPER, seed=1).test, machine=Machine(sync=sync))
         result = fit(record, arms=2, method="hold")
         errors[sync] = {
-            name: fact.error for fact in list_known_values(result) if (name := fact.name)
+            name: fact.error for fact in list_model_values(result) if (name := fact.name)
         }
         (message,) = [check for check in result.checks if check.name == "arms_supported"]
         errors[sync]["told"] = message.value
@@ -91,7 +91,7 @@ def test_a_profile_bears_it_as_well() -> None:
         record = prepare(replace(test, force=test.force + noise), machine=Machine(sync=sync))
         result = fit(record, arms=2, method="hold")
         assert "k_2" in {profile.parameter for profile in result.estimate.profiles}
-        (fact,) = [value for value in list_known_values(result) if value.name == "k_2"]
+        (fact,) = [value for value in list_model_values(result) if value.name == "k_2"]
         ends.append(fact.high - fact.low)
         errors.append(fact.error)
     assert errors[1] > 1.15 * errors[0]
@@ -110,7 +110,7 @@ def test_intervals_of_arms_include_rig_errors(rig: str) -> None:
         for j, (k, tau) in enumerate(zip(item.seal.solid.k, item.seal.solid.tau, strict=True), 1)
         for name, value in (("k", k), ("tau", tau), ("b", k * tau))
     }
-    facts = {fact.name: fact for fact in list_known_values(result)}
+    facts = {fact.name: fact for fact in list_model_values(result)}
     assert all(facts[name].low < value < facts[name].high for name, value in truth.items())
     quiet = result.estimate.noise_only.confidence_limits(result.solid, 0.95)
     missed = [name for name, value in truth.items() if not quiet[name][0] < value < quiet[name][1]]
@@ -372,7 +372,7 @@ def test_k_inf_is_at_most_and_k_of_t_lies_in_its_interval(record: RampHold) -> N
     narrow, wide = result.intervals(0.68)["k_inf"][1], result.intervals(0.99)["k_inf"][1]
     assert k <= narrow < high < wide
     assert (wide - k) / (high - k) == pytest.approx(2.576 / 1.96, rel=1e-3)
-    first, second, *_ = list_known_values(result)
+    first, second, *_ = list_model_values(result)
     assert first.name == "k_end"
     assert first.low <= first.value <= first.high
     assert second.cells.interval.startswith("at most")

@@ -17,7 +17,7 @@ from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.identification.discrepancy_causes import format_seal_count_hint
 from dashpot.fitting.identification.identify import identify
-from dashpot.fitting.identification.prior_knowledge import KnownSolid
+from dashpot.fitting.identification.prior_knowledge import SolidPrior
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.elastic import ElasticLaw
@@ -310,7 +310,7 @@ def test_no_arm_is_no_answer_where_something_dissipates() -> None:
     assert message.failed
     assert message.remedy is not None
     assert message.remedy.option == "dashpot"
-    taken = identify(voigt(), mass=0.1, known=KnownSolid(parallel_dashpot=True))
+    taken = identify(voigt(), mass=0.1, solid_prior=SolidPrior(parallel_dashpot=True))
     assert taken.status is Status.CONVERGED
     assert taken.model.arms == 0
     assert taken.model.b == pytest.approx(0.3, rel=0.05)

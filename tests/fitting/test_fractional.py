@@ -43,7 +43,7 @@ from dashpot.fitting.identification.likelihood import (
     Parameters,
 )
 from dashpot.fitting.identification.parametrisation import FractionalElement
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.fitting.nuisance_priors import Prior
 from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.fitting.relaxation import fit
@@ -427,7 +427,7 @@ def test_identify_finds_the_optimum_along_a_narrow_valley() -> None:
     noisy = replace(frf, value=frf.value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=5)
     rig = {"mass": 0.0633, "seals": 2, "family": "fractional"}
     result = identify(noisy, **rig)
-    held = identify(noisy, **rig, known=KnownSolid(static_stiffness=(solid.k_inf, 0.01)))
+    held = identify(noisy, **rig, solid_prior=SolidPrior(static_stiffness=(solid.k_inf, 0.01)))
     assert held.solid.k_inf == pytest.approx(solid.k_inf, abs=0.02)
     # the whole valley is at hand, so nothing on it is better
     assert result.estimate.residual.sse <= held.estimate.residual.sse
@@ -482,7 +482,7 @@ def test_earlier_fractional_fit_is_a_prior_of_its_family() -> None:
 def test_identify_recovers_a_dashpot_parallel_to_a_fractional_element() -> None:
     damped = dp.solids.FractionalZener(500.0, 200.0, 0.05, 0.5, b=0.05)
     frf = dp.systems.predict_frf(2 * damped, mass=MASS, frequency=np.linspace(4, 40, 73))
-    result = identify(frf, **RIG, arms=1, family="auto", known=KnownSolid("auto"))
+    result = identify(frf, **RIG, arms=1, family="auto", solid_prior=SolidPrior("auto"))
     assert result.solid.b == pytest.approx(0.05, rel=1e-3)
     assert result.solid.alpha == pytest.approx(0.5, rel=1e-4)
     assert result.estimate.parameters == ("k_inf", "k_0", "ln_tau", "alpha", "b")

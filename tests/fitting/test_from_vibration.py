@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError, Status
 from dashpot.datamodel.frf import FRF
 from dashpot.fitting.identification.identify import identify
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import infer_mass
 from dashpot.vibration.mass_on_seals import accelerance, model_modes, poles, predict_frf
 
 EXACT_RIG = HammerRig(mass_sd=0.0, gain_sd=0.0, delay_sd=0.0)
-VOIGT = KnownSolid(parallel_dashpot=True)
+VOIGT = SolidPrior(parallel_dashpot=True)
 # domain reference, row [14]: a rubber isolator with three arms under 5 kg
 ISOLATOR = GeneralizedMaxwell(1e5, (3e4,) * 3, tuple(1 / (2 * np.pi * f) for f in (5, 20, 80)))
 LINES = np.linspace(5, 100, 191)
@@ -55,7 +55,7 @@ def test_the_benchmark_has_its_frequency_and_damping() -> None:
     [
         ({"arms": 0, "known": replace(VOIGT, static_stiffness=1e5)}, 3.20, 9.84),
         ({"arms": 0, "known": VOIGT}, 0.585, 2.10),
-        ({"arms": 1, "known": KnownSolid(static_stiffness=1e5)}, 0.236, 0.851),
+        ({"arms": 1, "known": SolidPrior(static_stiffness=1e5)}, 0.236, 0.851),
         ({"arms": 2}, 0.027, 0.112),
         ({"arms": 3}, 0.0, 0.0),
     ],
@@ -82,7 +82,7 @@ def test_constraints_are_obeyed(isolator_frf: FRF) -> None:
     """One arm can have the frequency, the damping and the static stiffness, not the curve."""
     fit = identify(
         isolator_frf, mass=5.0, band=(5, 100), arms=1, rig=EXACT_RIG,
-        known=KnownSolid(
+        solid_prior=SolidPrior(
             static_stiffness=1e5, natural_frequency=28.0756, damping_ratio=0.0996519
         ),
     )  # fmt: skip
@@ -101,7 +101,7 @@ def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None
         band=(5, 100),
         arms=1,
         rig=EXACT_RIG,
-        known=KnownSolid(static_stiffness=1e5),
+        solid_prior=SolidPrior(static_stiffness=1e5),
     )
     soft = identify(
         measured,
@@ -109,7 +109,7 @@ def test_a_constraint_with_a_standard_deviation_bends(isolator_frf: FRF) -> None
         band=(5, 100),
         arms=1,
         rig=EXACT_RIG,
-        known=KnownSolid(static_stiffness=(1e5, 5e4)),
+        solid_prior=SolidPrior(static_stiffness=(1e5, 5e4)),
     )
     assert hard.model.k_inf == pytest.approx(1e5, rel=1e-4)
     assert soft.model.k_inf > 1.05e5
@@ -124,7 +124,7 @@ def test_poles_of_maxwell_voigt_reproduce_row_15() -> None:
     assert -ringing.real / abs(ringing) == pytest.approx(0.253326, abs=1e-6)
     assert result[result.imag == 0].real == pytest.approx([-151.855], abs=1e-3)
     frf = predict_frf(solid, mass=1.0, frequency=np.linspace(1, 100, 199))
-    again = identify(frf, mass=1.0, band=(1, 100), arms=1, rig=EXACT_RIG, known=VOIGT)
+    again = identify(frf, mass=1.0, band=(1, 100), arms=1, rig=EXACT_RIG, solid_prior=VOIGT)
     assert again.model.b == pytest.approx(10.0, rel=1e-5)
     assert again.model.k == pytest.approx((1e4,), rel=1e-5)
     # the Voigt solid of equal frequency and damping has quite another FRF
@@ -143,7 +143,7 @@ def test_identify_selects_a_dashpot_only_if_present() -> None:
     voigt = noisy(predict_frf(GeneralizedMaxwell(4e4, b=40.0), mass=2.0, frequency=lines), 0.01, 2)
     maxwell = GeneralizedMaxwell(4e4, (2e4,), (0.008,))
     zener = noisy(predict_frf(maxwell, mass=2.0, frequency=lines), 0.01, 3)
-    options = {"mass": 2.0, "known": KnownSolid("auto"), "band": (3, 60), "rig": EXACT_RIG}
+    options = {"mass": 2.0, "known": SolidPrior("auto"), "band": (3, 60), "rig": EXACT_RIG}
     fit = identify(voigt, **options)  # type: ignore[arg-type]
     assert (fit.model.arms, fit.model.b > 0) == (0, True)
     fit = identify(zener, **options)  # type: ignore[arg-type]
@@ -226,7 +226,7 @@ def test_another_mode_in_the_band_is_noticed(isolator_frf: FRF) -> None:
 def test_arms_that_the_lines_reject_are_not_returned() -> None:
     spring = GeneralizedMaxwell(4e4, b=40.0)
     measured = noisy(predict_frf(spring, mass=2.0, frequency=np.linspace(3, 60, 115)), 0.01, 7)
-    fit = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, known=VOIGT)
+    fit = identify(measured, mass=2.0, band=(3, 60), arms=3, rig=EXACT_RIG, solid_prior=VOIGT)
     assert fit.model.arms < 3 or not fit.evidence.orders[0].significant
     assert fit.status in {Status.FEWER_ARMS, Status.NOT_IDENTIFIED, Status.TAU_AT_BOUND}
 
@@ -291,9 +291,9 @@ def test_what_cannot_be_is_refused(
     [
         (lambda: HammerRig(mass_sd=-1.0), "mass_sd = -1.0"),
         (lambda: HammerRig(delay_sd=float("nan")), "delay_sd = nan"),
-        (lambda: KnownSolid(static_stiffness=-5.0), "static_stiffness = -5.0"),
-        (lambda: KnownSolid(natural_frequency=(12.0, -1.0)), "expected a standard deviation >= 0"),
-        (lambda: KnownSolid(damping_ratio=2.0), "if it is in per cent, give 0.02"),
+        (lambda: SolidPrior(static_stiffness=-5.0), "static_stiffness = -5.0"),
+        (lambda: SolidPrior(natural_frequency=(12.0, -1.0)), "expected a standard deviation >= 0"),
+        (lambda: SolidPrior(damping_ratio=2.0), "if it is in per cent, give 0.02"),
     ],
 )
 def test_rig_and_priors_refuse_invalid_values(result: Callable[[], object], words: str) -> None:
@@ -302,7 +302,7 @@ def test_rig_and_priors_refuse_invalid_values(result: Callable[[], object], word
 
 
 def test_known_solid_converts_to_si_units_once() -> None:
-    expected = KnownSolid(static_stiffness=("1N/mm", "20N/m"), natural_frequency="12Hz")
+    expected = SolidPrior(static_stiffness=("1N/mm", "20N/m"), natural_frequency="12Hz")
     assert expected.static_stiffness == (1000.0, 20.0)
     assert expected.natural_frequency == (12.0, 0.0)
     assert replace(expected) == expected

@@ -86,7 +86,7 @@ def test_several_tests_share_what_they_know() -> None:
 
 
 def test_several_depths_leave_open_what_the_deepest_feels() -> None:
-    """The stiffness of a bent law is the secant at the deepest; shallower tests feel less of it."""
+    """The stiffness of a nonlinear law is the secant at the largest compression."""
     rig = replace(Rig(), rate=250.0, bias=0.02, stiffening=4000.0)
     tests = [
         prepare(simulate_relaxation(BROAD, depth=depth, rig=rig, seed=seed).test)

@@ -173,7 +173,7 @@ def files() -> dict[str, tuple[str, str]]:
             _sweep(ones, head=f"frequency [Hz],temperature [degC],{moduli}",
                    besides=(np.linspace(-40, 60, 25),)), "temperature-sweep",
         ),
-        "waiting.csv": (_sweep(ones, head=f"frequency [Hz],{moduli}"), "one-frequency"),
+        "waiting.csv": (_sweep(ones, head=f"frequency [Hz],{moduli}"), "single-frequency"),
         "master.csv": (_sweep(long, head=f"frequency [Hz],{moduli}"), "master-curve"),
         "line.csv": (csv("x [mm],y [mm],z [mm]", spread, 2 * spread, 0 * spread), "seal-line"),
         "shapes.csv": (

@@ -19,7 +19,7 @@ from kit.trials import Seal, record, relaxation_test
 
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method
-from dashpot.datamodel.fit import list_known_values
+from dashpot.datamodel.fit import list_model_values
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.fitting.nuisance_priors import build_load_cell_priors
@@ -431,7 +431,7 @@ def test_planned_arm_errors_agree_with_a_fit(
     foretold = make_bench_plan(
         rate=250.0, noise=2e-3, baseline=baseline, method=method, **machine
     ).arms
-    facts = {fact.name: fact for fact in list_known_values(result)}
+    facts = {fact.name: fact for fact in list_model_values(result)}
     for j, arm in enumerate(foretold, start=1):
         for name in ("k", "tau", "b"):
             fact = facts[f"{name}_{j}"]

@@ -53,7 +53,7 @@ def test_frf_figure_shades_the_valid_band_or_states_it():
     upper = pred.plot().panels[0]
     assert "extrapolated" in upper.note
     assert not [item for item in upper.marks if isinstance(item, Span)]
-    inside = frf(pred.frf, informed=(5.0, 20.0)).panels[0]
+    inside = frf(pred.frf, valid_band=(5.0, 20.0)).panels[0]
     (span,) = (item for item in inside.marks if isinstance(item, Span))
     assert (span.low, span.high) == (5.0, 20.0)
     assert not inside.note

@@ -218,7 +218,7 @@ def test_prepare_removes_and_reports_an_air_gap():
     made = simulate_relaxation(PAPER, rig=Rig(gap=0.5e-3))
     ramp_hold = prepare(made.test)
     assert "an air gap of 0.5" in step(ramp_hold, "contact")
-    assert "crosses an air gap of 0.5 mm" in check(ramp_hold, "contact_found").message
+    assert "crosses an air gap of 0.5 mm" in check(ramp_hold, "contact_detected").message
     assert ramp_hold.displacement[-1] == pytest.approx(8e-3, abs=QUANTUM)
     # the way through the air lengthens the baseline
     assert check(ramp_hold, "baseline_recorded").value > 1500
@@ -249,7 +249,7 @@ def test_prepare_accepts_a_contact(raw: RelaxationTest):
     ramp_hold = prepare(raw, contact=1e-3)
     assert ramp_hold.depth == pytest.approx(7e-3, abs=1e-6)
     assert ramp_hold.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
-    assert "Contact was given" in check(ramp_hold, "contact_found").message
+    assert "Contact was given" in check(ramp_hold, "contact_detected").message
     turned = replace(raw, displacement=-raw.displacement)
     assert prepare(turned, contact=-1e-3).depth == ramp_hold.depth
 
@@ -258,8 +258,8 @@ def test_an_uncertain_contact_fails_its_check():
     rig = Rig(gap=1e-3, noise=0.2)
     ramp_hold = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
     assert ramp_hold.depth == pytest.approx(8e-3, abs=0.3e-3)
-    assert check(ramp_hold, "contact_found").failed
-    assert "The depth is known to" in check(ramp_hold, "contact_found").message
+    assert check(ramp_hold, "contact_detected").failed
+    assert "The depth is known to" in check(ramp_hold, "contact_detected").message
 
 
 def test_prepare_distinguishes_a_preload_from_a_small_offset(raw: RelaxationTest):

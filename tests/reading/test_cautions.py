@@ -10,7 +10,7 @@ from kit.foreign.files import format_table, press_and_hold
 from kit.shell import did, run_json
 
 import dashpot as dp
-from dashpot.base.provenance import Caution, cautions_in
+from dashpot.base.provenance import Caution, list_cautions
 from dashpot.extensions.app import record_cache
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.json_archive import from_json, to_json
@@ -44,7 +44,7 @@ HARMLESS = {
 
 def test_the_type_of_a_note_tells_whether_it_can_change_a_number() -> None:
     gain = Caution('a gain; say it with --units "force=N"', "a gain")
-    assert cautions_in(["200 rows", gain, gain]) == ("a gain",)
+    assert list_cautions(["200 rows", gain, gain]) == ("a gain",)
     assert gain.endswith('"force=N"')
 
 

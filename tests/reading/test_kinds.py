@@ -21,7 +21,7 @@ from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.reading.columns.kind_detection import (
     MASTER_CURVE_DECADES,
-    ONE_FREQUENCY_DECADES,
+    SINGLE_FREQUENCY_DECADES,
     detect_table_kind,
     parse_file_kind,
 )
@@ -112,7 +112,8 @@ def test_who_names_the_columns_knows_what_the_file_is(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("decades", "kind"),
-    [(ONE_FREQUENCY_DECADES - 1e-6, "one-frequency"), (ONE_FREQUENCY_DECADES + 1e-6, "dma"),
+    [(SINGLE_FREQUENCY_DECADES - 1e-6, "single-frequency"),
+     (SINGLE_FREQUENCY_DECADES + 1e-6, "dma"),
      (MASTER_CURVE_DECADES - 1e-6, "dma"), (MASTER_CURVE_DECADES + 1e-6, "master-curve")],
 )  # fmt: skip
 def test_kind_of_sweep_depends_on_its_decades(decades: float, kind: str) -> None:

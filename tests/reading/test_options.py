@@ -35,7 +35,7 @@ OPTIONS = st.builds(
 
 
 def test_every_field_is_drawn_above() -> None:
-    names = {field.name for field in fields(ReadOptions)} - {"own"}
+    names = {field.name for field in fields(ReadOptions)} - {"file_options"}
     drawn = {name for name in names if f"{name}=" in Path(__file__).read_text(encoding="utf-8")}
     assert drawn == names
 
@@ -48,7 +48,7 @@ def test_profile_round_trip(tmp_path_factory: pytest.TempPathFactory, options: R
 
 
 def test_profile_refuses_options_of_some_files() -> None:
-    scoped = ReadOptions(own=(("h*.csv", ReadOptions(force="F")),))
+    scoped = ReadOptions(file_options=(("h*.csv", ReadOptions(force="F")),))
     with pytest.raises(DataError, match=r"GLOB:lab\.toml"):
         dump_profile(scoped)
 

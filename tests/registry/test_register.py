@@ -34,7 +34,7 @@ from dashpot.extensions.materials.csr.fit_files import csr_files
 from dashpot.extensions.materials.csr.lifetime_prediction import predict_aging
 from dashpot.extensions.materials.hyperelastic.fit import fit_hyperelastic
 from dashpot.extensions.materials.hyperelastic.read import read_stress_strain
-from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.extensions.plugins.datamodel import PluginFit
 from dashpot.extensions.preload_map.fit import fit_preload_map
 from dashpot.extensions.preload_map.read import read_sweeps
 from dashpot.plot.picture import Picture
@@ -69,7 +69,7 @@ NO_EXAMPLE = {
     "master-curve",
     "strain-sweep",
     "temperature-sweep",
-    "one-frequency",
+    "single-frequency",
     "creep",
     "rod",
     "plug-in",
@@ -234,7 +234,9 @@ MADE: dict[str, Callable[[Path], object]] = {
     ),
     "Aging": lambda folder: csr_files([folder / "ovens.csv"]),
     "AgingPlan": lambda _: plan_aging(use_at=358.15),
-    "Aged": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
+    "AgingPrediction": lambda folder: predict_aging(
+        csr_files([folder / "ovens.csv"]), temperature=343.15
+    ),
     "MachineFit": lambda folder: fit_blank_files(
         [folder / f"rig_{name}.csv" for name in ("stop", "spring", "empty")], spring_stiffness=1e3
     ),
@@ -242,7 +244,7 @@ MADE: dict[str, Callable[[Path], object]] = {
     "HyperelasticFit": lambda folder: fit_hyperelastic(
         [read_stress_strain(folder / "tension.csv", "uniaxial")]
     ),
-    "PluggedFit": lambda _: PluggedFit(
+    "PluginFit": lambda _: PluginFit(
         "peel", "labkit 0.1.0", (ReportedValue("peel_force", 1.5, 1.3, 1.7, "N"),),
         (Check("peel_steady", False, "It jerks.", remedy=Remedy("Peel more slowly.")),),
     ),

@@ -35,7 +35,7 @@ from dashpot.report.result_page import (
     row,
 )
 from dashpot.solids.shift_laws import WLF
-from dashpot.workflow.identification import DirectStiffness, Identified
+from dashpot.workflow.identification import DirectStiffness, IdentificationResult
 from dashpot.workflow.json_archive import from_json
 
 pytestmark = pytest.mark.once
@@ -227,12 +227,14 @@ def test_deck_of_a_page_equals_that_of_its_command(name, tmp_path):
 
 def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer_than_it():
     grave = Check("high_frequency_mass_agrees", False, "The mass is another.", grade="stop")
-    identified = Identified(S.fit, DirectStiffness(S.direct), (grave,), S.static_equilibrium)
+    identified = IdentificationResult(
+        S.fit, DirectStiffness(S.direct), (grave,), S.static_equilibrium
+    )
     (name,) = [item for item in held_in(html(identified)) if item not in {"numbers.json"}]
     retained = from_json(held_in(html(identified))[name])
     assert retained.verdict.use == identified.verdict.use == "do not use"
     assert retained._identity == S.fit._identity
-    calm = Identified(S.fit, DirectStiffness(S.direct), (), S.static_equilibrium)
+    calm = IdentificationResult(S.fit, DirectStiffness(S.direct), (), S.static_equilibrium)
     assert calm._saved_result is S.fit
 
 

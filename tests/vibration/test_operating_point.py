@@ -70,7 +70,7 @@ def test_operating_point_refuses_compression_far_outside_the_test(fit: Fit) -> N
 def test_at_the_tested_depth_of_a_straight_piece_the_factor_is_its_tangent() -> None:
     point = operating_point(hard(), MassOnSeals(MASS, SEALS, 8e-3))
     assert point.factor == law().ratio[-1]
-    assert point.given
+    assert point.is_stated
     solid = point.solid(hard())
     assert solid == hard().model_at(8e-3)
 

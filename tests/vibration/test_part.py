@@ -222,7 +222,8 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
     X = np.geomspace(1e-6, 1e-3, 16)
     E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
     law = fit_amplitude(
-        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m", units="SI"), law="factor"
+        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, amplitude_unit="m", units="SI"),
+        law="factor",
     )
     solid = part.solid.maxwell
     system = System(

@@ -207,13 +207,17 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
         band=(8, 40),
     )
     assert frf_comparison.mass == pytest.approx(0.104, rel=1e-2)
-    (coherence,) = [check for check in frf_comparison.noted if check.name == "coherence"]
+    (coherence,) = [check for check in frf_comparison.frf_checks if check.name == "coherence"]
     assert coherence.passed
     assert "(12.6 Hz)" in coherence.message
     frf_comparison = identify_files(
         [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID, band=(8, 40)
     )
-    fit, straight, noted = frf_comparison.fit, frf_comparison.direct.stiffness, frf_comparison.noted
+    fit, straight, noted = (
+        frf_comparison.fit,
+        frf_comparison.direct.stiffness,
+        frf_comparison.frf_checks,
+    )
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
     assert "It has coherence but no number of hits" in lines.message
     assert lines.value < 0.1
@@ -244,12 +248,17 @@ def test_a_prediction_tells_both_solids_and_where_the_mass_rests():
         hardening.peak(0.104, 2, scale), rel=3e-3
     )
     assert prediction.peak[0] == pytest.approx(hardening.peak(0.104, 2, scale), rel=3e-3)
-    assert "tangent at 3.24 mm" in str(prediction.at_rest)
+    assert "tangent at 3.24 mm" in str(prediction.static_equilibrium)
     inputs = predict_files(hard(), block=BlockOnSeals(0.104, 2, compression=8e-3), band=(5.0, 40.0))
     assert inputs.to_dict()["compression"] == 8e-3
     assert inputs.peak[0] > prediction.peak[0]
     assert (
-        str(predict_files(a_fit(PAPER), block=BlockOnSeals(0.104), band=(5.0, 40.0)).at_rest) == ""
+        str(
+            predict_files(
+                a_fit(PAPER), block=BlockOnSeals(0.104), band=(5.0, 40.0)
+            ).static_equilibrium
+        )
+        == ""
     )
 
 
@@ -261,7 +270,7 @@ def test_limits_carry_the_doubt_of_the_tangent():
         prediction = predict_files(
             hard(se), block=BlockOnSeals(0.104, 2), band=(8.0, 18.0), lines=801
         )
-        scale = prediction.at_rest.point.factor * (1 + 1.5 * 0.02)
+        scale = prediction.static_equilibrium.point.factor * (1 + 1.5 * 0.02)
         omega = 2 * np.pi * f
         truth = np.abs(omega**2 / (2 * hardening.stiffness(omega, scale) - 0.104 * omega**2))
         limits = prediction.to_dict()["limits"]

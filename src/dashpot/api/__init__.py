@@ -30,7 +30,7 @@ _STUB = Path(__file__).parents[1] / "_signatures.pyi"
 OPTION_CLASSES = {
     "hammer": "dashpot.workflow.job:HammerChoices",
     "machine": "dashpot.datamodel.machine:Machine",
-    "prior": "dashpot.fitting.identification.prior_knowledge:KnownSolid",
+    "prior": "dashpot.fitting.identification.prior_knowledge:SolidPrior",
     "rig": "dashpot.fitting.identification.prior_knowledge:HammerRig",
     "specimen": "dashpot.datamodel.specimen:Specimen",
     "time_limits": "dashpot.workflow.job:TimeLimits",

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 from dashpot.api import call_with_options, show_stub_signature
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.option_fields import FamilyOption, ShiftLaw, VerticalAsked
+from dashpot.base.option_fields import FamilyOption, ShiftLaw, VerticalOption
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -17,7 +17,7 @@ from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.structure import FRFSet
 from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.registry import FITS, KINDS, find_handler, load_object, row_of
 from dashpot.workflow.bench_tests import BenchFitOptions, fit_records
 from dashpot.workflow.fit_routing import BENCH, find_selected_fit, route
@@ -55,7 +55,7 @@ def fit(*records: Any, **options: Any) -> Any:
         Force amplitude of each FRF, N.
     density, shape
         Density, kg/m^3, and shape, ``"disc:20mm,20mm"``, of a rod under the mass.
-    compression, between, force_limits, relaxation, poisson, terms, stretches
+    compression, compression_limits, force_limits, relaxation, poisson, terms, stretches
         Options of a kind of test, as in ``dashpot fit FILE --help``.
 
     Returns
@@ -163,7 +163,7 @@ def _get_record_name(record: Any, number: int, entries: Mapping[str, str]) -> st
 
 VIBRATION_RECORDS = (ImpactTest, ShakenTest, FRF, FRFSet)
 
-# -- what each meaning of `route` is done by ------------------------------------------------------
+# -- Functions of each route ----------------------------------------------------------------------
 
 
 def fit_bench_tests(
@@ -180,7 +180,7 @@ def fit_bench_tests(
     cycle: int | None = None,
     reference: Quantity | None = None,
     shift: ShiftLaw = "auto",
-    vertical: VerticalAsked = "auto",
+    vertical: VerticalOption = "auto",
     temperature: Quantity | None = None,
 ) -> Fit:
     """Fit the solid of tests on a bench."""
@@ -219,7 +219,7 @@ def fit_jointly(
     model: FamilyOption = "maxwell",
     band: Range | None = None,
     compression: Quantity | None = None,
-    prior: KnownSolid | None = None,
+    prior: SolidPrior | None = None,
     rig: HammerRig | None = None,
     machine: Machine | None = None,
     impact_temperature: Quantity | None = None,
@@ -250,13 +250,13 @@ def fit_jointly(
         hammer=hammer,
         arms=arms,
         family=model,
-        known=prior or KnownSolid(),
+        solid_prior=prior or SolidPrior(),
         rig=(rig or HammerRig()).with_machine(machine),
     )
     return replace(result.fit, evidence=replace(result.fit.evidence, checks=result.checks))
 
 
-# -- what several verbs make of a record ----------------------------------------------------------
+# -- Records of several functions -----------------------------------------------------------------
 
 
 def prepare_ramp_hold(test: Any, machine: Machine | None = None) -> RampHold:

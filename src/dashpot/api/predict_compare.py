@@ -271,8 +271,8 @@ def _compare_with_measurement(
     if isinstance(first, Prediction):
         kilograms = first.moving_mass if kilograms is None else kilograms
         seals = first.seals if seals is None else seals
-        point = first.at_rest.point
-        at = point.compression if at is None and point.given else at
+        point = first.static_equilibrium.point
+        at = point.compression if at is None and point.is_stated else at
         first = first.fit
     hertz = si_range(band, "frequency")
     return agreement(

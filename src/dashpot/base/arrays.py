@@ -67,7 +67,7 @@ class FrozenArrays(EqualByValue):
         for item in fields(self):  # type: ignore[arg-type]
             if (kind := _KINDS.get(str(item.type))) is not None:
                 values: npt.NDArray[Any] = np.asarray(getattr(self, item.name), dtype=kind)
-                object.__setattr__(self, item.name, frozen(values))
+                object.__setattr__(self, item.name, make_readonly_copy(values))
 
 
 _KINDS = {"FloatArray": float, "ComplexArray": complex, "BoolArray": bool}
@@ -87,29 +87,29 @@ def cache_on_record(function: Callable[[T], R]) -> Callable[[T], R]:
     """Cache the result of a function on its frozen record, as a decorator."""
 
     @wraps(function)
-    def once(record: T) -> R:
+    def wrapper(record: T) -> R:
         entries: dict[str, R] = vars(record)
         if key not in entries:
             entries[key] = function(record)
         return entries[key]
 
     key = f"_{function.__name__}"
-    return once
+    return wrapper
 
 
-def replace_notes(record: T, **words: object) -> T:
-    """Return a frozen record with other words in fields that nothing is computed from.
+def replace_notes(record: T, **changes: object) -> T:
+    """Return a frozen record with changes in fields that no result depends on.
 
     As :func:`dataclasses.replace`, but cached values (:func:`cache_on_record`, cached properties)
     are copied as well.
     """
     result = copy(record)
-    for name, value in words.items():
+    for name, value in changes.items():
         object.__setattr__(result, name, value)
     return result
 
 
-def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
+def validate_samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
     """Return `values` as a read-only float array of shape (n,), every sample finite.
 
     Raises
@@ -145,22 +145,22 @@ def convert_numbers_to_si(
     )
 
 
-def complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:
+def validate_complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:
     """Return `values` as a read-only complex array of shape (n,), every sample finite."""
     return _validate_array(name, values, np.dtype(np.complex128), 1)
 
 
 def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:
-    """Return `values`, in SI units, as :func:`samples` does, if an instrument can have read them.
+    """Return `values`, in SI units, as :func:`validate_samples` does, if their size is plausible.
 
     Raises
     ------
     DataError
-        As for :func:`samples`, or if their largest magnitude is neither 0 nor from
-        :data:`MIN_SI_MAGNITUDE` to :data:`MAX_SI_MAGNITUDE`: squares of such numbers are no
-        numbers any more.
+        As for :func:`validate_samples`, or if their largest magnitude is neither 0 nor from
+        :data:`MIN_SI_MAGNITUDE` to :data:`MAX_SI_MAGNITUDE`: their squares
+        would overflow or underflow.
     """
-    array = samples(name, values, minimum=minimum)
+    array = validate_samples(name, values, minimum=minimum)
     peak = max(-float(array.min()), float(array.max()))
     if peak != 0 and not MIN_SI_MAGNITUDE <= peak <= MAX_SI_MAGNITUDE:
         raise DataError(
@@ -172,14 +172,15 @@ def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> 
 
 
 def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
-    """Set fields of a frozen value to :func:`validate_measured` arrays of one length; none is None.
+    """Set fields of a frozen value to :func:`validate_measured` arrays of one length, except None.
 
-    A ``time`` among them must rise.
+    A ``time`` among them must increase.
 
     Raises
     ------
     DataError
-        As for :func:`validate_measured`, :func:`same_length` and :func:`increasing`.
+        As for :func:`validate_measured`, :func:`require_same_length` and
+        :func:`require_increasing`.
     """
     options = {name: getattr(result, name) for name in names if getattr(result, name) is not None}
     arrays = {
@@ -187,18 +188,18 @@ def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
     }
     for name, values in arrays.items():
         object.__setattr__(result, name, values)
-    same_length(**arrays)
+    require_same_length(**arrays)
     if "time" in arrays:
-        increasing("time", arrays["time"])
+        require_increasing("time", arrays["time"])
 
 
 def sample_count(duration: float, rate: float) -> int:
-    """Return how many samples a time in s holds at a rate in Hz, to the nearest.
+    """Return the number of samples of a duration, s, at a rate, Hz, rounded.
 
     Raises
     ------
     DataError
-        If they are more than :data:`MAX_SAMPLES`.
+        If it exceeds :data:`MAX_SAMPLES`.
     """
     count = duration * rate
     if not count <= MAX_SAMPLES:
@@ -209,8 +210,8 @@ def sample_count(duration: float, rate: float) -> int:
     return round(count)
 
 
-def same_length(**arrays: FloatArray | ComplexArray | None) -> int:
-    """Return the common length of the named arrays; None is passed over."""
+def require_same_length(**arrays: FloatArray | ComplexArray | None) -> int:
+    """Return the common length of the named arrays, without those that are None."""
     sizes = {name: len(values) for name, values in arrays.items() if values is not None}
     if len(set(sizes.values())) > 1:
         lengths_text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
@@ -219,42 +220,42 @@ def same_length(**arrays: FloatArray | ComplexArray | None) -> int:
 
 
 def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:
-    """Return the runs of `count` rows that begin at these."""
+    """Return the runs of `count` rows, which begin at `starts`, as slices."""
     return tuple(slice(a, b) for a, b in pairwise((*starts, count)))
 
 
-def number_of_run(starts: Sequence[int], count: int) -> IndexArray:
+def compute_run_numbers(starts: Sequence[int], count: int) -> IndexArray:
     """Return the run number of each row, from 1."""
     return np.repeat(np.arange(1, len(starts) + 1), np.diff((*starts, count)))
 
 
-def make_cosine_sequence(count: int, turn: float, size: complex = 1.0) -> FloatArray:
-    """Return the real part of size exp(j turn i) for i = 0 .. count - 1, from two short tables."""
-    fine, coarse = _make_rotation_tables(count, turn)
-    coarse = size * coarse
+def make_cosine_sequence(count: int, angle: float, amplitude: complex = 1.0) -> FloatArray:
+    """Return Re(amplitude exp(j angle i)) for i = 0 .. count - 1, from two short tables."""
+    fine, coarse = _make_rotation_tables(count, angle)
+    coarse = amplitude * coarse
     parts = np.stack((coarse.real, -coarse.imag), axis=1) @ np.stack((fine.real, fine.imag))
     return np.asarray(parts.ravel()[:count])
 
 
-def compute_single_dft(values: FloatArray, turn: float) -> complex:
-    """Return the sum of values[i] exp(j turn i), from two short tables."""
-    fine, coarse = _make_rotation_tables(len(values), turn)
+def compute_single_dft(values: FloatArray, angle: float) -> complex:
+    """Return the sum of values[i] exp(j angle i), from two short tables."""
+    fine, coarse = _make_rotation_tables(len(values), angle)
     rows = len(values) // len(fine)
     head, rest = values[: rows * len(fine)].reshape(rows, -1), values[rows * len(fine) :]
     sums = head @ np.stack((fine.real, fine.imag), axis=1)
     result = coarse[:rows] @ (sums[:, 0] + 1j * sums[:, 1])
-    return complex(result + np.exp(1j * turn * rows * len(fine)) * (fine[: len(rest)] @ rest))
+    return complex(result + np.exp(1j * angle * rows * len(fine)) * (fine[: len(rest)] @ rest))
 
 
-def _make_rotation_tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
-    """Return a stretch of exp(j turn i), and where such stretches begin, to make `count` of."""
+def _make_rotation_tables(count: int, angle: float) -> tuple[ComplexArray, ComplexArray]:
+    """Return exp(j angle i) within a block, and at the start of each block, for `count` values."""
     short = max(int(np.ceil(np.sqrt(count))), 1)
-    fine, coarse = (np.exp(1j * turn * np.arange(short) * index) for index in (1, short))
+    fine, coarse = (np.exp(1j * angle * np.arange(short) * index) for index in (1, short))
     return fine, coarse
 
 
-def increasing(name: str, values: FloatArray) -> FloatArray:
-    """Return `values`; raise DataError at the first that does not rise strictly."""
+def require_increasing(name: str, values: FloatArray) -> FloatArray:
+    """Return `values`; raise DataError at the first that does not increase strictly."""
     falls = np.flatnonzero(values[1:] <= values[:-1])
     if falls.size:
         i = int(falls[0]) + 1
@@ -289,7 +290,7 @@ def interpolate_quantile(values: FloatArray, part: float) -> FloatArray:
 
 
 def distinct(values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
-    """Return the values of an array, shape (n,), in order, each once.
+    """Return the distinct values of an array, shape (n,), sorted.
 
     ``numpy.unique`` does the same, but imports ``numpy.ma``, as ``numpy.median`` does.
 
@@ -301,7 +302,7 @@ def distinct(values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
 
 
 def block_means(values: FloatArray, count: int) -> FloatArray:
-    """Means over each `count` neighbours along the last axis; a rest at the end is dropped."""
+    """Means of blocks of `count` samples along the last axis; an incomplete block is dropped."""
     whole_length = values.shape[-1] // count * count
     parts = values[..., :whole_length].reshape(*values.shape[:-1], -1, count)
     # a product is several times as fast as many short sums
@@ -326,7 +327,7 @@ def find_fast_length(minimum: int) -> int:
 
 
 def slow_periodogram(values: FloatArray, max_cycles: float) -> tuple[FloatArray, FloatArray]:
-    """Return cycles per record, up to about `max_cycles`, and the periodogram without the mean."""
+    """Return cycles per record, up to about `max_cycles`, and the periodogram of the deviations."""
     n = len(values)
     size = find_fast_length(n)
     spectrum = np.fft.rfft(values - values.mean(), size)[: int(max_cycles * size / n) + 2]
@@ -343,22 +344,22 @@ def find_true_runs(mask: BoolArray) -> IndexArray:
     return np.asarray(edges.reshape(-1, 2) - (0, 1))
 
 
-def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a read-only private copy; an array that is read-only already is returned itself.
+def make_readonly_copy(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a read-only copy; an array that is read-only already is returned itself.
 
-    ``measured`` and ``samples`` do the same.
+    :func:`validate_measured` and :func:`validate_samples` do the same.
     """
     return _copy_if_writable(values, None)
 
 
 def set_readonly(values: FloatArray) -> FloatArray:
-    """Return the array, made read-only: a frozen value takes it without a copy."""
+    """Make an array read-only and return it; a frozen value then stores it without a copy."""
     values.setflags(write=False)
     return values
 
 
 def _copy_if_writable(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[Any]:
-    """A read-only array: a copy, unless it is read-only and not a small part of a larger array."""
+    """Return a read-only array: a copy, unless it is read-only and 1/4 of its base or more."""
     array = np.asarray(values, dtype=dtype)
     inner: Any = array
     while isinstance(inner, np.ndarray) and not inner.flags.writeable:
@@ -390,7 +391,7 @@ def _validate_array(
     return array
 
 
-# Units of the arrays that a user gives.
+# Stated units of arrays.
 
 
 SI = "SI"
@@ -401,25 +402,25 @@ Dimensions: TypeAlias = Dimension | tuple[Dimension, ...]
 def make_units_field() -> Any:
     """Return the dataclass field with the units of the arrays: ``"SI"``, or one for each.
 
-    Inside a value everything is in SI, so that the field is then ``"SI"``; no document holds it.
+    After conversion the field is ``"SI"``; it is not written to documents.
     """
     return field(default="", kw_only=True, repr=False, compare=False, metadata={FIXED_VALUE: SI})
 
 
-def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimension]:
+def convert_arrays_to_si(result: Any, **dimensions: Dimensions) -> Mapping[str, Dimension]:
     """Convert the arrays of a frozen value to SI by their stated units, in this order.
 
     Parameters
     ----------
     result : dataclass
         With a field of :func:`make_units_field`; an array that is None has no unit.
-    **of
-        What each array can be of, by the name of its field.
+    **dimensions
+        Admissible dimensions of each array, by the name of its field.
 
     Returns
     -------
     mapping of str to str
-        The quantity of each array as stated; empty if all are in SI already.
+        Dimension of the stated unit of each array; empty if all are in SI already.
 
     Raises
     ------
@@ -429,7 +430,7 @@ def convert_arrays_to_si(result: Any, **of: Dimensions) -> Mapping[str, Dimensio
     """
     if result.units == SI:
         return {}
-    options = {name: item for name, item in of.items() if getattr(result, name) is not None}
+    options = {name: item for name, item in dimensions.items() if getattr(result, name) is not None}
     units = {
         name: _unit(result, name, word, option)
         for (name, option), word in zip(
@@ -446,11 +447,11 @@ def get_unit_words(result: Any, options: Mapping[str, Dimensions], example: str 
     """Return the words of the units, one for each array."""
     kind, names = _get_type_label(result), ", ".join(options)
     example = example or ", ".join(
-        get_default_unit(_several(option)[0]) for option in options.values()
+        get_default_unit(_list_dimensions(option)[0]) for option in options.values()
     )
     if not result.units:
         raise DataError(
-            f'{kind} is made of arrays, and no array says its unit. Add units="SI", or the unit '
+            f'{kind} has arrays without a unit. Add units="SI", or the unit '
             f'of each in this order ({names}): units="{example}"'
         )
     words = [word.strip() for word in str(result.units).split(",")]
@@ -466,19 +467,19 @@ def _get_type_label(result: Any) -> str:
     return "a batch" if isinstance(result, SimpleNamespace) else type(result).__name__
 
 
-def _several(value: Dimensions) -> tuple[Dimension, ...]:
+def _list_dimensions(value: Dimensions) -> tuple[Dimension, ...]:
     return (value,) if isinstance(value, str) else value
 
 
 def _unit(result: Any, name: str, word: str, value: Dimensions) -> Unit:
-    units = (find_unit(word, text) for text in _several(value))
+    units = (find_unit(word, text) for text in _list_dimensions(value))
     unit = next((unit for unit in units if unit is not None), None)
     if unit is None:
-        expected = " or ".join(_several(value))
-        example = " or ".join(dict.fromkeys(map(get_default_unit, _several(value))))
+        expected = " or ".join(_list_dimensions(value))
+        example = " or ".join(dict.fromkeys(map(get_default_unit, _list_dimensions(value))))
         raise DataError(
-            f"{_get_type_label(result)}: '{word}' is no unit of {expected}, and {name} is one. "
-            f"Write for example {example}"
+            f"{_get_type_label(result)}: '{word}' is no unit of {expected}, the dimension of "
+            f"{name}. Write for example {example}"
         )
     return unit
 
@@ -490,7 +491,7 @@ def convert_field_to_si(result: Any, name: str, unit: Unit) -> None:
 
 
 def resolve_unit(value: Any, given_units: Mapping[str, Dimension], *names: str) -> None:
-    """Set the stated unit of a value that may be of a part or of a material.
+    """Set the unit of a value of a part or of a material, by the stated units of its arrays.
 
     Raises
     ------
@@ -499,10 +500,10 @@ def resolve_unit(value: Any, given_units: Mapping[str, Dimension], *names: str) 
     """
     if not given_units:
         return
-    lines = {si_unit(given_units[name]).word for name in names if name in given_units}
-    if len(lines) > 1:
+    unit_words = {si_unit(given_units[name]).word for name in names if name in given_units}
+    if len(unit_words) > 1:
         raise DataError(
-            f"{type(value).__name__}: {' and '.join(names)} are in units of {' and '.join(lines)}. "
-            "Give both as a modulus, or both as a stiffness"
+            f"{type(value).__name__}: {' and '.join(names)} are in units of "
+            f"{' and '.join(unit_words)}. Give both as a modulus, or both as a stiffness"
         )
-    object.__setattr__(value, "unit", lines.pop())
+    object.__setattr__(value, "unit", unit_words.pop())

@@ -28,7 +28,8 @@ GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
 Use = Literal["use", "no test", "use with care", "do not use"]
 
-#: how a value is held against a limit; ``"|x| <="`` asks for its size, ``"x/"`` for a factor
+#: comparison of a value with its limit; ``"|x| <="``: of its magnitude, ``"x/"``: of its ratio
+#: to one
 RULES: dict[str, Callable[[float, float], bool]] = {
     "<=": operator.le,
     "<": operator.lt,

@@ -10,10 +10,10 @@ from dashpot.base import dataclass
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.units import Dimension, convert_to_si, si_range
 
-# The words that users choose among, each list stated once, as a type.
+# Types of options with a fixed set of values.
 #
-# Signatures name the type; options, the app's buttons and the sentence that refuses another word
-# take its words. Nothing here needs NumPy, for ``--help`` does not.
+# Signatures, options of the command line, buttons of the app and error messages take the values
+# from these types. This module does not import NumPy, which ``--help`` does without.
 
 
 Method: TypeAlias = Literal["full", "hold"]
@@ -24,7 +24,7 @@ Estimate: TypeAlias = Literal["H1", "H2", "Hv", "Hs"]
 OverBase: TypeAlias = Literal["absolute", "relative"]
 ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
 Vertical: TypeAlias = Literal["1", "T/T_r", "free"]
-VerticalAsked: TypeAlias = Literal["auto", Vertical]
+VerticalOption: TypeAlias = Literal["auto", Vertical]
 AmplitudeLaw: TypeAlias = Literal["factor", "additive", "cubic", "factor+cubic", "additive+cubic"]
 AmplitudeLawOption: TypeAlias = Literal["auto", AmplitudeLaw]
 PartMode: TypeAlias = Literal[
@@ -62,27 +62,32 @@ def require_choice(
         raise error(f"{name} = {value!r}; expected one of {', '.join(values)}")
 
 
-# A field that users are asked for: declared once, in the dataclass that it fills.
+# Fields of options. Each is declared once, in its dataclass.
 #
-# From the declaration come the option of a command, the word that is typed for a value, and what a
-# page may say in its place.
+# Command line, Python and app take name, unit, limits and default of an option from it.
 
 
-def option(default: Any, help: str | None = None, **how: Any) -> Any:
+def option(default: Any, help: str | None = None, **metadata: Any) -> Any:
     """Return a dataclass field with the metadata of its option.
 
-    `how` holds ``metavar``, ``multiple`` and ``is_flag`` as click knows them; ``unit``, the
-    dimension of a quantity, and ``ends`` where two of them make a range; ``size``, its row of
-    ``SIZES``; ``choices``, a type of this module; ``least``, of a whole number; ``above``, of any;
-    ``word``, what stands for no number; ``parse``, from what click passes on to what the field
-    takes, and ``typed`` back to texts; ``flag``, the option's name where it is not the field's;
-    ``former``, its name in the edition before; ``under``, the option that takes it as KEY=VALUE,
-    ``key``, that word where it is not the field's name, and ``sign`` in place of "="; ``argument``,
-    the position of an argument without an option name; ``decides``, what a job needs it for first.
+    Keys of `metadata`:
+
+    - ``metavar``, ``multiple``, ``is_flag``: as of click;
+    - ``flag``: name of the option if it is not that of the field; ``hidden_alias``: its name in the
+      previous edition, still accepted;
+    - ``keyed_flag``: option that takes the value as KEY=VALUE; ``key``: KEY if it is not the name
+      of the field; ``separator``: sign between them if it is not ``"="``;
+    - ``argument``: position of an argument without an option name;
+    - ``unit``: dimension of a quantity; ``is_range``: whether two of them make a range; ``size``:
+      row of ``SIZES``, its plausible values;
+    - ``choices``: type of this module; ``minimum``: of an integer; ``exclusive_minimum``: of any
+      number; ``keyword``: word that stands for no number, such as ``"auto"``;
+    - ``parse``: function from the value of click to that of the field; ``unparse``: its inverse;
+    - ``stage``: first stage of a job that depends on it, ``"test"`` or ``"fit"``.
     """
-    if "choices" in how:
-        how["choices"] = get_choice_values(how["choices"])
-    return field(default=default, metadata={"help": help, **how})
+    if "choices" in metadata:
+        metadata["choices"] = get_choice_values(metadata["choices"])
+    return field(default=default, metadata={"help": help, **metadata})
 
 
 def copy_option(cls: type, name: str, **other: Any) -> Any:
@@ -91,9 +96,9 @@ def copy_option(cls: type, name: str, **other: Any) -> Any:
     return option(**{"default": attribute.default, **attribute.metadata, **other})
 
 
-def make_nested_options(kind: type, **how: Any) -> Any:
+def make_nested_options(kind: type, **metadata: Any) -> Any:
     """Return the field that holds a value with options of its own."""
-    return field(default_factory=kind, metadata={"part": kind, **how})
+    return field(default_factory=kind, metadata={"options_class": kind, **metadata})
 
 
 def iterate_option_fields(result: Any) -> Iterator[Field[Any]]:
@@ -110,8 +115,10 @@ def is_path_field(attribute: Field[Any]) -> bool:
 
 def get_option_flag(attribute: Field[Any]) -> str:
     """Return the option that takes a field, as it is typed: ``--seal-mass``, ``--machine``."""
-    how = attribute.metadata
-    return "--" + str(how.get("under", how.get("flag", attribute.name))).replace("_", "-")
+    metadata = attribute.metadata
+    return "--" + str(metadata.get("keyed_flag", metadata.get("flag", attribute.name))).replace(
+        "_", "-"
+    )
 
 
 def get_option_key(attribute: Field[Any]) -> str:
@@ -130,7 +137,7 @@ def format_option_flags(cls: type) -> str:
     return f"{', '.join(other_flags)} and {last}" if other_flags else last
 
 
-# What a page asks of a test beside its files: a field each, and what was answered in it.
+# Form of the app: the fields that a kind of test needs besides its files, and their values.
 
 
 Form: TypeAlias = Literal["number", "bare", "range", "sizes", "words"]

@@ -10,7 +10,7 @@ from dashpot.base.lazy import compile_on_use
 # Text that is safe to print on a terminal.
 
 
-# controls but tab and line feed, marks that turn the direction of writing, bytes that are no text
+# control characters except tab and line feed, bidirectional marks, bytes that are not text
 _CONTROL = "\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
 _OBEYED = compile_on_use(f"[{_CONTROL}]")
 _FORMULA_SIGN = r"[=+@|%\-\uff1d\uff0b\uff0d\uff20]"

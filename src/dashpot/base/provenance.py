@@ -18,7 +18,7 @@ class Caution(str):
 
     `sentence` is the same without the options of a command line, as checks say it.
 
-    >>> cautions_in(["200 rows", Caution("the header states a gain")])
+    >>> list_cautions(["200 rows", Caution("the header states a gain")])
     ('the header states a gain',)
     """
 
@@ -31,7 +31,7 @@ class Caution(str):
         return caution
 
 
-def cautions_in(notes: Iterable[str]) -> tuple[str, ...]:
+def list_cautions(notes: Iterable[str]) -> tuple[str, ...]:
     """Return the notes that can change a number, each once, as plain text."""
     return tuple(dict.fromkeys(note.sentence for note in notes if isinstance(note, Caution)))
 
@@ -115,7 +115,7 @@ class Read(Protocol):
         ...
 
 
-class Prepared(Protocol):
+class HasSteps(Protocol):
     """Interface of a record with processing steps."""
 
     @property
@@ -129,7 +129,7 @@ def list_sources(records: Iterable[Read]) -> tuple[Source, ...]:
     return tuple(record.source for record in records if record.source is not None)
 
 
-def list_steps(records: Iterable[Prepared]) -> tuple[Step, ...]:
+def list_steps(records: Iterable[HasSteps]) -> tuple[Step, ...]:
     """Return the processing steps of records, in order."""
     return tuple(step for record in records for step in record.steps)
 

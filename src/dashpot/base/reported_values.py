@@ -240,18 +240,20 @@ class ReportedValue(Serialisable):
 
 
 class HasReportedValues(HasChecks):
-    """Result of named numbers, `found`, with checks."""
+    """Result of named numbers, `reported_values`, with checks."""
 
-    found: tuple[ReportedValue, ...]
+    reported_values: tuple[ReportedValue, ...]
 
     @property
     def facts(self) -> tuple[ReportedValue, ...]:
         """The numbers that it shows."""
-        return self.found
+        return self.reported_values
 
     def __getitem__(self, name: str) -> ReportedValue:
         """Return a reported value by its name."""
-        return next(reported_value for reported_value in self.found if reported_value.name == name)
+        return next(
+            reported_value for reported_value in self.reported_values if reported_value.name == name
+        )
 
 
 def _error(size: float) -> str:

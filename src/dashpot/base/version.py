@@ -15,7 +15,7 @@ def _read_version() -> str:
 
 __version__ = _read_version()
 
-# a document in JSON names its schema first; every other file holds `byline`
+# A JSON document begins with its schema; every other file contains `byline`.
 _BYLINE = compile_on_use(rb"\bdashpot \d+\.\d+\.[\w.+]+: [a-zA-Z]")
 _SCHEMA = compile_on_use(rb'\s*\{\s*"schema": ?"dashpot/')
 _PROFILE = b"# dashpot reading profile"

@@ -25,17 +25,17 @@ except DashpotError as _error:
     sys.stderr.write(f"dashpot: {_error}\n")
     sys.exit(3)
 
-# the matrices are small: threads of BLAS beside the one that works wait for it at full load. Named
-# before NumPy is loaded; who names another number is heeded
+# The matrices are small: further threads of BLAS would only wait, at full load. Set before NumPy
+# is loaded; a number that the user sets takes precedence.
 for _name in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{_name}_NUM_THREADS", "1")
 
-# a command makes most of its objects to keep them: a search for cycles among every 700 new ones
-# finds next to none. Arrays are freed without it: the peak of memory stays within 1 %
+# Most objects of a command live to its end: garbage collection after every 700 of them finds
+# almost nothing. Arrays are freed without it: the peak of memory changes by less than 1 %.
 gc.set_threshold(100_000)
 
-# the end of the process frees everything; the interpreter need not search every module for
-# cycles on the way out, which takes as long as reading a short file
+# The operating system frees the memory at the end of the process; a last garbage collection would
+# take as long as reading a short file.
 atexit.register(gc.freeze)
 
 COMMANDS = {command.name: command.help for command in ROWS.values()}

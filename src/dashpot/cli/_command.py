@@ -52,7 +52,7 @@ class TargetFields(NamedTuple):
 class CommandOption(click.Option):
     """Option with its group in the help, and the kinds of records to which it applies.
 
-    `former` is its name in the previous edition, still accepted but not shown.
+    `hidden_alias` is its name in the previous edition, still accepted but not shown.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class CommandOption(click.Option):
         kinds: Iterable[str] = (),
         is_advanced: bool = False,
         target: TargetFields | None = None,
-        former: str = "",
+        hidden_alias: str = "",
         **click_options: Any,
     ) -> None:
         super().__init__(flags, **click_options)
@@ -71,7 +71,7 @@ class CommandOption(click.Option):
         """Kinds that do not take the option, if it belongs to no particular kind."""
         self.is_advanced = is_advanced
         self.target = target
-        self.former = former
+        self.hidden_alias = hidden_alias
 
     def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
         names, self.opts = self.opts, self.list_spellings()  # click shows what `opts` holds
@@ -80,7 +80,7 @@ class CommandOption(click.Option):
 
     def list_spellings(self) -> list[str]:
         """Return the spellings of the option, including that of the previous edition."""
-        return [*self.opts, *([f"--{self.former}"] if self.former else [])]
+        return [*self.opts, *([f"--{self.hidden_alias}"] if self.hidden_alias else [])]
 
     @property
     def flag(self) -> str:
@@ -178,7 +178,7 @@ def _make_option(
 ) -> CommandOption:
     (field, *_), name = target.fields, f"{target.argument}_{target.fields[0].name}"
     click_options: dict[str, Any] = {}
-    if "under" in field.metadata or len(target.fields) > 1:
+    if "keyed_flag" in field.metadata or len(target.fields) > 1:
         metavar, message = KEYED_OPTIONS[flag]
         click_options = {"type": Keyed(flag, target.fields), "multiple": True, "metavar": metavar}
         click_options["help"] = message
@@ -194,7 +194,7 @@ def _make_option(
     click_options["help"] = _add_default(
         click_options.get("help") or "", click_options.get("default")
     )
-    click_options.setdefault("former", field.metadata.get("former", ""))
+    click_options.setdefault("hidden_alias", field.metadata.get("hidden_alias", ""))
     return CommandOption(
         flag, name, kinds=kinds.split(), is_advanced=is_advanced, target=target, **click_options
     )
@@ -217,7 +217,7 @@ def _get_default(field: Field[Any]) -> Any:
         return False
     if field.default is MISSING or "multiple" in field.metadata:
         return None
-    return field.metadata.get("word") if field.default is None else field.default
+    return field.metadata.get("keyword") if field.default is None else field.default
 
 
 def _add_default(message: str, default: Any) -> str:
@@ -354,7 +354,8 @@ class DashpotCommand(click.Command):
                 (glob, cls(**entry)) for glob, entry in field_values.items() if glob
             )
             options[argument] = cls(
-                **field_values.get("", {}), **({"own": scoped_values} if scoped_values else {})
+                **field_values.get("", {}),
+                **({"file_options": scoped_values} if scoped_values else {}),
             )
         return _apply_profiles(ctx, options)
 
@@ -445,7 +446,7 @@ def _format_kinds(kinds: Mapping[str, str]) -> str:
     return "; ".join(f"{Path(path).name} is {get_kind_label(word)}" for path, word in kinds.items())
 
 
-# -- how it is laid out ---------------------------------------------------------------------------
+# -- Layout of the help ---------------------------------------------------------------------------
 
 
 def _format_groups(options: Sequence[CommandOption]) -> list[str]:

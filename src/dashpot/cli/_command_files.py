@@ -16,7 +16,7 @@ from dashpot.base.units import convert_to_unit
 from dashpot.cli._terminal import to_stderr
 
 if TYPE_CHECKING:
-    from dashpot.reading.columns.file_kinds import Recognised
+    from dashpot.reading.columns.file_kinds import RecognisedKind
     from dashpot.reading.read_options import ReadOptions
     from dashpot.solids.shift_laws import TemperatureLaw
 
@@ -66,15 +66,15 @@ def is_json(path: str) -> bool:
         return looks_like_json(file.read(64))
 
 
-# The kind that each record was taken for, which is reported to the user.
+# Recognised kind of each record, as reported to the user.
 
 
-def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, Recognised]:
+def detect_file_kinds(files: Sequence[str], options: ReadOptions) -> dict[str, RecognisedKind]:
     """Return the kind of each file."""
     return {path: _detect_file_kind(path, options) for path in files}
 
 
-def _detect_file_kind(path: str, options: ReadOptions) -> Recognised:
+def _detect_file_kind(path: str, options: ReadOptions) -> RecognisedKind:
     if is_json(path):
         from dashpot.reading.columns.file_kinds import identify_json
         from dashpot.reading.raw_file import open_raw
@@ -86,7 +86,9 @@ def _detect_file_kind(path: str, options: ReadOptions) -> Recognised:
     return recognise(path, options.for_file(path))
 
 
-def get_file_kinds(detections: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
+def get_file_kinds(
+    detections: Mapping[str, RecognisedKind], options: ReadOptions
+) -> dict[str, str]:
     """Return the word of each file's kind, as it was read with the options.
 
     Raises
@@ -112,7 +114,7 @@ def format_override_hint(kinds: Collection[str]) -> str:
     return f" If the file is {KINDS_OF_FILE[kind].label}, add --kind {kind}." if is_kind else ""
 
 
-def print_detected_kinds(detections: Mapping[str, Recognised]) -> None:
+def print_detected_kinds(detections: Mapping[str, RecognisedKind]) -> None:
     """Print on stderr the kind for which each file was taken."""
     files_by_kind: dict[str, list[str]] = {}
     for path, detection in detections.items():

@@ -47,7 +47,7 @@ SOLIDS = "relaxation dma master-curve modulus creep fit"
 
 def _build_keyed_option(cls: type[Any], name: str, argument: str) -> list[CommandOption]:
     """Return the option of KEY=VALUE that fills fields of a dataclass."""
-    keys = [field.name for field in fields(cls) if field.metadata.get("under") == name]
+    keys = [field.name for field in fields(cls) if field.metadata.get("keyed_flag") == name]
     return build_options(cls, *keys, argument=argument)
 
 

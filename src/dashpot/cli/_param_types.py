@@ -280,7 +280,7 @@ class Keyed(click.ParamType[Any]):
     def __init__(self, flag: str, fields: Sequence[Field[Any]]) -> None:
         self.flag = flag
         self.fields = {get_option_key(field): field for field in fields}
-        self.sign = fields[-1].metadata.get("sign", "=")
+        self.sign = fields[-1].metadata.get("separator", "=")
         # the field that the option is named after is typed without a key: FILE,axis=Fz
         self.first = next((field for field in fields if f"--{field.name}" == flag), None)
         keys = "|".join(map(re.escape, self.fields))
@@ -383,18 +383,18 @@ def type_of(field: Field[Any]) -> click.ParamType[Any]:
     """Return the click type of a field."""
     metadata = field.metadata
     if "unit" in metadata:
-        kind = Range if "ends" in metadata else WithUnit
-        return kind(metadata["unit"], metadata.get("word", ""))
+        kind = Range if "is_range" in metadata else WithUnit
+        return kind(metadata["unit"], metadata.get("keyword", ""))
     if "choices" in metadata:
         return ChoiceWithSuggestion(tuple(metadata["choices"]))
     if is_path_field(field):
         return File()
-    if "above" in metadata:
-        return click.FloatRange(metadata["above"], min_open=True)
-    if "word" in metadata:
+    if "exclusive_minimum" in metadata:
+        return click.FloatRange(metadata["exclusive_minimum"], min_open=True)
+    if "keyword" in metadata:
         return ArmCount()
-    if "least" in metadata:
-        return click.IntRange(metadata["least"])
+    if "minimum" in metadata:
+        return click.IntRange(metadata["minimum"])
     return _TYPES.get(type(field.default), click.STRING)
 
 

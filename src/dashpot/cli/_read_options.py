@@ -45,10 +45,12 @@ def merge_profiles(
         profile_options = (
             profile.with_defaults(profile_options)
             if not glob
-            else replace(profile_options, own=(*profile_options.own, (glob, profile)))
+            else replace(
+                profile_options, file_options=(*profile_options.file_options, (glob, profile))
+            )
         )
     options = options.with_defaults(profile_options)
-    for file_options in (options, *(entry for _, entry in options.own)):
+    for file_options in (options, *(entry for _, entry in options.file_options)):
         if file_options.calibration:
             note_input(ctx, file_options.calibration)
     _refuse_unmatched_patterns(ctx, options)
@@ -70,7 +72,7 @@ def _refuse_unmatched_patterns(ctx: click.Context, options: ReadOptions) -> None
     paths = [Path(record) for record in _list_file_arguments(ctx)]
     if any(path.is_dir() for path in paths) or any("*" in str(path) for path in paths):
         return
-    for glob, _ in options.own:
+    for glob, _ in options.file_options:
         if not any(path.match(glob) for path in paths):
             file_names = ", ".join(path.name for path in paths)
             raise click.UsageError(f"'{glob}:' matches none of the files {file_names}.")

@@ -26,7 +26,7 @@ from dashpot.cli._command_files import detect_file_kinds, get_file_kinds, print_
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, TEMPERATURE_GROUP, VIBRATION
 from dashpot.cli._param_types import ChoiceWithSuggestion, Output, WithUnit
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.reading.read_options import ReadOptions
 from dashpot.registry import (
     FITS,
@@ -79,14 +79,14 @@ def _make_mass_options() -> list[CommandOption]:
             build_options(HammerRig, "mass_sd", argument="rig", kinds=VIBRATION),
             options.relative_motion_option(VIBRATION),
             build_options(
-                KnownSolid,
+                SolidPrior,
                 "static_stiffness",
                 "natural_frequency",
                 "damping_ratio",
-                argument="known",
+                argument="solid_prior",
                 kinds=VIBRATION,
             ),
-            build_options(KnownSolid, "parallel_dashpot", argument="known", kinds=VIBRATION),
+            build_options(SolidPrior, "parallel_dashpot", argument="solid_prior", kinds=VIBRATION),
             opt(
                 "--stiffness-table",
                 type=Output([".csv"]),

@@ -280,7 +280,7 @@ def _draw_bench_tests(fit: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     return dp.plot.bench(fit, records, alternatives=alternatives)
 
 
-# Kinds fitted by their registry row alone.
+# Kinds that are fitted by the function of their registry row.
 
 
 def run_generic_kind(request: FitRequest) -> CommandResult:
@@ -385,7 +385,7 @@ def run_joint(request: FitRequest) -> CommandResult:
                          "machine", "specimen"),
         ),
         **request.select_options("rig", "impact_temperature", "arms",
-                     "known", "band", "temperatures", "hammer"),
+                     "solid_prior", "band", "temperatures", "hammer"),
     )  # fmt: skip
     request.draw(lambda: dp.plot.stiffness(result.fit))
     if request["save_shifts"]:

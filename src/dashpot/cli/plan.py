@@ -68,7 +68,7 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
         opt("--seal", "guess", metavar="NAME|FIT",
             help="Assumed seal: paper, broad, hidden, or a fit."),
         build_options(HammerPlan, "mass", "seals", argument="hammer"),
-        opt("--target-sd", "target_sd", former="wanted", type=float, default=10.0,
+        opt("--target-sd", "target_sd", hidden_alias="wanted", type=float, default=10.0,
             metavar="PERCENT", help="Target standard deviation (10)."),
         mark_advanced(
             build_options(Machine, argument="machine", omit=("force_filter",),

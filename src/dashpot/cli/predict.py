@@ -272,7 +272,7 @@ def _predict_mass(
     if output:
         _write_frf_output(prediction, output)
     return CommandResult.from_result(
-        prediction, next_command="" if prediction.of_part else _format_next_command(fit)
+        prediction, next_command="" if prediction.is_of_part else _format_next_command(fit)
     )
 
 

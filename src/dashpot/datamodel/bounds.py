@@ -10,7 +10,14 @@ from typing import Literal, TypeAlias, TypedDict
 import numpy as np
 
 from dashpot.base import dataclass, field, replace
-from dashpot.base.arrays import EqualByValue, FloatArray, FrozenArrays, frozen, increasing, samples
+from dashpot.base.arrays import (
+    EqualByValue,
+    FloatArray,
+    FrozenArrays,
+    make_readonly_copy,
+    require_increasing,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.number_format import duration, interval, round_to_error
 from dashpot.base.reported_values import ReportedValue
@@ -22,7 +29,8 @@ from dashpot.solids.maxwell import Solid
 # Limits of the stiffness of a solid.
 
 
-# naming the machine is worth a sentence if it leaves less than this part of the width
+# Ratio of the widths of the limits, with over without a stated machine, below which a remark
+# advises to state it.
 MAX_NAMED_WIDTH_RATIO = 0.8
 #: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
 MAX_DEVIANCE = 5.0
@@ -48,7 +56,7 @@ def naming(time: float, now: float, then: float) -> str:
     )
 
 
-# the kind of test that ended, and what would have extended it
+# Kind of test, and what would extend it.
 Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep", "frf"]
 _MORE_DATA: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",
@@ -287,7 +295,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
     message: str = ""
 
     def __post_init__(self) -> None:
-        frequency = increasing("frequency", samples("frequency", self.frequency))
+        frequency = require_increasing("frequency", validate_samples("frequency", self.frequency))
         object.__setattr__(self, "frequency", frequency)
         for name in ("storage", "loss", "loss_factor"):
             limits = np.asarray(getattr(self, name), dtype=float)
@@ -298,7 +306,7 @@ class StiffnessBounds(EqualByValue, Serialisable):
                 )
             if not (limits[0] <= limits[1]).all():
                 raise DataError(f"the lower limit of {name} lies above its upper limit")
-            object.__setattr__(self, name, frozen(limits))
+            object.__setattr__(self, name, make_readonly_copy(limits))
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,7 +367,7 @@ class FRFBounds(FrozenArrays, Serialisable):
 # Errors of stiffness and loss factor at some frequencies.
 
 
-#: a loss factor that is known no better than this part of itself is not known
+#: relative error above which a loss factor counts as not determined
 MAX_LOSS_FACTOR_ERROR = 0.3
 
 

@@ -721,7 +721,7 @@ def list_undetermined_times(fit: Fit) -> tuple[float, ...]:
     )
 
 
-def list_known_values(fit: Fit) -> tuple[ReportedValue, ...]:
+def list_model_values(fit: Fit) -> tuple[ReportedValue, ...]:
     """Return the rows of the model's parameters, the same in all tables.
 
     The stiffness at the end of the hold, then every parameter; of a spectrum, whose single

@@ -14,13 +14,13 @@ from dashpot.base.arrays import (
     ComplexArray,
     EqualByValue,
     FloatArray,
-    complex_samples,
     convert_field_to_si,
     get_unit_words,
-    increasing,
     make_units_field,
-    same_length,
-    samples,
+    require_increasing,
+    require_same_length,
+    validate_complex_samples,
+    validate_samples,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -67,7 +67,7 @@ UNITS = {
     Kind.RELATIVE_TRANSMISSIBILITY: "m/m",
 }
 
-# relative random error above which a line does not determine a peak
+# Relative random error above which a line does not determine a peak.
 MAX_LINE_ERROR = 0.5
 # noise cannot be estimated from fewer quiet lines
 MIN_QUIET_LINES = 5
@@ -195,17 +195,17 @@ class FRF(EqualByValue, Plottable, Serialisable):
 
     def __post_init__(self) -> None:
         self._into_si()
-        frequency = increasing("frequency", samples("frequency", self.frequency))
+        frequency = require_increasing("frequency", validate_samples("frequency", self.frequency))
         if frequency[0] < 0:
             raise DataError(f"frequency[0] = {frequency[0]:g} Hz; expected >= 0")
         object.__setattr__(self, "frequency", frequency)
-        object.__setattr__(self, "value", complex_samples("value", self.value))
+        object.__setattr__(self, "value", validate_complex_samples("value", self.value))
         object.__setattr__(self, "quantity", Kind(self.quantity))
         for name in ("coherence", "sd"):
             values = getattr(self, name)
             if values is not None:
-                object.__setattr__(self, name, samples(name, values))
-        same_length(
+                object.__setattr__(self, name, validate_samples(name, values))
+        require_same_length(
             frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
         )
 

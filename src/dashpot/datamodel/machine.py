@@ -19,7 +19,7 @@ from dashpot.base.value_ranges import (
     select_fields,
 )
 
-# two channels of one clock are together to this part of a sample
+# Delay between two channels of one clock, in samples.
 _CLOCK_TOLERANCE = 0.01
 
 
@@ -189,34 +189,37 @@ class Machine(Serialisable):
 
     sync: float | None = option(
         None, "Uncertainty of the delay between force and displacement.", unit="time",
-        under="machine", size=SIZES["delay"],
+        keyed_flag="machine", size=SIZES["delay"],
     )  # fmt: skip
     drift: float | None = option(
-        None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate", under="machine"
+        None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate", keyed_flag="machine"
     )
     compliance: float | None = option(
-        None, "Compliance of the machine, e.g. 50um/N.", unit="compliance", under="machine"
+        None, "Compliance of the machine, e.g. 50um/N.", unit="compliance", keyed_flag="machine"
     )
     creep: float | None = option(
-        None, "Creep of the crosshead in e-fold time, e.g. 5um.", unit="length", under="machine"
+        None,
+        "Creep of the crosshead in e-fold time, e.g. 5um.",
+        unit="length",
+        keyed_flag="machine",
     )
     force_filter: float | None = option(
         None,
         "First-order low-pass in the force channel, e.g. 10Hz.",
         unit="frequency",
-        under="machine",
+        keyed_flag="machine",
     )
 
     rest: float | None = option(
-        None, "Rest of the seal before the record, e.g. 10min.", unit="time", under="machine"
+        None, "Rest of the seal before the record, e.g. 10min.", unit="time", keyed_flag="machine"
     )
     oven: float | None = option(
-        None, "Error of an oven's temperature, e.g. 1K.", unit="temperature", under="machine"
+        None, "Error of an oven's temperature, e.g. 1K.", unit="temperature", keyed_flag="machine"
     )
 
     cable: float | None = option(
         None, "Cable stiffness over the seals', e.g. 1%; 0: it hangs.", unit="strain",
-        under="machine",
+        keyed_flag="machine",
     )  # fmt: skip
     high_pass: float | None = option(
         None, "Corner of the accelerometer's high-pass alone, e.g. 0.16Hz.", unit="frequency",

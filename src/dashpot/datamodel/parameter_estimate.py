@@ -21,7 +21,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 import numpy as np
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, FrozenArrays, frozen
+from dashpot.base.arrays import (
+    ComplexArray,
+    EqualByValue,
+    FloatArray,
+    FrozenArrays,
+    make_readonly_copy,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import EVERY_FIELD, Serialisable
@@ -207,7 +213,7 @@ class ParameterEstimate(EqualByValue):
                     f"{name} has shape {covariance.shape}, expected {(count, count)}: "
                     "one row per parameter"
                 )
-            object.__setattr__(self, name, frozen(covariance))
+            object.__setattr__(self, name, make_readonly_copy(covariance))
 
     @property
     def noise_only(self) -> ParameterEstimate:

@@ -12,9 +12,9 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    frozen,
     hold_measured,
     make_cosine_sequence,
+    make_readonly_copy,
     make_units_field,
     median,
 )
@@ -32,7 +32,8 @@ from dashpot.numerics.design_matrices.data_compression import uniform_step
 # Relaxation tests.
 
 
-# a plate so near the depth, as a part of it, has settled; it is given a fifth of the ramp for it
+# Relative distance from the depth below which a plate has settled, and share of the ramp time
+# allowed for it.
 SETTLED_DISTANCE = 0.002
 SETTLING_SHARE = 0.2
 # largest motion in a hold, relative to the depth, for a fit of the hold alone
@@ -455,7 +456,8 @@ class RampHold(EqualByValue, Plottable, Serialisable):
         return slice(min(hold.start + first_settled, early_hold.stop), hold.stop)
 
 
-# samples of one speed that are a stretch, and of its ends those that a ramp does not fill
+# Smallest number of samples of a segment of constant speed, and of samples outside the ramp at
+# its ends.
 STRETCH_SAMPLES, PARTIAL_SAMPLES = 4, 2
 # of the travel: a step that bears on the depth
 COARSE_STEP = 0.003
@@ -553,4 +555,4 @@ class Trajectory(EqualByValue):
                     f"position has the shape {self.position.shape}; expected {len(self.time)} rows "
                     "of x, y, z"
                 )
-            object.__setattr__(self, "position", frozen(self.position))
+            object.__setattr__(self, "position", make_readonly_copy(self.position))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import EqualByValue, FloatArray, frozen
+from dashpot.base.arrays import EqualByValue, FloatArray, make_readonly_copy
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
@@ -15,7 +15,7 @@ from dashpot.base.units import celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
-# no law of free volume is trusted nearer to the glass transition, K
+# Smallest distance from the glass transition at which a WLF law is used, K.
 GLASS_MARGIN = 10.0
 # temperatures that differ by less, K, count as equal
 SAME_TEMPERATURE = 0.5
@@ -110,9 +110,9 @@ class TemperatureShifts(EqualByValue, Serialisable):
             values = np.asarray(getattr(self, name), dtype=float).reshape(-1)
             if values.size != rows * rows:
                 raise DataError(f"{name} has {values.size} values, expected {rows} x {rows}")
-            object.__setattr__(self, name, frozen(values.reshape(rows, rows)))
+            object.__setattr__(self, name, make_readonly_copy(values.reshape(rows, rows)))
         cross_covariance = np.asarray(self.cross, dtype=float).reshape(-1, 2 * len(self.shifts) + 1)
-        object.__setattr__(self, "cross", frozen(cross_covariance))
+        object.__setattr__(self, "cross", make_readonly_copy(cross_covariance))
         temperatures = [shift.temperature for shift in self.shifts]
         if temperatures != sorted(set(temperatures)) or self.law.reference not in temperatures:
             raise DataError(

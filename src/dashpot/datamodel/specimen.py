@@ -11,7 +11,7 @@ from dashpot.base.option_fields import option
 from dashpot.base.units import convert_to_unit, format_quantity, si_fields
 from dashpot.base.value_ranges import SIZES, require_positive, select_fields
 
-# K; no elastomer is tested beyond
+# Plausible test temperatures of elastomers, K.
 _COLDEST, _HOTTEST = 100.0, 550.0
 
 
@@ -56,11 +56,11 @@ class Specimen:
         None, "Free height of the section.", unit="length", size=SIZES["seal height"]
     )
     temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
-    notes: str = option("", "Material, fixing, load history.", under="label")
-    name: str = option("", "What the specimen is called.", under="label")
-    lot: str = option("", "Its lot.", under="label")
-    operator: str = option("", "Who tested it.", under="label")
-    date: str = option("", "Date of the test, e.g. 2026-11-21.", under="label")
+    notes: str = option("", "Material, fixing, load history.", keyed_flag="label")
+    name: str = option("", "What the specimen is called.", keyed_flag="label")
+    lot: str = option("", "Its lot.", keyed_flag="label")
+    operator: str = option("", "Who tested it.", keyed_flag="label")
+    date: str = option("", "Date of the test, e.g. 2026-11-21.", keyed_flag="label")
     stated_temperature: float | None = None
     warmed: float | None = None
     rested: float | None = None

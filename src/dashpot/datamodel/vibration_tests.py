@@ -11,12 +11,12 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
+    compute_run_numbers,
     convert_arrays_to_si,
-    frozen,
     hold_measured,
+    make_readonly_copy,
     make_units_field,
-    number_of_run,
-    same_length,
+    require_same_length,
     slices,
     validate_measured,
 )
@@ -75,7 +75,7 @@ class ShakenTest(EqualByValue, HasSummary):
         """The motions of base and mass over time, and the number of the record."""
         time = np.arange(len(self.base)) / self.rate
         return {
-            "time": (time, "s"), "record": (number_of_run(self.starts, len(time)), ""),
+            "time": (time, "s"), "record": (compute_run_numbers(self.starts, len(time)), ""),
             **collect_arrays(self, base="m/s^2", mass=("m", "m/s", "m/s^2")[self.order]),
         }  # fmt: skip
 
@@ -152,7 +152,9 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         if len(names) != len(acceleration):
             raise DataError(f"{len(names)} channel names for {len(acceleration)} accelerations")
         for name, row in zip(names, acceleration, strict=True):
-            same_length(time=time, force=force, **{f"channel {name}": validate_measured(name, row)})
+            require_same_length(
+                time=time, force=force, **{f"channel {name}": validate_measured(name, row)}
+            )
         if self.positions is not None and len(self.positions) != len(acceleration):
             raise DataError(
                 f"{len(self.positions)} positions for {len(acceleration)} accelerometers"
@@ -164,7 +166,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
             raise DataError(f"record starts must rise from 0, found {starts}")
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "force", force)
-        object.__setattr__(self, "acceleration", frozen(acceleration))
+        object.__setattr__(self, "acceleration", make_readonly_copy(acceleration))
         object.__setattr__(self, "channels", tuple(names))
         object.__setattr__(self, "starts", starts)
         first, *other_records = self.records()
@@ -184,7 +186,7 @@ class ImpactTest(EqualByValue, HasSummary, Serialisable):
         pairs = zip(self.channels, self.acceleration, strict=True)
         return {
             "time": (self.time, "s"),
-            "record": (number_of_run(self.starts, len(self.time)), ""),
+            "record": (compute_run_numbers(self.starts, len(self.time)), ""),
             "force": (self.force, "N"),
             **{name: (row, "m/s^2") for name, row in pairs},
         }

@@ -17,7 +17,7 @@ from dashpot.base.errors import ExportError
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.export.deck import DeckText
-from dashpot.export.deck_validation import PROBLEMS, option_of
+from dashpot.export.deck_validation import PROBLEMS, get_option_name
 from dashpot.export.unit_systems import UNIT_SYSTEMS
 from dashpot.registry import SOLVER_INPUTS, SOLVER_NAMES, find_handler, require_handler
 from dashpot.solids.maxwell import Solid
@@ -64,7 +64,7 @@ def _format_unsupported_option(name: str, *, alternative: bool) -> str:
     """Return the option of an argument that a target lacks, and which other targets have it."""
     other_targets = [text for text in TARGETS if name in signature(TARGETS[text]).parameters]
     hint = f". Those of {', '.join(other_targets)} do" if other_targets and alternative else ""
-    return option_of(name) + hint
+    return get_option_name(name) + hint
 
 
 def uses_argument(target: str, argument: str) -> bool:

@@ -99,8 +99,8 @@ class NonlinearElements:
         """Header lines on the distance of the two nodes, where elements rotate with them."""
         span_text = f"{text(self.span)} {self.units.words[0]}"
         remark = (
-            f"keep the two nodes {span_text} apart: if they are near, a press turns the "
-            "elements round"
+            f"keep the two nodes {span_text} apart: at a short distance compression inverts the "
+            "elements"
         )
         return [remark]
 
@@ -135,11 +135,11 @@ class NonlinearElements:
         ]
         if self.k3:
             lines.append(
-                f"  cubic spring: k3 = {text(self.k3)} {force}/{length}^3, by straight lines to "
-                f"{text(_CUBIC_RANGE * high)} {length} either way; beyond it is another one"
+                f"  cubic spring: k3 = {text(self.k3)} {force}/{length}^3, piecewise linear to "
+                f"{text(_CUBIC_RANGE * high)} {length} in both directions; not valid beyond"
             )
         tested_text = f"displacement amplitudes tested: {low:.4g} to {high:.4g} {length}"
-        return [*lines, f"{tested_text}; whatever moves less or farther is EXTRAPOLATED"]
+        return [*lines, f"{tested_text}; other amplitudes are EXTRAPOLATED"]
 
     def refuse_unsupported(self, target: str, form: str) -> None:
         """Raise where the target's form holds neither friction nor a cubic spring.
@@ -155,13 +155,13 @@ class NonlinearElements:
         name = f"{slider_count} slider{'s' * (slider_count != 1)}" if slider_count else ""
         name += " and " * bool(slider_count and self.k3) + "a cubic spring" * bool(self.k3)
         other = (
-            f"take --form {supported[0]} (Python: form='{supported[0]}')"
+            f"use --form {supported[0]} (Python: form='{supported[0]}')"
             if supported
-            else f"those that hold such: --to {', '.join(CARRIERS)}"
+            else f"use a target that supports them: --to {', '.join(CARRIERS)}"
         )
         raise ExportError(
-            f"{target} decks of the form '{form}' are linear, and beside the arms this fit has "
-            f"{name}, whose force is not; {other}"
+            f"{target} decks of the form '{form}' are linear, but this fit has {name} in "
+            f"parallel with the arms; {other}"
         )
 
 
@@ -326,13 +326,13 @@ class Deck:
         """
         if modulus is None or not modulus > 0:
             advice = (
-                "which does not follow from the stiffness of a part (found modulus = "
-                f"{modulus!r}); give --modulus 1MPa, the true one"
+                "which the stiffness of a part does not determine (found modulus = "
+                f"{modulus!r}); give it, e.g. --modulus 1MPa"
             )
             if self.material:
                 modulus_mpa, shear_modulus_mpa = self.model.k_0 / 1e6, self.model.k_0 / 3e6
                 advice = (
-                    f"and the fit does not say of what its modulus of {modulus_mpa:.4g} MPa is; "
+                    f"and the fit does not state the kind of its modulus of {modulus_mpa:.4g} MPa; "
                     f"give --modulus {modulus_mpa:.4g}MPa if it was measured in shear, a third of "
                     f"it, --modulus {shear_modulus_mpa:.4g}MPa, if in tension or compression"
                 )
@@ -363,7 +363,7 @@ class Deck:
             rounded=lambda value: float(format_number(value)),
         )
 
-    # -- what it says of itself -----------------------------------------------------------------
+    # -- header ----------------------------------------------------------------------------------
 
     @property
     def linear_fit(self) -> Fit | None:
@@ -412,11 +412,11 @@ class Deck:
         nominal: float | None = None,
         function: Callable[[str], str] = convert_to_printable_ascii,
     ) -> DeckText:
-        """Return the text of the deck: its header behind the target's comment sign, then its cards.
+        """Return the text of the deck: its header as comments of the target, then its cards.
 
-        What a `table` is follows the remarks, and which of its rows the test says nothing of; so
-        with a `nominal` frequency, Hz, whose stiffness the deck holds.
-        `function` is how the target takes a line of others' words.
+        The header describes a `table` and its rows outside the valid band, and states if the
+        `nominal` frequency, Hz, of the stiffness is outside it. `function` converts a line of the
+        header to characters that the target accepts.
         """
         band_checks = self._check_valid_band(table, nominal)
         verdict = self._verdict(band_checks)
@@ -436,7 +436,7 @@ class Deck:
         return deck_text
 
     def _check_valid_band(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
-        """Return the checks that every row of a table, and a nominal frequency, are in the band."""
+        """Return the checks that the rows of a table and a nominal frequency are in the band."""
         checks: list[Check] = []
         if nominal is not None and self.band is not None:
             checks.append(nominal_in_valid_band(self.is_extrapolated(nominal), nominal))
@@ -483,7 +483,7 @@ class Deck:
             )
         if self.model is not self.solid:
             described.append(
-                f"  the arms stand for a {type(self.solid).__name__}, of which any table is"
+                f"  the arms approximate a {type(self.solid).__name__}; tables are computed from it"
             )
         return [
             *described,
@@ -516,7 +516,7 @@ class Deck:
         if not reported_value.is_at_most:
             return []
         upper_text = f"{self._stiffness(reported_value.high):.4g} {unit}"
-        return [f"  k_inf is at most {upper_text}; no test bounds it from below"]
+        return [f"  k_inf is at most {upper_text}; the tests give no lower limit"]
 
     def _elastic_law(self) -> list[str]:
         """Return the header lines on a nonlinear elastic law."""
@@ -530,10 +530,10 @@ class Deck:
             for x, k in tangents
         )
         meaning = (
-            "  the stiffnesses above are the secant at the deepest; small vibration about a "
-            "compression feels the tangent there (dashpot export --compression)"
+            "  the stiffnesses above are secants at the largest compression; small vibration about "
+            "a compression depends on the tangent there (dashpot export --compression)"
         )
-        return [f"elastic law: not straight; its tangent k_inf is {stiffness_texts}", meaning]
+        return [f"elastic law: nonlinear; its tangent k_inf is {stiffness_texts}", meaning]
 
     def _origin_lines(self) -> list[str]:
         """Return the header lines on the fit and its files."""
@@ -541,17 +541,17 @@ class Deck:
         scaled = [step.message for step in steps if step.name in _MODEL_STEPS]
         lines = []
         if self.fit is None or not self.fit.source:
-            lines.append("source: a model in memory; no file is known to stand behind it")
+            lines.append("source: a model in memory, without a file")
             lines += scaled
         else:
             lines.append(f"fit: {', '.join([self.fit._identity, *scaled])}")
             lines += [f"source: {source.file} sha256 {source.sha256}" for source in self.fit.source]
             if any(source.simulated for source in self.fit.source):
-                lines.append("SIMULATED: the test behind this input was simulated")
+                lines.append("SIMULATED: the tests of this model were simulated")
         return lines
 
     def _format_valid_band(self) -> str:
         if self.band is None:
-            return "valid band: not stated; nothing marks what is extrapolated"
+            return "valid band: not stated; extrapolated values are not marked"
         band = f"valid band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"
-        return f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"
+        return f"{band}; values outside are EXTRAPOLATED from the fitted arms"

@@ -61,7 +61,7 @@ class Target(Protocol):
         ...
 
 
-def option_of(argument: str) -> str:
+def get_option_name(argument: str) -> str:
     """Return how an argument of a target is typed."""
     return f"--{'band' if argument == 'frequency_range' else argument.replace('_', '-')}"
 
@@ -100,7 +100,7 @@ def target(
                     and form in forms
                     and form not in reading_forms
                 ):
-                    option = option_of(argument)
+                    option = get_option_name(argument)
                     raise ExportError(
                         f"{name} decks of the form {form} read no {option}: leave it out, or add "
                         f"--form {reading_forms[0]} (Python: {argument}, form='{reading_forms[0]}')"

@@ -41,7 +41,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # with the square of the gap over the noise.
 
 
-#: the best of all spectra leaves no more than so many times what the fit does
+#: largest ratio of the residuals of the best spectrum and of the fit
 MAX_RESIDUAL_RATIO = 2.0
 #: of the grid before it is refined
 POINTS_PER_DECADE = 16
@@ -441,7 +441,7 @@ def compute_upper_limit(spectra: AdmissibleSpectra, v: FloatArray) -> float:
 # support in some directions, chosen where they show most.
 
 
-# what the points met and the lines that enclose them allow differs by less, relatively
+# Relative tolerance between the inner (points) and the outer (tangents) approximation of the set.
 REGION_TOLERANCE = 0.01
 # largest number of directions of the support function
 MAX_DIRECTIONS = 40

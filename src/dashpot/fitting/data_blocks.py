@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 NUISANCE_NAMES = ("offset", "drift", "delay")
 
-# motion after the ramp, as a part of the depth, that eq. 5 can bear
+# Largest motion after the ramp, relative to the depth, for eq. (5).
 _MAX_HOLD_MOTION = 0.05
 # and beyond this it leads to another hold
 _OTHER_DEPTH_MOTION = 0.25
@@ -275,7 +275,7 @@ def build_solid(solution: Solution) -> GeneralizedMaxwell:
 # Data of a fit, and the weight of priors by its noise.
 
 
-# a prior whose assumed noise is within this factor of what the fit shows weighs what it should
+# Range of the ratio of the assumed to the estimated noise in which the priors keep their weights.
 _PRIOR_WEIGHT_RANGE = (2 / 3, 3 / 2)
 
 

@@ -56,7 +56,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # Construction of a fit, common to all methods.
 
 
-#: what supports an optimum of which nothing more was asked
+#: evidence of an optimum without alternatives
 NO_EVIDENCE = Evidence((0.0, 0.0), checks=(uncertainty_estimated(is_estimated=False),))
 
 

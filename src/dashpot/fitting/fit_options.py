@@ -33,20 +33,20 @@ class SolidOptions:
     """
 
     arms: int | Literal["auto"] = option(
-        "auto", "Maxwell arms.", word="auto", least=0, decides="fit"
+        "auto", "Maxwell arms.", keyword="auto", minimum=0, stage="fit"
     )
     method: Method = option(
-        "full", "Whole record, or equation (5) of the paper.", choices=Method, decides="fit"
+        "full", "Whole record, or equation (5) of the paper.", choices=Method, stage="fit"
     )
     law: RampLawOption = option(
-        "auto", "Elastic law of the ramp.", choices=RampLawOption, flag="elastic", decides="fit"
+        "auto", "Elastic law of the ramp.", choices=RampLawOption, flag="elastic", stage="fit"
     )
     family: FamilyOption = option(
         "maxwell",
         "Model of the seal: Maxwell arms, or fractional.",
         choices=FamilyOption,
         flag="model",
-        decides="fit",
+        stage="fit",
     )
     intervals: bool = True
     thorough: bool = False

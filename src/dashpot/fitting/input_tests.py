@@ -115,7 +115,7 @@ def _prepare_test(test: object) -> RampHold:
 # Temperatures of tests, and the reference temperature.
 
 
-# the standard temperature of rubber laboratories, K: the solid is that of the test nearest to it
+# Standard laboratory temperature of rubber tests, K; the test nearest to it is the reference.
 STANDARD_TEMPERATURE = 296.15
 
 
@@ -193,7 +193,8 @@ def find_reference_index(temperatures: FloatArray, target: float | None) -> int:
 # lots fitted as one seal give a seal that does not exist.
 
 
-# noise correlates by 1/sqrt(n) in two records, and by 0.5 where one keeps a quarter of the other
+# Correlation of the noise of two records above which one is a copy: independent noise has
+# 1/sqrt(n), a copy of every fourth sample 0.5.
 COPY_CORRELATION = 0.3
 _MIN_SAMPLES = 400
 # samples to a mean: enough to outlive interpolation between other samples

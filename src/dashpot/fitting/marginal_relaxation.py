@@ -29,7 +29,8 @@ from dashpot.numerics.inference.correlated_noise import marginalise
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# a dashpot is an arm far faster than anything in the window
+# Ratio of the shortest time of the window and of the relaxation time of an arm that acts as a
+# dashpot.
 DASHPOT_TAU_RATIO = 1e-3
 SOLID_PARAMETERS = ("k_inf", "b")
 # ratio of the drift error with a baseline of 10 s and a data sheet to the default

@@ -25,7 +25,7 @@ from dashpot.numerics.design_matrices.block import DataBlock, prior_block
 from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise
 from dashpot.signals.noise import scatter
 
-# fewest samples before contact that determine a scatter and a slope
+# Smallest number of samples before contact for noise and drift.
 _MIN_REST_SAMPLES = 5
 # part of the mean rate on the ramp from which a rising force is no drift
 _MIN_RATE_RATIO = 0.05
@@ -89,9 +89,9 @@ class NuisanceTerms:
     drift_start: float = 0.0
     least_error: float = 0.0
 
-    def add_terms(self, **further_priors: Prior) -> NuisanceTerms:
+    def add_terms(self, **additional_priors: Prior) -> NuisanceTerms:
         """Return the terms and further ones."""
-        return replace(self, priors={**self.priors, **further_priors})
+        return replace(self, priors={**self.priors, **additional_priors})
 
     def build_rows(self, block: DataBlock, noise_sd: float) -> DataBlock:
         """Return the rows of the priors for a block whose independent rows have this `noise_sd`."""

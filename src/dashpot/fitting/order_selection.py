@@ -17,7 +17,7 @@ from dashpot.datamodel.parameter_estimate import Nuisance, ParameterEstimate, Pr
 from dashpot.fitting.checks.solid import (
     MIN_CORRELATED_KAPPA,
     arms_enough,
-    optimum_found,
+    optimiser_converged,
     samples_independent,
 )
 from dashpot.fitting.data_blocks import (
@@ -135,7 +135,7 @@ def _parameters(solution: Solution) -> int:
 # Fit of every number of arms, and selection.
 
 
-# fraction of the residual below which a step is rounding, whatever it does to tau
+# Relative change of the residual below which a step in tau is rounding.
 _STATIONARY_SHARE = 1e-6
 # fraction of the residual below which that of another spectrum shows a misfit
 _MISFIT_SHARE = 0.5
@@ -295,7 +295,7 @@ class SelectedModel:
         """Whether no step would change more than rounding, or a bound holds the point."""
         solution = self.solution
         is_stationary = solution.converged or solution.relative_offset < _STATIONARY_SHARE
-        return optimum_found(stationary=bool(is_stationary or solution.at_bound.any()))
+        return optimiser_converged(stationary=bool(is_stationary or solution.at_bound.any()))
 
     @property
     def residual(self) -> Residual:
@@ -475,7 +475,7 @@ def _is_whole_number(number: object) -> bool:
     return is_integer and number >= 0  # type: ignore[operator]
 
 
-# -- parts of a fit -------------------------------------------------------------------------------
+# -- Parts of a fit -------------------------------------------------------------------------------
 
 
 def compute_certificate(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 # error of a contact behind an air gap, which shifts all motion after it.
 
 
-# over the record: a longer run of equal readings is a rest, during which the seal relaxes
+# Share of the record; a longer run of equal readings is a hold, during which the seal relaxes.
 _MIN_REST_SHARE = 1.0 / 20.0
 
 
@@ -171,7 +171,7 @@ def _compute_pulse_row(
 # Uncertainty of a solution, from residuals in order of time.
 
 
-# relative residual by rounding of the data
+# Relative residual caused by rounding of the data.
 _ROUNDING = 1e-10
 
 
@@ -437,7 +437,7 @@ def _are_arms_significant(solution: Solution, covariance: FloatArray) -> bool:
 # Profile likelihoods where standard errors are inadequate.
 
 
-# below this SE(ln tau) the likelihood is Gaussian enough for intervals
+# SE(ln tau) below which the likelihood is close enough to Gaussian for intervals.
 MAX_WALD_SE = 0.05
 # confidence level that a stored profile covers; with few effective residuals, where that needs a
 # deviance above this limit, the usual level: wider intervals are then open

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import ComplexArray, FloatArray, interpolate_quantile, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, interpolate_quantile, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.option_fields import Method, get_choice_values
 from dashpot.base.student_t import t_quantile
@@ -495,7 +495,7 @@ def _find_crossing(excess: Callable[[float], float], low: float, high: float) ->
 
 
 def _frequencies(frequency: npt.ArrayLike) -> FloatArray:
-    f = samples("frequency", frequency)
+    f = validate_samples("frequency", frequency)
     if f[0] <= 0:
         raise DataError(f"frequency[0] = {f[0]:g} Hz; a band needs frequencies > 0")
     return f

@@ -18,7 +18,7 @@ from dashpot.solids.maxwell import Solid
 # Part of a band in which the loss factor is known, with its error.
 
 
-#: most lines evaluated to find one end of a band
+#: largest number of lines evaluated to find one end of a band
 MAX_END_LINES = 5
 #: an end is found at this part of the largest admissible error, or to this tolerance of ln f
 END_ERROR_RATIO, END_TOLERANCE = 0.85, 0.05
@@ -120,7 +120,7 @@ def _build_band_error(errors: Mapping[float, tuple[float, float]]) -> BandError:
 # too: there an arm may stand that nothing shows.
 
 
-#: the iteration of a ratio ends at a step of this part of its total change
+#: relative step at which Dinkelbach's iteration ends
 RATIO_TOLERANCE = 0.02
 #: upper over lower limit of a stiffness up to which one step of a ratio suffices
 NARROW_STIFFNESS_RATIO = 1.25
@@ -216,7 +216,7 @@ def _compute_relative_error(low: float, value: float, high: float) -> float:
     return float(max(high / value, value / low, 1.0) - 1)
 
 
-# -- a band ---------------------------------------------------------------------------------------
+# -- Ends of a band -------------------------------------------------------------------------------
 
 
 def find_hold_band(

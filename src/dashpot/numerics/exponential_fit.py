@@ -33,7 +33,7 @@ from dashpot.numerics.log_tau_descent import (
 # Optima for 0, 1, 2, ... arms, each started from the previous one.
 
 
-#: where descents that are yet to be compared end: steps, and falls of the SSE
+#: tolerances of step and SSE for descents that are then compared
 COARSE_TOLERANCE = 1e-4
 FLAT_DEVIANCE = 1e-10
 EXTRA_STARTS = 16

@@ -314,7 +314,7 @@ def _upper(size: int) -> FloatArray:
 # before the data is a row as any other; such rows come last.
 
 
-#: part of the data, in squares, that rounding leaves
+#: relative sum of squares caused by rounding
 _ROUNDING_POWER = 1e-22
 #: a descent that is worse by this factor after its first steps is not followed
 _WORSE_FACTOR = 2.0

@@ -226,7 +226,7 @@ def nonnegative_columns(phi: FloatArray, y: FloatArray, restricted: BoolArray) -
 # *Math. Comp.* 30, 1976, 772).
 
 
-#: a gain below this part of the data is rounding
+#: relative gain below which an improvement is rounding
 ZERO_GAIN = 1e-13
 #: walks per column, at most
 MAX_WALKS = 3

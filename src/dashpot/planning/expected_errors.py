@@ -34,7 +34,7 @@ from dashpot.registry import require_handler
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.mass_on_seals import accelerance, ringing_pole
 
-# directions with less than this share of the information are not known at all
+# Share of the information below which a direction is not determined.
 SINGULAR = 1e-14
 # of the machine that is named, s, and what it says to be nothing; its drift the baseline shows
 NAMED_BASELINE = 10.0
@@ -157,7 +157,7 @@ def _compute_gradients(
     return stiffness.real, loss_factor, np.array([storage, ratio])
 
 
-# -- arms ------------------------------------------------------------------------------------------
+# -- Arms ------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ def _name_machine(bench: Bench, *names: str) -> Bench:
     return replace(bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=named_machine)
 
 
-# -- the end of the hold ---------------------------------------------------------------------------
+# -- End of the hold -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -299,7 +299,7 @@ def _compute_end_half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     return float(np.sqrt(MAX_DEVIANCE) * np.linalg.norm(gradient @ errors))
 
 
-# -- the hammer ------------------------------------------------------------------------------------
+# -- Hammer test -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

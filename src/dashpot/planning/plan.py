@@ -495,7 +495,7 @@ def _compute_hammer_lines(frequency: float, record: float | None) -> FloatArray:
     return np.asarray(first + step * np.arange(count, dtype=float))
 
 
-# -- words ------------------------------------------------------------------------------------
+# -- Texts ------------------------------------------------------------------------------------
 
 
 def _run_checks(

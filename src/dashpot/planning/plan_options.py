@@ -73,7 +73,7 @@ class HammerPlan:
     seals: float = option(1.0, "Seals in parallel.")
     record: float | None = option(None, "Record after a hit.", unit="time", flag="hit-length")
     pulse: float | None = option(None, "Hammer pulse; soft tips give 10 to 20 ms.", unit="time")
-    hits: int = option(5, "Number of hammer hits.", least=1)
+    hits: int = option(5, "Number of hammer hits.", minimum=1)
     coherence: float = option(0.99, "Coherence of those hits.")
 
     def __post_init__(self) -> None:

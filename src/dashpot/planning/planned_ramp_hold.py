@@ -17,7 +17,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # Planned ramp-and-hold test: the information of its samples.
 
 
-# an unmeasured effect is smooth: number of nodes over the ramp, and over the hold
+# Number of nodes of an unmeasured, smooth effect, in the ramp and in the hold.
 _NODE_COUNT = 300
 # of its age that a group of samples may last: they weigh as one, to 1e-4 of an error
 _GROUP_DURATION = 0.005

@@ -129,13 +129,13 @@ DISPLAY_UNITS = {
 }
 INTERVAL, BOUND = "95 % interval of the parameters", "95 % bounds over all spectra"
 
-# a magnitude axis ends that far above the median line at most
+# Largest distance of the upper end of a magnitude axis from the median of the lines.
 MAX_MAGNITUDE_RATIO = 1e4
 
-# px: a joint solid shows on both sides of the measured line that it lies under
+# Line width of a joint model, px: visible on both sides of the measured line.
 JOINT_LINE_WIDTH = 7.0
 
-# about a peak, as factors of its frequency
+# Frequency range of a peak, as factors of its frequency.
 VIEW_FACTORS = (0.48, 2.3)
 
 
@@ -186,7 +186,7 @@ def frf(
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
-    informed: tuple[float, float] | None = None,
+    valid_band: tuple[float, float] | None = None,
     ordered: bool = False,
     intervals: Sequence[FloatArray | None] = (),
     stamp: str = "",
@@ -209,7 +209,7 @@ def frf(
     interval : (array, array), optional
         Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
         1/kg, or of a transmissibility where that is drawn.
-    informed : (float, float), optional
+    valid_band : (float, float), optional
         The frequencies that the test behind a prediction informs, Hz: shaded, or said where none
         of them is in sight.
     ordered : bool
@@ -235,8 +235,8 @@ def frf(
     )
     caption = "Frequency response function: magnitude and phase."
     upper, *others_below = _bode(curves, (*(make_prediction_bands(band) or value), *leveled))
-    if informed is not None:
-        upper = _shade_valid_band(upper, informed)
+    if valid_band is not None:
+        upper = _shade_valid_band(upper, valid_band)
     strip = (upper, *others_below)
     return Picture("frf", caption, (strip,), 1, stamp or format_frf_stamp(measured))
 

@@ -456,7 +456,7 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
     return shapes
 
 
-# -- words at points ------------------------------------------------------------------------------
+# -- Labels of points -----------------------------------------------------------------------------
 
 
 def _place_tags(

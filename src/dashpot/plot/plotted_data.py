@@ -75,7 +75,7 @@ def _first_equal(y: FloatArray, extremes: FloatArray, label: IndexArray) -> Inde
 # Stamp of origin: file, specimen, lot, date, mass, and SIMULATED.
 
 
-# that many file names are listed; of more, the number
+# Largest number of file names that are listed.
 MAX_NAMED = 3
 
 

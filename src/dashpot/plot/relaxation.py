@@ -321,12 +321,12 @@ def compute_time_step(prepared: RampHold) -> float:
 # Choice of the figure by the data of the fit.
 
 
-def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = ()) -> Picture:
+def bench(bench_fit: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = ()) -> Picture:
     """Return the figure that suits the records that a fit was made from.
 
     Parameters
     ----------
-    found : Fit
+    bench_fit : Fit
     records : sequence
         As fitted; of one kind.
     alternatives : sequence of Fit
@@ -334,10 +334,10 @@ def bench(found: Fit, records: Sequence[Any], *, alternatives: Sequence[Fit] = (
     """
     first = records[0]
     draw, shown_records = find_handler("fit figure", first), first
-    if draw is None and found.temperatures is not None:
-        draw = find_handler("fit figure", found.temperatures)
+    if draw is None and bench_fit.temperatures is not None:
+        draw = find_handler("fit figure", bench_fit.temperatures)
         shown_records = [record for record in records if isinstance(record, RampHold)]
     if draw is None:
-        return fit(found, first, alternatives=alternatives)
-    picture: Picture = draw(found, shown_records)
+        return fit(bench_fit, first, alternatives=alternatives)
+    picture: Picture = draw(bench_fit, shown_records)
     return picture

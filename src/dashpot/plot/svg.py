@@ -83,7 +83,7 @@ def validate_svg_id(name: str) -> str:
     return name
 
 
-# -- axes and words -------------------------------------------------------------------------------
+# -- Axes and labels ------------------------------------------------------------------------------
 
 
 def _text(words: str) -> str:
@@ -202,7 +202,7 @@ def _patterns(frames: Iterable[Frame], name: str) -> str:
     return f"<defs>{patterns}</defs>" if patterns else ""
 
 
-# -- the key --------------------------------------------------------------------------------------
+# -- Legend ---------------------------------------------------------------------------------------
 
 
 def _sample(mark: Keyed, name: str) -> str:

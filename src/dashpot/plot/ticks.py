@@ -11,7 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.number_format import MINUS, SUPERSCRIPTS
 from dashpot.plot.picture import Scale
 
-# numbers of a decade, ever more of them
+# Tick values of a decade, by density.
 SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
 # of a logarithmic axis and of an even one, below which numbers may stand closer
 FEW_TICKS, PAIR = 5, 3

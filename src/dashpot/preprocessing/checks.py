@@ -93,7 +93,7 @@ class ClockedTest(Protocol):
         """The samples of the hold."""
 
 
-# -- what the file says of the temperature --------------------------------------------------------
+# -- Temperature of the file ----------------------------------------------------------------------
 
 
 @criterion(
@@ -132,7 +132,7 @@ def check_temperature(specimen: Specimen) -> list[Check]:
     return all_checks
 
 
-# -- what preparation found -----------------------------------------------------------------------
+# -- Preparation ----------------------------------------------------------------------------------
 
 
 @criterion(
@@ -152,7 +152,7 @@ def baseline_recorded(baseline: Baseline) -> Finding:
 
 
 @criterion("its error / depth", "<=", 0.01, "our choice: it enters every stiffness")
-def contact_found(touch: Touch, depth: float, *, is_given: bool) -> Finding:
+def contact_detected(touch: Touch, depth: float, *, is_given: bool) -> Finding:
     """The position of first contact is known well enough."""
     if is_given:
         return Finding(
@@ -694,7 +694,7 @@ def load_cell_range_used(peak: float, full_scale: float) -> Finding:
     )
 
 
-# -- what a prepared record shows -----------------------------------------------------------------
+# -- Prepared records -----------------------------------------------------------------------------
 
 
 def check_records(

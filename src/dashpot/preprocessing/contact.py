@@ -17,7 +17,7 @@ from dashpot.solids.maxwell import arm_response
 # Load-cell baseline: zero, noise and drift; onset of force.
 
 
-# samples: fewer have no scatter to speak of
+# Smallest number of samples for an estimate of noise.
 MIN_BASELINE = 5.0
 # readings of which all trials are one array
 READINGS_PER_BATCH = 1 << 12
@@ -297,7 +297,7 @@ def find_first_contact(
 # where the plate rested and from where the force begins.
 
 
-# number of trial delays, up to so many standard deviations of the clocks
+# Number of trial delays, and their range in standard deviations of the clocks.
 TRIAL_DELAY_COUNT, MAX_DELAY_SD = 13, 4.0
 # number of successive worse delays after which the search ends
 MAX_WORSE_DELAYS = 2

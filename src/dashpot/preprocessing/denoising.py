@@ -17,7 +17,7 @@ from dashpot.datamodel.relaxation import RampHold
 from dashpot.numerics.design_matrices.data_compression import CACHE_SAMPLES
 from dashpot.solids.maxwell import arm_response
 
-# half widths of the windows that compete, in samples: each some 1.4 times the one before
+# Half widths of the candidate windows, in samples: each about 1.4 times the previous one.
 HALF_WIDTHS = (0, 1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512, 724, 1024)
 # difference of window means, in standard deviations, above which they disagree
 MAX_MEAN_DISTANCE = 2.5

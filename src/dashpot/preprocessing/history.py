@@ -19,7 +19,7 @@ from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.signals.noise import median_of_three
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# arms of the solid that the face is followed by; fewer where so many leave more than the noise
+# Largest number of arms of the model that predicts the recovery of the face.
 ARM_COUNTS = (4, 3, 2, 1)
 # times the scatter of the force: what is left of the last loading is noise; of their force, what is
 # left of earlier ones

@@ -26,7 +26,7 @@ from dashpot.signals.segments import (
     relaxes,
 )
 
-# samples of a stand before given times
+# Number of samples at rest before stated times.
 _MIN_REST_SAMPLES = 5
 _LATE_START_MESSAGE = (
     "yet the force relaxes: the record begins after its ramp. Start recording a second before the "

@@ -53,7 +53,7 @@ from dashpot.preprocessing.signal_conditioning import (
 from dashpot.signals.clock import is_evenly_sampled
 from dashpot.signals.noise import median_of_three, remove_spikes, scatter
 
-# iterations of air gap and delay
+# Number of iterations of air gap and delay.
 MAX_ITERATIONS = 3
 # samples of a ramp that distinguish a delay from an air gap
 MAX_DELAY_SAMPLES = 8000
@@ -213,7 +213,7 @@ def prepare(
                 earlier_loadings=list_earlier_presses(motion),
             ),
             checks.baseline_recorded(baseline),
-            checks.contact_found(first_contact, record.depth, is_given=contact is not None),
+            checks.contact_detected(first_contact, record.depth, is_given=contact is not None),
             checks.preload_absent(
                 preload, rise, is_moving=earlier_loading is None and motion.cycle.rest is None
             ),

@@ -177,7 +177,7 @@ def _require_even_rate(time: FloatArray, chosen_filter: Filter) -> float:
 # Averaging of neighbouring samples in long records.
 
 
-# samples that no fit needs more of
+# Number of samples above which a record is averaged.
 MAX_FIT_SAMPLES = 200_000
 # and of them at least so many on the ramp
 MIN_RAMP_SAMPLES = 500
@@ -247,7 +247,7 @@ def _count_neighbours(record: RampHold) -> int:
 # stiffness explains its size. The mains that both channels pick up are larger than that.
 
 
-# a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
+# Ratio of the power of a line and of its neighbourhood; white noise exceeds it once in 1e8.
 _MIN_POWER_RATIO = 40.0
 # bins of the neighbourhood on either side
 _NEIGHBOUR_BINS = 40

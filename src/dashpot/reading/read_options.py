@@ -63,7 +63,7 @@ def _column(message: str, **field_options: Any) -> Any:
     return option(
         () if "multiple" in field_options else None,
         message,
-        under="column",
+        keyed_flag="column",
         section="columns",
         **field_options,
     )
@@ -120,7 +120,7 @@ class ReadOptions:
         Path of an ATI ``.cal`` file that turns six gauge voltages into the force.
     axis : str
         The axis of the calibrated transducer that is the force.
-    own : tuple of (str, ReadOptions)
+    file_options : tuple of (str, ReadOptions)
         Options for files whose name matches a pattern: ``"hammer*.csv"``.
     """
 
@@ -150,7 +150,7 @@ class ReadOptions:
     coherence: str | None = _column("Column of its coherence.")
     units: Mapping[str, str] | tuple[tuple[str, str], ...] = option(
         (), 'E.g. "force=N,time=s".', metavar="ROLE=UNIT", section="units", multiple=True,
-        parse=all_units, typed=_unit_words,
+        parse=all_units, unparse=_unit_words,
     )  # fmt: skip
     rate: float | None = option(
         None, "Sampling rate of a file without time.", section="", unit="frequency"
@@ -159,72 +159,76 @@ class ReadOptions:
         None, "Time constant of an exponential window; 0s: none.", section="", unit="time"
     )
     delimiter: str | None = option(
-        None, "tab, space, comma, semicolon or fixed.", section="text", under="text-format",
-        former="text", typed=_mark_words,
+        None, "tab, space, comma, semicolon or fixed.", section="text", keyed_flag="text-format",
+        hidden_alias="text", unparse=_mark_words,
     )  # fmt: skip
     decimal: str | None = option(
-        None, "point or comma.", section="text", under="text-format", former="text"
+        None, "point or comma.", section="text", keyed_flag="text-format", hidden_alias="text"
     )
     encoding: str | None = option(
-        None, "E.g. utf-8, cp1250, gb18030.", section="text", under="text-format", former="text"
+        None,
+        "E.g. utf-8, cp1250, gb18030.",
+        section="text",
+        keyed_flag="text-format",
+        hidden_alias="text",
     )
     skip_rows: int = option(
         0,
         "Lines to pass over.",
         section="text",
-        least=0,
-        under="text-format",
-        former="text",
+        minimum=0,
+        keyed_flag="text-format",
+        hidden_alias="text",
         key="skip",
     )
     segment: int | None = option(
         None,
         "Which segment of the file.",
         section="part",
-        least=1,
-        under="file-part",
-        former="part",
+        minimum=1,
+        keyed_flag="file-part",
+        hidden_alias="part",
     )
     cycle: int | None = option(
         None,
         "Which loading of several.",
         section="part",
-        least=1,
-        under="file-part",
-        former="part",
+        minimum=1,
+        keyed_flag="file-part",
+        hidden_alias="part",
     )
     sheet: str | None = option(
         None,
         "Sheet of a workbook, group of TDMS or HDF5.",
         section="part",
-        under="file-part",
-        former="part",
+        keyed_flag="file-part",
+        hidden_alias="part",
     )
     format: str | None = option(
-        None, "A plug-in's, by name.", section="part", under="file-part", former="part"
+        None, "A plug-in's, by name.", section="part", keyed_flag="file-part", hidden_alias="part"
     )
     kind: str | None = option(
         None,
         "What the file is, if not what it seems.",
         section="part",
         flag="kind",
-        former="as",
+        hidden_alias="as",
         metavar="KIND",
     )
     calibration: str | None = option(
         None, "ATI .cal file: gauge volts to force.", section="transducer", metavar="FILE"
     )
     axis: str = option(
-        "Fz", "Axis of the calibrated transducer.", section="transducer", under="calibration"
+        "Fz", "Axis of the calibrated transducer.", section="transducer", keyed_flag="calibration"
     )
-    own: tuple[tuple[str, Any], ...] = ()
+    file_options: tuple[tuple[str, Any], ...] = ()
 
     def __post_init__(self) -> None:
         scoped = tuple(
             (str(glob), options if isinstance(options, ReadOptions) else ReadOptions(**options))
-            for glob, options in self.own
+            for glob, options in self.file_options
         )
-        object.__setattr__(self, "own", scoped)
+        object.__setattr__(self, "file_options", scoped)
         si_fields(self)
         pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
         object.__setattr__(self, "units", tuple((str(name), str(unit)) for name, unit in pairs))
@@ -258,12 +262,12 @@ class ReadOptions:
         """Return the options of one file: options for its name take precedence.
 
         >>> hammer = ReadOptions(force="hammer")
-        >>> options = ReadOptions(force="F", own=(("h*.csv", hammer),))
+        >>> options = ReadOptions(force="F", file_options=(("h*.csv", hammer),))
         >>> options.for_file("rig/hit.csv").force, options.for_file("seal.csv").force
         ('hammer', 'F')
         """
-        options = replace(self, own=()) if self.own else self
-        for glob, own_options in self.own:
+        options = replace(self, file_options=()) if self.file_options else self
+        for glob, own_options in self.file_options:
             if Path(path).match(glob) or str(path) == glob:
                 options = own_options.with_defaults(options)
         return options
@@ -289,13 +293,13 @@ class ReadOptions:
             if getattr(self, field.name) != getattr(default, field.name)
         }
         given_fields["units"] = {**dict(profile.units), **dict(self.units)}
-        given_fields["own"] = (*profile.own, *self.own)
+        given_fields["file_options"] = (*profile.file_options, *self.file_options)
         return replace(profile, **given_fields)
 
     def select_fields(self, names: Sequence[str]) -> ReadOptions:
         """Return only these fields of the options for all files."""
-        selected_fields = {name: getattr(self, name) for name in names if name != "own"}
-        return ReadOptions(**selected_fields, own=self.own)
+        selected_fields = {name: getattr(self, name) for name in names if name != "file_options"}
+        return ReadOptions(**selected_fields, file_options=self.file_options)
 
     def drop_fields(self, names: Sequence[str]) -> ReadOptions:
         """Return all but these fields."""
@@ -332,7 +336,7 @@ _ROLE_SYNONYMS = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle
 """Roles whose unit may be given by another's name."""
 _FLAGS = {
     field.name: f"{get_option_flag(field)} {get_option_key(field)}"
-    if "under" in field.metadata
+    if "keyed_flag" in field.metadata
     else get_option_flag(field)
     for field in iterate_option_fields(ReadOptions)
 }
@@ -383,8 +387,8 @@ def dump_profile(options: ReadOptions) -> str:
     DataError
         If some of them apply to some files only.
     """
-    if options.own:
-        globs = ", ".join(f"'{glob}:'" for glob, _ in options.own)
+    if options.file_options:
+        globs = ", ".join(f"'{glob}:'" for glob, _ in options.file_options)
         raise DataError(
             f"A profile is of one kind of file; {globs} is of some files alone. Save one for each, "
             "without the pattern, and give it as --profile GLOB:lab.toml."
@@ -459,7 +463,7 @@ def _option(section: str, name: str, value: Any) -> Any:
     options = _OPTION_FIELDS[name]
     if "multiple" in options:
         return tuple(map(str, value)) if isinstance(value, list) else (str(value),)
-    return int(value) if "least" in options else str(value)
+    return int(value) if "minimum" in options else str(value)
 
 
 def _toml(value: object) -> str:

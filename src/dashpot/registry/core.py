@@ -22,7 +22,7 @@ EXTENSION = Extension(
                 },
                 pages={
                     "dashpot.datamodel.fit:Fit": "dashpot.report.solid_and_frf_pages:solid_page",
-                    "dashpot.workflow.identification:Identified": "dashpot.report.solid_and_frf_pages:identified_page",
+                    "dashpot.workflow.identification:IdentificationResult": "dashpot.report.solid_and_frf_pages:identified_page",
                     "dashpot.workflow.frf_prediction:Prediction": (
                         "dashpot.report.solid_and_frf_pages:prediction_page"
                     ),
@@ -58,7 +58,7 @@ EXTENSION = Extension(
             "dashpot.planning.plan:Plan": "dashpot.text_output.results:render_summary",
             "dashpot.datamodel.fit:Fit": "dashpot.text_output.results:render_fit",
             "dashpot.workflow.frf_comparison:FRFComparison": "dashpot.text_output.results:render_agreement",
-            "dashpot.workflow.identification:Identified": "dashpot.text_output.results:render_identification",
+            "dashpot.workflow.identification:IdentificationResult": "dashpot.text_output.results:render_identification",
             "dashpot.workflow.measured_frf:ImpactResult": "dashpot.text_output.results:render_impact",
             "dashpot.workflow.frf_prediction:Prediction": "dashpot.text_output.results:render_prediction",
             "dashpot.workflow.study:Study": "dashpot.text_output.results:render_study",
@@ -115,7 +115,7 @@ EXTENSION = Extension(
             "vibration under a mass", "the solid under one mass", order=1,
             options=(
                 *_BENCH, "mass", "seals", "seal_mass", "band", "compression", "rig", "hammer",
-                "known", "stiffness_table", "impact_temperature",
+                "solid_prior", "stiffness_table", "impact_temperature",
             ),
         ),
         FitRow(

@@ -49,7 +49,7 @@ def html(
     if write is not None:
         return str(write(study, **sections))
     return render_template(
-        "judged.html",
+        "result.html",
         result_page.build_page_contents(study, lead=lead, pictures=extra_pictures) | sections,
     )
 

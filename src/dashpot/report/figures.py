@@ -138,7 +138,7 @@ def lead(study: Study) -> plot.Picture:
     if study.comparison is not None:
         # on lines of its own: its peak may lie beyond the measured ones
         point = study.static_equilibrium.point if study.static_equilibrium is not None else None
-        compression = point.compression if point is not None and point.given else None
+        compression = point.compression if point is not None and point.is_stated else None
         predicted = predict_frf(
             study.fit, mass=study.mass, seals=study.seals, compression=compression
         )

@@ -547,7 +547,7 @@ def sources(study: Study) -> tuple[Source, ...]:
     return tuple(dict.fromkeys(source for source in sources if source is not None))
 
 
-# what a check of each stage concerns
+# Subject of the checks of each stage.
 SUBJECTS = {
     "relaxation": "Relaxation test", "fit": "Fit of the relaxation test", "hammer": "Hammer test",
     "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Joint model",

@@ -26,7 +26,7 @@ from dashpot.registry import figure_of
 from dashpot.vibration.comparison.comparison_result import Comparison
 from dashpot.workflow.frf_comparison import FRFComparison
 from dashpot.workflow.frf_prediction import Prediction
-from dashpot.workflow.identification import Identified
+from dashpot.workflow.identification import IdentificationResult
 from dashpot.workflow.measured_frf import Modes
 from dashpot.workflow.outputs import Outputs
 from dashpot.workflow.study import Study
@@ -129,7 +129,7 @@ picture.register(Study, plot.hero)
 
 
 @picture.register
-def _(result: Identified) -> Picture:
+def _(result: IdentificationResult) -> Picture:
     return plot.stiffness(result.fit)
 
 
@@ -165,7 +165,7 @@ def draw_prediction(
         labels=labels,
         band=prediction.limits,
         interval=prediction.interval,
-        informed=fit.band,
+        valid_band=fit.band,
         stamp=plot.stamp(fit.source, fit.specimen, **rig),
         **figure_options,
     )

@@ -20,7 +20,7 @@ from dashpot.base.number_format import (
 )
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit, get_display_unit
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.prediction_bounds import parameter_band, unresolved_arm_band
 from dashpot.plot.picture import Span
@@ -40,7 +40,7 @@ from dashpot.report.result_page import (
 from dashpot.report.tables import TextTable
 from dashpot.workflow.frf_comparison import FRFComparison
 from dashpot.workflow.frf_prediction import Prediction
-from dashpot.workflow.identification import Identified
+from dashpot.workflow.identification import IdentificationResult
 from dashpot.workflow.measured_frf import Modes
 
 # Pages of FRFs: measured, predicted, and both compared.
@@ -110,7 +110,7 @@ def prediction_page(prediction: Prediction) -> KindPage:
     peak: list[Row] = []
     bounds = prediction.limits
     for name, value, limits, unit in (
-        ("Largest at" if prediction.at_edge else "Peak frequency", hz,
+        ("Largest at" if prediction.is_peak_at_edge else "Peak frequency", hz,
          None if bounds is None else bounds.peak_frequency, "Hz"),
         ("Height", height, None if bounds is None else bounds.peak_height, ""),
     ):  # fmt: skip
@@ -185,7 +185,7 @@ _FEW_ARMS = 6
 STIFFNESS_CHECKS = frozenset({
     "k_end_determined", "k_inf_positive", "k_inf_plausible", "plateau_determined",
     "curve_level_at_end",
-    "strain_small", "hold_long_enough", "tangent_determined", "stiffness_of_one_seal",
+    "strain_small", "hold_long_enough", "tangent_determined", "vertical_shift_plausible",
     "flow_distinguished",
     "creep_finished", "machine_deflection_small",
 })  # fmt: skip
@@ -224,7 +224,7 @@ def solid_page(fit: Fit) -> KindPage:
     return _make_solid_page(fit, fit)
 
 
-def identified_page(result: Identified) -> KindPage:
+def identified_page(result: IdentificationResult) -> KindPage:
     """Return the page of a joint or hammer fit."""
     page = _make_solid_page(result, result.fit)
     has_both_tests = "relaxation" in result.fit.method or len(page.sources) > 1
@@ -243,7 +243,7 @@ def identified_page(result: Identified) -> KindPage:
     )  # fmt: skip
 
 
-def _make_solid_page(result: Fit | Identified, fit: Fit) -> KindPage:
+def _make_solid_page(result: Fit | IdentificationResult, fit: Fit) -> KindPage:
     """Return a page of a solid: stiffness and loss over frequency, its arms one by one."""
     is_material, part = fit.unit == "Pa", _make_part(fit)
     name = "The material" if is_material else "One seal"
@@ -335,7 +335,7 @@ def _make_condition_cells(fit: Fit) -> Iterator[tuple[str, str]]:
 def make_solid_groups(fit: Fit) -> Iterator[Group]:
     """Stiffness at the end and at rest, stiffness and loss within the band, arms, shifts."""
     reported_values = {
-        reported_value.name: reported_value for reported_value in list_known_values(fit)
+        reported_value.name: reported_value for reported_value in list_model_values(fit)
     }
     stiffness_rows: list[Row] = []
     if fit.evidence.end_of_hold is not None:
@@ -393,7 +393,7 @@ def _make_solid_sections(fit: Fit) -> Iterator[CollapsibleSection]:
             "Every parameter",
             f"{_format_model_name(fit)}, each with its standard error; residual "
             f"{residual} {'mN' if in_newtons else fit.estimate.residual.unit}",
-            _fact_table(list_known_values(fit)),
+            _fact_table(list_model_values(fit)),
         )
     else:
         arms = tuple(

@@ -31,10 +31,10 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "verdict": study.verdict,
         "colour": VERDICT_COLOURS[study.verdict.use],
         "lights": first_screen.make_study_indicators(study, recommendation),
-        "found": recommendation,
+        "recommendation": recommendation,
         "heading": first_screen.make_heading(recommendation),
         "under_mass": first_screen.make_mass_rows(study, recommendation),
-        "one_seal": (
+        "seal_values": (
             *first_screen.rows(recommendation.seal_values),
             first_screen.band_row(recommendation),
         ),
@@ -64,7 +64,7 @@ def _build_contents(study: Study) -> dict[str, Any]:
         "resonance": tables.resonance(study),
         "hits": tables.hits(study.measured),
         "explanations": tables.explanations(study.joint),
-        "moved": tables.make_change_table(study.joint),
+        "parameter_changes": tables.make_change_table(study.joint),
         "joint_coefficients": tables.coefficients(study.joint, length),
         "joint_arms": tables.arms_tested(study.joint_comparison),
         "joint_nuisances": tables.nuisances(study.joint),

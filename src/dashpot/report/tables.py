@@ -28,7 +28,7 @@ from dashpot.datamodel.fit import (
     Fit,
     get_fitted_mass,
     get_hammer_stiffness_factor,
-    list_known_values,
+    list_model_values,
     list_reported_nuisances,
 )
 from dashpot.datamodel.fit_diagnostics import ParameterChange
@@ -192,7 +192,7 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     if fit is None:
         return None
     rows = []
-    for quantity in list_known_values(fit):
+    for quantity in list_model_values(fit):
         cells = quantity.cells
         row = (quantity.symbol, cells.with_error, cells.interval, cells.unit)
         scaled = ""
@@ -256,7 +256,7 @@ def two_routes(study: Study) -> TextTable | None:
     if hold is None or fit.model.arms != hold.model.arms:
         return None
     values_of_hold = {
-        reported_value.name: reported_value for reported_value in list_known_values(hold)
+        reported_value.name: reported_value for reported_value in list_model_values(hold)
     }
     rows = tuple(
         (
@@ -265,7 +265,7 @@ def two_routes(study: Study) -> TextTable | None:
             values_of_hold[reported_value.name].cells.with_error,
             percent(values_of_hold[reported_value.name].value / reported_value.value - 1),
         )
-        for reported_value in list_known_values(fit)
+        for reported_value in list_model_values(fit)
         if reported_value.name in values_of_hold
         and reported_value.error is not None
         and reported_value.value
@@ -398,7 +398,7 @@ def resonance(study: Study) -> TextTable | None:
         for method, message in methods.items()
     ]
     rest = study.static_equilibrium
-    compression = rest.point.compression if rest is not None and rest.point.given else None
+    compression = rest.point.compression if rest is not None and rest.point.is_stated else None
     for message, fit, mass in _solids(study, study.mass):
         point = operating_point(fit, MassOnSeals(mass, study.seals, compression))
         seals_solid = study.seals * get_hammer_stiffness_factor(fit) * point.solid(fit)

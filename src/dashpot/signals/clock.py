@@ -14,7 +14,8 @@ from dashpot.base.arrays import FloatArray, median
 # Jumps of a clock, or missing rows.
 
 
-# how much longer than the usual of so many steps on either side one is a leap
+# Ratio of a step to the median of its neighbours above which it is a jump, and number of
+# neighbours.
 JUMP_RATIO, NEIGHBOUR_STEPS = 10.0, 5
 # steps before and after, of one rate each
 _MIN_STEPS_PER_RATE = 20

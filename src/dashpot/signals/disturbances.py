@@ -8,10 +8,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.datamodel.machine import DEFAULT_UNCERTAINTIES, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# What a machine and the climate may add to the force of a seal that no channel shows.
+# Disturbances of the force by the machine and the climate that no channel records.
 
 
-# Hz, and how far they go from that
+# Mains frequencies and their tolerance, Hz.
 MAINS_FREQUENCIES, MAINS_TOLERANCE = (50.0, 60.0), 0.05
 # K, of which the change is taken
 _TEMPERATURE_STEP = 0.5

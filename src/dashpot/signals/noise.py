@@ -9,7 +9,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 # Scatter and resolution of a channel.
 
 
-# samples that show a scatter to a fifth of a per cent; of more, so many are taken
+# Largest number of samples of a noise estimate; its error is then 0.2 %.
 _MAX_SAMPLES = 200_000
 
 

@@ -28,7 +28,7 @@ class HalfSine:
     peak: float
 
     def force(self, time: FloatArray) -> FloatArray:
-        """Return the push at `time`."""
+        """Return the force at `time`."""
         in_pulse = (time >= self.start) & (time <= self.start + self.duration)
         phase = np.pi * (time - self.start) / self.duration
         return np.asarray(np.where(in_pulse, self.peak * np.sin(phase), 0.0))
@@ -67,7 +67,7 @@ class Oscillator:
         """
         if solid.k_inf <= 0:
             raise DataError(
-                "k_inf = 0: the test mass would sink without end; the simulation needs a model "
+                "k_inf = 0: the test mass has no static equilibrium; the simulation needs a model "
                 "with k_inf > 0"
             )
         k, tau = np.array(solid.k), np.array(solid.tau)
@@ -80,9 +80,9 @@ class Oscillator:
         poles, vectors = np.linalg.eig(matrix)
         if np.linalg.cond(vectors / np.linalg.norm(vectors, axis=0)) > 1e10:
             raise DataError("two poles of the mass on its seals coincide; change the mass a little")
-        push = np.zeros(size)
-        push[1] = 1 / inertia
-        return cls(inertia, poles, (matrix[1] @ vectors) * np.linalg.solve(vectors, push))
+        unit_force = np.zeros(size)
+        unit_force[1] = 1 / inertia
+        return cls(inertia, poles, (matrix[1] @ vectors) * np.linalg.solve(vectors, unit_force))
 
     def acceleration(
         self,
@@ -112,37 +112,39 @@ class Oscillator:
             if pole.imag < 0:  # its mode is the conjugate of the one before
                 state[i] = state[i - 1].conjugate()
                 continue
-            turns = pole.imag > 0
-            p, r = (pole, 2 * residue) if turns else (pole.real, residue.real)
+            is_oscillatory = pole.imag > 0
+            p, r = (pole, 2 * residue) if is_oscillatory else (pole.real, residue.real)
             free = np.exp(p * (time - time[0]))
-            start_value = 0.0 if start is None else start[i] if turns else start[i].real
+            start_value = 0.0 if start is None else start[i] if is_oscillatory else start[i].real
             z = start_value * free
             for pulse in pulses:
-                z += _mode_under(pulse, p, time, free)
+                z += _compute_mode_response(pulse, p, time, free)
             state[i] = z[-1]
             total += (r * z).real
         return total, state
 
 
-def _mode_under(
+def _compute_mode_response(
     pulse: HalfSine, pole: complex, time: FloatArray, free: FloatArray | ComplexArray
 ) -> FloatArray | ComplexArray:
-    """Return the motion of one mode under a pulse; `free` is its decay since ``time[0]``."""
+    """Return the response of one mode to a pulse; `free` is its decay since ``time[0]``."""
     omega = np.pi / pulse.duration
     stop = pulse.start + pulse.duration
-    during = slice(*np.searchsorted(time, [pulse.start, stop]))
-    s = time[during] - pulse.start
+    in_pulse = slice(*np.searchsorted(time, [pulse.start, stop]))
+    s = time[in_pulse] - pulse.start
     scale = pulse.peak / (pole**2 + omega**2)
     z = np.zeros_like(free)
-    z[during] = scale * (
+    z[in_pulse] = scale * (
         omega * np.exp(pole * s) - omega * np.cos(omega * s) - pole * np.sin(omega * s)
     )
-    parting = scale * omega * (np.exp(pole * pulse.duration) + 1)
-    time_after = slice(during.stop, None)
+    end_value = scale * omega * (np.exp(pole * pulse.duration) + 1)
+    time_after = slice(in_pulse.stop, None)
     if len(time[time_after]):
-        # the decay from the pulse's end is the common decay, shifted
+        # the decay after the pulse is the common decay, shifted in time
         first = time[time_after][0]
-        z[time_after] = parting * np.exp(pole * (first - stop)) * free[: len(time) - during.stop]
+        z[time_after] = (
+            end_value * np.exp(pole * (first - stop)) * free[: len(time) - in_pulse.stop]
+        )
     return z
 
 
@@ -155,22 +157,22 @@ class Hammer:
     rate : float
         Sampling rate of the record, Hz, behind an anti-alias filter common to all channels.
     record : float
-        Recorded per hit, s. The default keeps 7 time constants of the paper's seal.
+        Recorded time per hit, s; by default 7 time constants of the seal of the paper.
     pretrigger : float
-        Recorded before each hit, s.
+        Recorded time before each hit, s.
     continuous : bool
-        One record in which the block still rings when it is struck again; else every hit is a
-        record of its own, struck at rest.
+        Whether all hits are in one record, in which the block may still ring at the next hit; else
+        each hit has a record that begins at rest.
     peak, duration : (float, float)
         Range of the peak force, N, and of the length of the half-sine, s.
     eccentricity : float
-        Standard deviation of the striking point, m.
+        Standard deviation of the point of impact from the middle of the block, m.
     double_hits : tuple of int
-        The hits (from 0) that bounce: a second pulse of 40 % after 60 ms.
+        Indices of double hits: a second pulse of 40 % follows after 60 ms.
     length, arm : float
         Length of the block, m, and distance of each seal from its middle, m.
     accelerometer : float
-        The two accelerometers sit at plus and minus this distance from the middle, m.
+        Distance of each of the two accelerometers from the middle, m.
     gain_mismatch : float
         Relative difference of their sensitivities.
     force_noise, acceleration_noise : float
@@ -180,7 +182,7 @@ class Hammer:
     force_range, acceleration_range : float
         Full scale, N and m/s^2.
     bits : int
-        Bits of the converter; 0 for a perfect one.
+        Bits of the converter; 0 without quantisation.
     highpass : float
         Corner of the first-order high pass in the accelerometers' supply, Hz; 0 for none.
     """
@@ -226,7 +228,7 @@ class Hammer:
             )
 
     def noise_free(self) -> Hammer:
-        """Return the same hits, centred, with perfect channels."""
+        """Return the same hits, centred, with ideal channels."""
         return replace(
             self,
             eccentricity=0.0, gain_mismatch=0.0, force_noise=0.0, acceleration_noise=0.0,
@@ -250,13 +252,13 @@ class ImpactTruth:
     hits : tuple of HalfSine
         Each first pulse: start within its record, s; duration, s; peak, N.
     eccentricities : tuple of float
-        Where each hit landed, m from the middle.
+        Distance of each hit from the middle, m.
     gains : (float, float)
         Gains of the two accelerometers, relative to their stated sensitivity.
     bounce_poles, rocking_poles : tuple of complex
-        Poles of the two motions, 1/s.
+        Poles of bounce and rocking, 1/s.
     climate : Climate or None
-        What made `model` of the seal at the reference; None if no temperature was stated.
+        Temperature and shift law from which `model` follows; None if no temperature was stated.
     """
 
     kind: ClassVar[str] = "impact"
@@ -366,7 +368,7 @@ def simulate_impact(
 
 
 def _pulse(rig: Hammer, random: np.random.Generator) -> HalfSine:
-    # nobody strikes on a sample
+    # a hit does not begin at the instant of a sample
     start = rig.pretrigger + random.uniform(0, 1) / rig.rate
     return HalfSine(
         float(start), float(random.uniform(*rig.duration)), float(random.uniform(*rig.peak))
@@ -380,22 +382,22 @@ def _motion(
     pulses: tuple[HalfSine, ...],
     eccentricities: tuple[float, ...],
 ) -> list[FloatArray]:
-    """Return force and the two accelerations at the record's rate, every hit one after another."""
+    """Return force and the two accelerations at the sampling rate, hit after hit."""
     count = sample_count(rig.record, rig.rate) * _OVERSAMPLING
-    # one sample more: the state there is where the next hit begins
+    # one more sample: its state is the initial state of the next hit
     time = np.arange(count + 1) / (rig.rate * _OVERSAMPLING)
     parts: list[list[FloatArray]] = [[], [], []]
-    lifted = tilted = None
+    bounce_state = rocking_state = None
     for i, (pulse, offset) in enumerate(zip(pulses, eccentricities, strict=True)):
         train: tuple[HalfSine, ...] = (pulse,)
         if i in rig.double_hits:
             train += (replace(pulse, start=pulse.start + 0.06, peak=0.4 * pulse.peak),)
-        turns = tuple(replace(push, peak=push.peak * offset) for push in train)
-        vertical, up = bounce.acceleration(time, train, lifted)
-        pitch, turn = rock.acceleration(time, turns, tilted)
+        moments = tuple(replace(item, peak=item.peak * offset) for item in train)
+        vertical, bounce_end = bounce.acceleration(time, train, bounce_state)
+        pitch, rocking_end = rock.acceleration(time, moments, rocking_state)
         if rig.continuous:
-            lifted, tilted = up, turn
-        force = sum((push.force(time) for push in train), np.zeros(len(time)))
+            bounce_state, rocking_state = bounce_end, rocking_end
+        force = sum((item.force(time) for item in train), np.zeros(len(time)))
         pitch_acceleration = rig.accelerometer * pitch
         for part, signal in zip(
             parts,
@@ -435,7 +437,7 @@ def _record(
     offset: float,
     full_scale: float,
 ) -> FloatArray:
-    """Noise, offset and the converter."""
+    """Return a signal as recorded: with noise, offset and quantisation."""
     measured = signal + offset + noise * random.standard_normal(len(signal))
     if rig.bits == 0:
         return np.asarray(measured)

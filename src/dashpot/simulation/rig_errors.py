@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from dashpot.base import dataclass, field, replace
-from dashpot.base.arrays import EqualByValue, FloatArray, samples
+from dashpot.base.arrays import EqualByValue, FloatArray, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_nonnegative, select_fields
 from dashpot.datamodel.specimen import Specimen
@@ -201,7 +201,7 @@ class RigTruth(EqualByValue):
 
     def __post_init__(self) -> None:
         for name in ("displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name)))
+            object.__setattr__(self, name, validate_samples(name, getattr(self, name)))
 
 
 def round_to_quantum(values: FloatArray, quantum: float) -> FloatArray:

@@ -158,7 +158,7 @@ def unit(direction: npt.ArrayLike) -> FloatArray:
     return np.asarray(vector / length)
 
 
-# The planned test as discrete set-points, for a controller that has its own list.
+# Planned test as discrete set-points, for a controller with a position list.
 
 
 def planned_trajectory(

@@ -9,7 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import format_quantity
@@ -21,7 +26,7 @@ from dashpot.base.units import format_quantity
 # A hold at one depth gives one secant stiffness; vibration about a preload feels the tangent.
 
 
-# a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
+# Largest relative deviations of tangent and path from the secant of a weakly nonlinear law.
 GENTLE_TOLERANCE, STRAIGHT_TOLERANCE = 0.10, 0.025
 # and even, if its path leaves it by no more than this part of its tangent's, and this more
 EVENNESS_TOLERANCE, PATH_TOLERANCE = 0.30, 0.004
@@ -58,11 +63,11 @@ class ElasticLaw(Serialisable):
     ratio_se: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        knots = increasing("knots", samples("knots", self.knots, minimum=2))
-        ratio = samples("ratio", self.ratio)
-        same_length(knots=knots, ratio=ratio)
+        knots = require_increasing("knots", validate_samples("knots", self.knots, minimum=2))
+        ratio = validate_samples("ratio", self.ratio)
+        require_same_length(knots=knots, ratio=ratio)
         if self.ratio_se:
-            same_length(knots=knots, ratio_se=samples("ratio_se", self.ratio_se))
+            require_same_length(knots=knots, ratio_se=validate_samples("ratio_se", self.ratio_se))
         mean = float(np.trapezoid(ratio, knots)) / knots[-1]
         if knots[0] != 0 or (ratio < 0).any() or abs(mean - 1) > 1e-6:
             raise DataError(
@@ -185,7 +190,7 @@ class ElasticLaw(Serialisable):
     __rmul__ = __mul__
 
 
-# How far a seal is believed to be pressed.
+# Plausible compression of a seal.
 
 
 MAX_EXTRAPOLATION = 3.0

@@ -32,16 +32,16 @@ from dashpot.base.arrays import (
     ComplexArray,
     FloatArray,
     convert_numbers_to_si,
-    increasing,
-    same_length,
-    samples,
+    require_increasing,
+    require_same_length,
+    validate_samples,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive
 from dashpot.solids.maxwell import GeneralizedMaxwell, Parallel, Solid
 
-#: of the arms that stand for a solid where no more is asked, and of its own answer in time
+#: tolerances of the arms that approximate a solid, by default and for the response in time
 TOLERANCE, EXACT_TOLERANCE = 1e-4, 1e-11
 # the error of the trapezoidal rule, over the law's exponential, at most
 _ERROR_FACTOR = 10.0
@@ -363,9 +363,9 @@ class FractionalZener(Solid, Serialisable):
 
     def force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
         """Force, N, under a displacement history, m, that is straight between its samples."""
-        time = increasing("t", samples("t", t))
-        x = samples("displacement", displacement)
-        same_length(t=time, displacement=x)
+        time = require_increasing("t", validate_samples("t", t))
+        x = validate_samples("displacement", displacement)
+        require_same_length(t=time, displacement=x)
         if len(time) < 2:
             return self.maxwell.force(time, x)
         span, step = float(time[-1] - time[0]), float(np.diff(time).min())

@@ -15,9 +15,9 @@ from dashpot.base.arrays import (
     ComplexArray,
     FloatArray,
     convert_numbers_to_si,
-    increasing,
-    same_length,
-    samples,
+    require_increasing,
+    require_same_length,
+    validate_samples,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Key, Serialisable
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # Base class of solids, and the generalized Maxwell solid.
 
 
-# numbers of a history times its arms that a scan goes through fastest at once
+# Number of values (samples times arms) of one step of a scan, for speed.
 _CACHE_SIZE = 8192
 
 
@@ -388,9 +388,9 @@ class GeneralizedMaxwell(Solid, Serialisable):
         displacement : array_like, shape (n,)
             Displacement, m.
         """
-        time = increasing("t", samples("t", t))
-        x = samples("displacement", displacement)
-        same_length(t=time, displacement=x)
+        time = require_increasing("t", validate_samples("t", t))
+        x = validate_samples("displacement", displacement)
+        require_same_length(t=time, displacement=x)
         total = self.k_inf * x + _arms_carry(time, x, *self._arms())
         if self.b > 0 and len(time) > 1:
             slope = np.diff(x) / np.diff(time)
@@ -412,8 +412,11 @@ class GeneralizedMaxwell(Solid, Serialisable):
         force : array_like, shape (n,)
             Force, N; a first sample that is not zero is a step at that instant.
         """
-        time, F = increasing("t", samples("t", t)), samples("force", force)
-        same_length(t=time, force=F)
+        time, F = (
+            require_increasing("t", validate_samples("t", t)),
+            validate_samples("force", force),
+        )
+        require_same_length(t=time, force=F)
         creep = self._creep_spectrum
         impulse = np.concatenate(([0.0], np.cumsum(0.5 * (F[1:] + F[:-1]) * np.diff(time))))
         d, lam = np.array(creep.d, dtype=float), np.array(creep.lam, dtype=float)

@@ -24,7 +24,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, decaying_sum
 # which is linear in q: a sum of exponentials, of the retardation times.
 
 
-# samples of a stretch that are looked at first; then each time twice as many
+# Number of samples of the first search step; each further step has twice as many.
 _FIRST_STRETCH = 64
 # of the largest compression times the stiffness: a smaller pull is rounding
 _ROUNDING = 1e-12

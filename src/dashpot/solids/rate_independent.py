@@ -19,7 +19,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive, select_fields
 from dashpot.solids.maxwell import Solid
@@ -68,8 +74,11 @@ class AmplitudeDependent(ABC):
 
     def path_force(self, t: npt.ArrayLike, displacement: npt.ArrayLike) -> FloatArray:
         """Force, N, along displacements, m, straight between times, s; from rest at zero."""
-        time, x = increasing("t", samples("t", t)), samples("displacement", displacement)
-        same_length(t=time, displacement=x)
+        time, x = (
+            require_increasing("t", validate_samples("t", t)),
+            validate_samples("displacement", displacement),
+        )
+        require_same_length(t=time, displacement=x)
         state, values = self.start(), []
         for dt, position in zip(np.diff(time, prepend=time[0]).tolist(), x.tolist(), strict=True):
             force, state = self.advance(state, dt, position)
@@ -123,7 +132,7 @@ class RateIndependent(AmplitudeDependent):
     def force(self, displacement: npt.ArrayLike) -> FloatArray:
         """Force, N, along a path of displacements, m, that starts from rest at zero."""
         state, values = self.start(), []
-        for x in samples("displacement", displacement).tolist():
+        for x in validate_samples("displacement", displacement).tolist():
             force, state = self.step(state, x)
             values.append(force)
         return np.array(values)

@@ -16,7 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.serialisation import Serialisable
 from dashpot.base.value_ranges import require_positive
@@ -204,9 +209,11 @@ class FreeShifts(TemperatureLaw):
     reference: float
 
     def __post_init__(self) -> None:
-        temperatures = increasing("temperatures", samples("temperatures", self.temperatures))
-        shifts = samples("log10_shifts", self.log10_shifts)
-        same_length(temperatures=temperatures, log10_shifts=shifts)
+        temperatures = require_increasing(
+            "temperatures", validate_samples("temperatures", self.temperatures)
+        )
+        shifts = validate_samples("log10_shifts", self.log10_shifts)
+        require_same_length(temperatures=temperatures, log10_shifts=shifts)
         reference_index = np.flatnonzero(temperatures == self.reference)
         if temperatures[0] <= 0 or not len(reference_index) or shifts[reference_index[0]] != 0:
             raise DataError(

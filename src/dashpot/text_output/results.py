@@ -15,7 +15,7 @@ from dashpot.base.result_mixins import HasVerdict
 from dashpot.base.units import convert_to_unit, format_quantity, get_display_unit
 from dashpot.datamodel.fit import (
     get_error_label,
-    list_known_values,
+    list_model_values,
     list_reported_nuisances,
     list_undetermined_times,
 )
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.frf_comparison import FRFComparison
     from dashpot.workflow.frf_prediction import Prediction
-    from dashpot.workflow.identification import Identified
+    from dashpot.workflow.identification import IdentificationResult
     from dashpot.workflow.measured_frf import ImpactResult
     from dashpot.workflow.study import Study
 
@@ -90,7 +90,7 @@ def render_fit(fit: Fit, *, requested_arms: int | str = "auto") -> Text:
         " of the one model of all depths, at the deepest" if fit.evidence.stiffness_by_depth else ""
     )
     parameter_lines = (
-        [f"every parameter{source_text}", *format_values(list_known_values(fit))]
+        [f"every parameter{source_text}", *format_values(list_model_values(fit))]
         if fit.estimate.parameters
         else []
     )
@@ -135,7 +135,7 @@ def _format_rms(residual: Residual) -> str:
 def _format_model(fit: Fit) -> list[str]:
     """Return the table of the arms, after values that have an interval and no error."""
     reported_values = {
-        reported_value.name: reported_value for reported_value in list_known_values(fit)
+        reported_value.name: reported_value for reported_value in list_model_values(fit)
     }
     # stiffnesses that each depth has of its own stand there, and nowhere else
     parameter_names = ("tau",) if fit.evidence.stiffness_by_depth else ("k", "tau", "b")
@@ -145,7 +145,7 @@ def _format_model(fit: Fit) -> list[str]:
         if reported_values.keys() >= set(names := [f"{name}_{j}" for name in parameter_names])
     ]
     if not arms:
-        return format_values(list_known_values(fit))
+        return format_values(list_model_values(fit))
     rows = [["arm"]]
     for text, reported_value in zip(parameter_names, arms[0], strict=True):
         rows[0] += [f"{text}, {reported_value.cells.ascii.unit}", "±"]
@@ -344,8 +344,8 @@ def _format_hits(hits: Sequence[Hit]) -> list[str]:
 def render_agreement(result: FRFComparison) -> Text:
     """Return predicted against measured, the static equilibrium, and whether it was inferred."""
     lines = format_comparison(result.comparison)
-    if str(result.at_rest):
-        lines.append(str(result.at_rest))
+    if str(result.static_equilibrium):
+        lines.append(str(result.static_equilibrium))
     if result.mass_inferred:
         lines.append(
             f"  mass        {format_quantity(result.mass, 'g', '.4g')}, inferred from the measured "
@@ -394,7 +394,7 @@ def render_prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Tex
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = prediction.peak, prediction.seals
     load_text = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
-    peak_name = "largest value" if prediction.at_edge else "peak"
+    peak_name = "largest value" if prediction.is_peak_at_edge else "peak"
     kind = prediction.frf.quantity.replace("_", " ")
     lines = [
         f"{load_text}: {peak_name} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"
@@ -406,7 +406,7 @@ def render_prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Tex
         lines.append(f"  the mass moves less than its base above {prediction.isolation:.5g} Hz")
     if prediction.random is not None:
         lines += _format_part(prediction, prediction.random)
-    if prediction.at_edge:
+    if prediction.is_peak_at_edge:
         lines.append(
             f"  This is the end of the band, not a peak.{_format_wider_band(prediction.modes)}"
         )
@@ -414,8 +414,8 @@ def render_prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Tex
     for mode in prediction.modes:
         ratio = f"{100 * mode.damping_ratio:.4g} %"
         lines.append(f"  mode  {mode.frequency:.6g} Hz, damping ratio {ratio}")
-    if str(prediction.at_rest):
-        lines.append(str(prediction.at_rest))
+    if str(prediction.static_equilibrium):
+        lines.append(str(prediction.static_equilibrium))
     if prediction.limits is not None:
         lines.append(f"  {ascii_only(prediction.limits.peak_text)}")
     return Text(lines)
@@ -443,7 +443,7 @@ def _format_tangents(law: ElasticLaw) -> str:
     )
 
 
-# Storage and loss factor line by line, with the effect of small errors.
+# Storage stiffness and loss factor line by line, with the effect of small errors.
 
 
 ERRORS = {
@@ -560,7 +560,7 @@ _SHOWN_LINES = 3
 """Number of shown lines of a transmissibility: both ends of its band, and the middle."""
 
 
-def render_identification(result: Identified) -> Text:
+def render_identification(result: IdentificationResult) -> Text:
     """Return the model, and the measured modes if there is no other fit."""
     model, stiffness = render_fit(result.fit), result.direct.stiffness
     first_lines, lines = list(model.lines[:1]), model.lines[1:]
@@ -569,9 +569,11 @@ def render_identification(result: Identified) -> Text:
             stiffness, errors=("phase", "mass"), unit="N/m", line_count=_SHOWN_LINES
         )
     assumption_lines = [
-        check.message for check in result.noted if check.failed and check.name == _SEAL_COUNT_CHECK
+        check.message
+        for check in result.frf_checks
+        if check.failed and check.name == _SEAL_COUNT_CHECK
     ]
-    rest_lines = [str(result.at_rest)] if str(result.at_rest) else []
+    rest_lines = [str(result.static_equilibrium)] if str(result.static_equilibrium) else []
     modes = render_impact(result.vibration) if result.vibration else Text()
     all_lines = [*first_lines, *lines, *assumption_lines, *rest_lines, *modes.lines]
     return Text(all_lines, [*model.details, *modes.details], model.requested_lines)

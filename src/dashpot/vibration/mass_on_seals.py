@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, validate_samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
@@ -80,7 +80,7 @@ class OperatingPoint:
         Tangent stiffness over the fit's, and its standard error.
     linear : bool
         The fit's elastic law is a straight line, or it has none: the factor is 1.
-    given : bool
+    is_stated : bool
         The compression was given; else it is that of the weight.
     """
 
@@ -89,7 +89,7 @@ class OperatingPoint:
     factor: float = 1.0
     factor_se: float = 0.0
     linear: bool = True
-    given: bool = False
+    is_stated: bool = False
 
     @property
     def is_extrapolated(self) -> bool:
@@ -136,10 +136,10 @@ def operating_point(fit: Fit, load: MassOnSeals) -> OperatingPoint:
     )
     if law is None or not is_nonlinear:
         depth = None if law is None else law.depth
-        return OperatingPoint(float(compression), depth, given=is_given)
+        return OperatingPoint(float(compression), depth, is_stated=is_given)
     factor, error = float(law.factor(compression)), float(law.factor_se(compression))
     return OperatingPoint(
-        float(compression), law.depth, factor, error, linear=False, given=is_given
+        float(compression), law.depth, factor, error, linear=False, is_stated=is_given
     )
 
 
@@ -219,7 +219,7 @@ def predict_frf(
     f = (
         _default_frequencies(model.k_0, mass)
         if frequency is None
-        else samples("frequency", frequency)
+        else validate_samples("frequency", frequency)
     )
     s = 2j * np.pi * f + shift
     stiffness = model.stiffness_at(s)

@@ -142,7 +142,7 @@ def fill_missing_temperatures(tests: Sequence[RampHold], fit: Fit) -> tuple[Ramp
     return tuple(map(fill_temperature, tests))
 
 
-# Which fit suits which record: from files to the solid behind them.
+# Choice of the fit by the kinds of the records.
 
 
 Bench: TypeAlias = HasSummary

@@ -34,7 +34,7 @@ from dashpot.workflow.stiffness_under_mass import (
     frf_limits,
 )
 
-# rounds in which a mass and the stiffness under it find each other
+# Iterations of the mass and the stiffness under it.
 MAX_ITERATIONS = 100
 
 
@@ -115,9 +115,9 @@ class FRFComparison(HasVerdict, Serialisable):
         Moving mass, kg.
     mass_inferred : bool
         True if the mass was taken from the measured FRF, so that the frequency proves nothing.
-    noted : tuple of Check
+    frf_checks : tuple of Check
         Checks of the FRF and of the mass of the seals, besides the comparison's own.
-    at_rest : StaticEquilibrium
+    static_equilibrium : StaticEquilibrium
         Where the mass rests, and what secant and tangent make of it.
     interval : (array, array)
         Lines, Hz, and limits of the predicted accelerance by standard errors alone, 1/kg.
@@ -148,14 +148,14 @@ class FRFComparison(HasVerdict, Serialisable):
         "in_sample",
         "unmeasured",
         "verdict",
-        Key("at_rest.summary", flatten=True),
+        Key("static_equilibrium.summary", flatten=True),
     )
 
     comparison: Comparison
     mass: float
     mass_inferred: bool
-    noted: tuple[Check, ...]
-    at_rest: StaticEquilibrium
+    frf_checks: tuple[Check, ...]
+    static_equilibrium: StaticEquilibrium
     interval: tuple[FloatArray, FloatArray] = field(compare=False)
     limits: FRFBounds | None = None
     seals: float = 1.0
@@ -171,7 +171,7 @@ class FRFComparison(HasVerdict, Serialisable):
     def checks(self) -> tuple[Check, ...]:
         """Checks of the comparison and the notes; those that forbid its use come first."""
         stop_checks = select_failed_stops(self.comparison.measured)
-        other_checks = tuple(check for check in self.noted if check not in stop_checks)
+        other_checks = tuple(check for check in self.frf_checks if check not in stop_checks)
         return (*stop_checks, *self.comparison.checks, *other_checks)
 
     @property

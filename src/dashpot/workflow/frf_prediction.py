@@ -211,7 +211,7 @@ class ShakenMass(Serialisable):
     Attributes
     ----------
     response : RandomResponse
-    of : str
+    excitation : str
         File of the base's power spectral density, or white noise.
     band : (float, float) or None
         Band of that file, Hz.
@@ -221,13 +221,13 @@ class ShakenMass(Serialisable):
 
     _keys = (
         Key("response", flatten=True),
-        "of",
+        "excitation",
         Key("band_hz", "band"),
         Key("limits", optional=True, nonfinite_as_null=True),
     )
 
     response: RandomResponse
-    of: str
+    excitation: str
     band: tuple[float, float] | None
     limits: RandomLimits | None
 
@@ -247,18 +247,18 @@ class Prediction(HasVerdict, Serialisable):
     modes : tuple of Mode
     peak : (float, float)
         Frequency, Hz, and height of the largest magnitude, interpolated between lines.
-    at_edge : bool
+    is_peak_at_edge : bool
         The largest magnitude lies at an end of the band, so it is no peak.
-    limited : ResponseLimits
+    response_limits : ResponseLimits
     checks : tuple of Check
         Checks of the static equilibrium, of the peak against the valid band, of the fit, and of the
         mass of the seals.
     verdict : Verdict
         What to make of it.
-    at_rest : StaticEquilibrium
+    static_equilibrium : StaticEquilibrium
         Where the mass rests, and what secant and tangent make of it.
     alternative : RivalModes or None
-    of_part : bool
+    is_of_part : bool
         Whether the model is a part made of the fitted material.
     random : ShakenMass or None
         Response to random motion of the base.
@@ -281,7 +281,7 @@ class Prediction(HasVerdict, Serialisable):
         "fit.specimen.temperature",
         Key("kind", "frf.quantity"),
         "frf.unit",
-        Key("at_rest.summary", flatten=True),
+        Key("static_equilibrium.summary", flatten=True),
         Key("peak", "max_magnitudes"),
         "modes",
         "alternative",
@@ -290,7 +290,7 @@ class Prediction(HasVerdict, Serialisable):
         Key("frequency_hz", "frf.frequency"),
         "frf.value.real",
         "frf.value.imag",
-        Key("limits", "limited"),
+        Key("limits", "response_limits"),
         Key("random", optional=True),
         Key("isolation_hz", "isolation", optional=True),
         "verdict",
@@ -303,13 +303,13 @@ class Prediction(HasVerdict, Serialisable):
     frf: FRF
     modes: tuple[Mode, ...]
     peak: tuple[float, float]
-    at_edge: bool
-    limited: ResponseLimits
+    is_peak_at_edge: bool
+    response_limits: ResponseLimits
     checks: tuple[Check, ...]
     verdict: Verdict
-    at_rest: StaticEquilibrium
+    static_equilibrium: StaticEquilibrium
     alternative: RivalModes | None = None
-    of_part: bool = False
+    is_of_part: bool = False
     random: ShakenMass | None = None
     isolation: float | None = None
 
@@ -326,12 +326,12 @@ class Prediction(HasVerdict, Serialisable):
     @property
     def limits(self) -> FRFBounds | None:
         """Limits by both kinds of uncertainty, if the relaxation record is at hand."""
-        return self.limited.bounds
+        return self.response_limits.bounds
 
     @property
     def interval(self) -> tuple[FloatArray, FloatArray]:
         """Lines, Hz, and limits by standard errors alone, of the accelerance, 1/kg, or of T."""
-        return self.limited.frequency, self.limited.parameter
+        return self.response_limits.frequency, self.response_limits.parameter
 
     @property
     def height_between(self) -> tuple[float, float] | None:
@@ -340,7 +340,7 @@ class Prediction(HasVerdict, Serialisable):
         The errors include unmeasured effects of the hammer rig.
         """
         frequency, limits = self.interval
-        if self.fit.method not in {"frf", "joint"} or self.at_edge or len(frequency) < 2:
+        if self.fit.method not in {"frf", "joint"} or self.is_peak_at_edge or len(frequency) < 2:
             return None
         low, high = (float(np.interp(self.peak[0], frequency, row)) for row in limits)
         return (low, high) if np.isfinite(high) and low < high else None
@@ -348,7 +348,11 @@ class Prediction(HasVerdict, Serialisable):
     @property
     def max_magnitudes(self) -> dict[str, float | bool]:
         """The largest magnitude by the names of its numbers."""
-        return {"frequency_hz": self.peak[0], "value": self.peak[1], "at_edge": self.at_edge}
+        return {
+            "frequency_hz": self.peak[0],
+            "value": self.peak[1],
+            "at_edge": self.is_peak_at_edge,
+        }
 
     @property
     def has_extrapolated_modes(self) -> bool:

@@ -90,16 +90,16 @@ class DirectStiffness(Serialisable):
 
 
 @dataclass(frozen=True, repr=False)
-class Identified(HasVerdict, Serialisable):
+class IdentificationResult(HasVerdict, Serialisable):
     """Result of ``dashpot fit`` on a hammer test.
 
     Attributes
     ----------
     fit : Fit
     direct : DirectStiffness
-    noted : tuple of Check
+    frf_checks : tuple of Check
         Checks of the FRF and of the mass of the seals, besides the fit's own.
-    at_rest : StaticEquilibrium
+    static_equilibrium : StaticEquilibrium
         Where the mass rests on it.
     vibration : ImpactResult or None
         The measured modes, if no other test is part of the fit.
@@ -112,13 +112,13 @@ class Identified(HasVerdict, Serialisable):
         Key("modes", "vibration.modes", optional=True),
         Key("hits", "vibration.frf.hits", optional=True),
         "direct",
-        Key("at_rest.summary", flatten=True),
+        Key("static_equilibrium.summary", flatten=True),
     )
 
     fit: Fit
     direct: DirectStiffness
-    noted: tuple[Check, ...]
-    at_rest: StaticEquilibrium
+    frf_checks: tuple[Check, ...]
+    static_equilibrium: StaticEquilibrium
     vibration: ImpactResult | None = None
 
     @property
@@ -134,7 +134,7 @@ class Identified(HasVerdict, Serialisable):
     @property
     def checks(self) -> tuple[Check, ...]:
         """Checks of the fit, and the notes."""
-        return (*self.fit.checks, *self.noted)
+        return (*self.fit.checks, *self.frf_checks)
 
     @property
     def verdict(self) -> Verdict:
@@ -155,7 +155,7 @@ def identify_files(
     impact_temperature: float | None = None,
     options_with: ReadOptions | None = None,
     **choices: Any,
-) -> Identified:
+) -> IdentificationResult:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
 
     Parameters
@@ -224,7 +224,7 @@ def identify_solid(
     hammer: HammerChoices | None = None,
     seals_assumed: bool = False,
     **choices: Any,
-) -> Identified:
+) -> IdentificationResult:
     """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
 
     Parameters
@@ -282,7 +282,7 @@ def identify_solid(
     other_checks = tuple(check for check in frf.checks if check not in stop_checks)
     fit = replace(fit, evidence=evidence)
     rest_state = find_static_equilibrium(fit, load)
-    return Identified(
+    return IdentificationResult(
         fit, DirectStiffness(line_by_line), (*other_checks, *mass_checks), rest_state, vibration
     )
 

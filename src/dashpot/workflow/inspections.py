@@ -15,7 +15,7 @@ from dashpot.base.serialisation import Key, Serialisable
 from dashpot.datamodel.relaxation import RampHold, RelaxationTest
 from dashpot.datamodel.specimen import Specimen
 from dashpot.preprocessing.prepare import prepare
-from dashpot.reading.columns.file_kinds import Recognised
+from dashpot.reading.columns.file_kinds import RecognisedKind
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.channels import OpenedFile, cache_open_file, pop_cached_file, read_once
@@ -124,7 +124,7 @@ def _inspect_path(
     path: str | Path, options: ReadOptions, read: Reader, prepare_test: Preparer
 ) -> InspectedFile:
     opened_file = open_or_identify(path, options)
-    if isinstance(opened_file, Recognised):
+    if isinstance(opened_file, RecognisedKind):
         return _build_inspected_file(inspect_other_path(path, opened_file))
     file = read_once(opened_file)
     with add_name_to_errors(file.raw.name):

@@ -18,7 +18,7 @@ from dashpot.base.option_fields import (
     PartMode,
     RampLawOption,
     ShiftLaw,
-    VerticalAsked,
+    VerticalOption,
     copy_option,
     format_option_flags,
     get_choice_values,
@@ -89,7 +89,7 @@ class HammerChoices:
         choices=("+1", "-1"),
         multiple=True,
         parse=_parse_signs,
-        typed=_format_signs,
+        unparse=_format_signs,
     )
     motion: OverBase = option(
         "absolute",
@@ -111,14 +111,22 @@ class TimeLimits:
         None,
         "First contact on the record's clock.",
         unit="time",
-        under="time-limits",
-        former="cuts",
+        keyed_flag="time-limits",
+        hidden_alias="cuts",
     )
     ramp_end: float | None = option(
-        None, "End of the ramp on that clock.", unit="time", under="time-limits", former="cuts"
+        None,
+        "End of the ramp on that clock.",
+        unit="time",
+        keyed_flag="time-limits",
+        hidden_alias="cuts",
     )
     hold_end: float | None = option(
-        None, "End of the hold on that clock.", unit="time", under="time-limits", former="cuts"
+        None,
+        "End of the hold on that clock.",
+        unit="time",
+        keyed_flag="time-limits",
+        hidden_alias="cuts",
     )
 
     def __post_init__(self) -> None:
@@ -159,7 +167,7 @@ class BlockOnSeals:
         None, "Mass of one seal: a third moves with the test mass.", unit="mass"
     )
     compression: float | None = option(
-        None, "Compression of the seals under the mass.", unit="length", word="weight"
+        None, "Compression of the seals under the mass.", unit="length", keyword="weight"
     )
 
     @property
@@ -224,7 +232,7 @@ class Job(Serialisable):
     schema = "dashpot/job@2"
     _keys = (EVERY_FIELD, "time_limits", "other_tests")
 
-    relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
+    relaxation: str = option(MISSING, metavar="FILE", argument=1, stage="test")
     impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)
     mass: float | None = copy_option(BlockOnSeals, "mass")
     seal_mass: float | None = copy_option(BlockOnSeals, "seal_mass")
@@ -233,29 +241,29 @@ class Job(Serialisable):
     method: Method = copy_option(SolidOptions, "method")
     law: RampLawOption = copy_option(SolidOptions, "law")
     family: FamilyOption = copy_option(SolidOptions, "family")
-    time_limits: TimeLimits = make_nested_options(TimeLimits, decides="test")
+    time_limits: TimeLimits = make_nested_options(TimeLimits, stage="test")
     band: tuple[float, float] | None = option(
-        None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", ends=True
+        None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", is_range=True
     )
     filter: str | None = option(
-        None, "Filter the force first, e.g. lowpass:10Hz.", metavar="SPEC", decides="test"
+        None, "Filter the force first, e.g. lowpass:10Hz.", metavar="SPEC", stage="test"
     )
     joint: bool = option(
         True, "Do not fit both tests together.", flag="no-joint", is_flag=True, parse=not_
     )
     compression: float | None = copy_option(BlockOnSeals, "compression")
-    specimen: Specimen = make_nested_options(Specimen, decides="test")
-    machine: Machine = make_nested_options(Machine, decides="test")
-    reading: ReadOptions = make_nested_options(ReadOptions, decides="test")
+    specimen: Specimen = make_nested_options(Specimen, stage="test")
+    machine: Machine = make_nested_options(Machine, stage="test")
+    reading: ReadOptions = make_nested_options(ReadOptions, stage="test")
     reading_impact: ReadOptions = make_nested_options(ReadOptions)
     hammer: HammerChoices = make_nested_options(HammerChoices)
     title: str = option("", "Title (the specimen).", metavar="TEXT")
     logo: str | None = option(None, "PNG, JPEG or SVG, up to 100 kB.", metavar="FILE")
-    other_tests: tuple[str, ...] = option((), metavar="FILE", argument=2, decides="test")
+    other_tests: tuple[str, ...] = option((), metavar="FILE", argument=2, stage="test")
     temperatures: tuple[float, ...] = option(
         (),
         "Test temperature: once for all files, or for each.",
-        unit="temperature", multiple=True, flag="temperature", decides="test",
+        unit="temperature", multiple=True, flag="temperature", stage="test",
     )  # fmt: skip
     impact_temperature: float | None = option(
         None,
@@ -285,7 +293,7 @@ class LevelJob:
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)
     levels: tuple[str, ...] = option(
         (), "Amplitude of each FRF, in order: 0.02N or 1m/s^2.",
-        metavar="AMPLITUDE", multiple=True, flag="amplitude", former="level",
+        metavar="AMPLITUDE", multiple=True, flag="amplitude", hidden_alias="level",
     )  # fmt: skip
     mass: float | None = copy_option(Job, "mass")
     seals: float = copy_option(Job, "seals")
@@ -294,7 +302,7 @@ class LevelJob:
         (),
         "Also find the resonance at this amplitude, e.g. 0.1N.",
         unit="force", multiple=True, metavar="AMPLITUDE", flag="resonance-amplitude",
-        former="resonance-at",
+        hidden_alias="resonance-at",
     )  # fmt: skip
     motion: OverBase = copy_option(HammerChoices, "motion")
     law: AmplitudeLawOption = option(
@@ -316,7 +324,7 @@ class LevelChoices:
         multiple=True,
         metavar="AMPLITUDE",
         flag="amplitude",
-        former="level",
+        hidden_alias="level",
     )
     sweep: str | None = option(
         None,
@@ -327,7 +335,7 @@ class LevelChoices:
     strain_factor: float | None = option(
         None,
         "Strain of the sweep over that of the part; 0.577 in shear.",
-        above=0.0,
+        exclusive_minimum=0.0,
         metavar="NUMBER",
     )
     fitted_at: str | None = option(
@@ -335,20 +343,20 @@ class LevelChoices:
         "Strain of the test behind the fit, e.g. 0.1%.",
         metavar="STRAIN",
         flag="reference-strain",
-        former="fitted-at",
+        hidden_alias="fitted-at",
     )
     resonance_level: str | None = option(
         None,
         "Amplitude at which --resonance was measured.",
         metavar="AMPLITUDE",
         flag="resonance-amplitude",
-        former="resonance-level",
+        hidden_alias="resonance-level",
     )
 
 
 def declare_shape(message: str) -> Any:
     """Return the field of a shape, ``--shape disc:20mm,20mm``."""
-    return option(None, message, under="shape", sign=":")
+    return option(None, message, keyed_flag="shape", separator=":")
 
 
 @dataclass(frozen=True)
@@ -375,9 +383,9 @@ class PartChoices:
 def replace_paths(job: J, replace_path: Callable[[str], str]) -> J:
     """Return a job with every path replaced, in nested options first."""
     values: dict[str, Any] = {}
-    for job_field in sorted(fields(job), key=lambda field: "part" not in field.metadata):
+    for job_field in sorted(fields(job), key=lambda field: "options_class" not in field.metadata):
         value = getattr(job, job_field.name)
-        if "part" in job_field.metadata:
+        if "options_class" in job_field.metadata:
             values[job_field.name] = replace_paths(value, replace_path)
         elif is_path_field(job_field) and value:
             values[job_field.name] = (
@@ -391,7 +399,7 @@ def replace_paths(job: J, replace_path: Callable[[str], str]) -> J:
 
 _TYPED_SHIFTS = {
     word: value
-    for value in get_choice_values(VerticalAsked)
+    for value in get_choice_values(VerticalOption)
     for word in (value.removesuffix("/T_r"), value)
 }
 """Options for the shift of the moduli by the words that a user types."""
@@ -409,7 +417,7 @@ class ShiftChoices:
         "Use the sweep of this temperature alone.",
         unit="temperature",
         flag="at-temperature",
-        former="only",
+        hidden_alias="only",
     )
     reference: float | None = option(
         None,
@@ -417,7 +425,7 @@ class ShiftChoices:
         unit="temperature",
     )
     law: ShiftLaw = option("auto", "Law of the shift factors.", flag="shift", choices=ShiftLaw)
-    vertical: VerticalAsked = option(
+    vertical: VerticalOption = option(
         "auto",
         "Shift of the moduli: auto, 1, T or free.",
         choices=_TYPED_SHIFTS,

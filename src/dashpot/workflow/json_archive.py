@@ -249,7 +249,7 @@ def _format_unknown_schema(name: object) -> str:
     )
 
 
-# -- plain values to results -----------------------------------------------------------------------
+# -- Conversion of plain values to results ---------------------------------------------------------
 
 
 def _map_to_fields(kind: Any, value: Any) -> Any:
@@ -336,7 +336,7 @@ _CLASS_CHOICES: dict[type, Callable[[dict[str, Any]], type]] = {
 """Classes with several subclasses, and the function that chooses among them by an object."""
 
 
-# -- what the bare contract leaves out, and what no key says -------------------------------------
+# -- Default values of missing keys --------------------------------------------------------------
 
 
 def _convert_model(entries: dict[str, Any]) -> dict[str, Any]:

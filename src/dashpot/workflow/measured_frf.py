@@ -25,7 +25,7 @@ from dashpot.datamodel.vibration_tests import ImpactTest, ShakenTest
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.frf import read_frf
-from dashpot.reading.readers.impact import HITS, hits_in, read_impact
+from dashpot.reading.readers.impact import HITS, read_impact, read_joined_impacts
 from dashpot.registry import RESPONSES, require_handler
 from dashpot.vibration.impact.checks import (
     coherence,
@@ -79,7 +79,7 @@ def read_record(paths: Sequence[str | Path], options: ReadOptions) -> FRF | Shak
         return shaken_test
     if len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
         return read_frf(paths[0], options=options)
-    return hits_in(list(paths), options, f"an FRF or {HITS}")
+    return read_joined_impacts(list(paths), options, f"an FRF or {HITS}")
 
 
 def measured_frf(
@@ -263,8 +263,8 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     Examples
     --------
     >>> import dashpot as dp
-    >>> found = dp.fit(dp.simulate("impact", seal="broad", hits=3))
-    >>> len(found), round(found[0].damping_ratio, 3)
+    >>> modes = dp.fit(dp.simulate("impact", seal="broad", hits=3))
+    >>> len(modes), round(modes[0].damping_ratio, 3)
     (1, 0.029)
     """
 
@@ -291,10 +291,10 @@ class Modes(Plottable, Serialisable, Sequence[Mode]):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the FRF and its modes."""
-        return verdict(self.frf.checks, headline=self.sound)
+        return verdict(self.frf.checks, headline=self._headline)
 
     @property
-    def sound(self) -> str:
+    def _headline(self) -> str:
         """The first mode and how many there are."""
         return format_modes_headline(self)
 

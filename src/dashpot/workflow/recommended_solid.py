@@ -155,7 +155,7 @@ def _find_resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _R
     equilibrium = study.static_equilibrium
     compression = (
         None
-        if equilibrium is None or not equilibrium.point.given
+        if equilibrium is None or not equilibrium.point.is_stated
         else equilibrium.point.compression
     )
     point = operating_point(solid, MassOnSeals(mass, study.seals, compression))

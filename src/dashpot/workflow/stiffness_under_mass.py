@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # Static equilibrium, with peaks by secant and tangent stiffness, and limits.
 
 
-# lines of the limits over a band
+# Number of lines of the limits in a band.
 LIMIT_LINES = 401
 # what a tangent in doubt keeps at least of its value
 MIN_TANGENT_SHARE = 0.05
@@ -97,7 +97,7 @@ class StaticEquilibrium:
         point, secant, tangent = self.point, self.secant, self.tangent
         if point.linear:
             return ""
-        how_known = "as given" if point.given else "under its weight"
+        how_known = "as given" if point.is_stated else "under its weight"
         compression_text, depth = (
             format_quantity(value or 0.0, "mm", ".3g") for value in (point.compression, point.depth)
         )

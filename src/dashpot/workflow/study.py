@@ -60,7 +60,7 @@ from dashpot.workflow.stiffness_under_mass import (
     rest_checks,
 )
 
-# Logo of a report, as a data link.
+# Logo of a report, as a data URI.
 
 
 LARGEST_LOGO = 100_000
@@ -89,7 +89,7 @@ def read_logo(path: str | Path) -> str:
     if not kind and head.startswith((b"<?xml", b"<!", b"<svg")) and b"<svg" in head:
         kind = "image/svg+xml"
     if not kind:
-        raise ReadError(f"{name} is no image that a page can hold; expected PNG, JPEG or SVG")
+        raise ReadError(f"{name} is no supported image; expected PNG, JPEG or SVG")
     import base64
 
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
@@ -99,16 +99,16 @@ COMPARED_ORDERS = (1, 2)
 """The numbers of arms that the paper's Fig. 4 compares."""
 
 STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
-"""Frequencies of the unresolved-arm band, Hz: from the hold to past the hammer."""
+"""Frequencies of the band of unresolved arms, Hz: from the hold to above the hammer test."""
 
 
 BAND_LINES, PEAK_LINES = 61, 121
-"""Lines of the predicted FRF's limits: over the whole band, and about the peak."""
+"""Number of lines of the limits of the predicted FRF: in the whole band, and near the peak."""
 
 
 @dataclass(frozen=True, repr=False)
 class Study(Plottable, Serialisable):
-    """Study: all results of the main job as values, which the report shows.
+    """Study: all results of the main job.
 
     Attributes
     ----------
@@ -145,13 +145,13 @@ class Study(Plottable, Serialisable):
     static_equilibrium : StaticEquilibrium or None
         Where the mass rests on the seals, and what secant and tangent make of it.
     frf_band : FRFBounds or None
-        Both kinds of ignorance as limits of the predicted accelerance.
+        Limits of the predicted accelerance, by standard errors and unresolved arms.
     checks : tuple of Check
-        What only the whole story shows.
+        Checks that need several of the tests.
     other_tests : tuple of RampHold
         Tests of the same seal at other temperatures, fitted with `prepared`.
     title, logo : str
-        What heads its report: words, and an image as a data URI.
+        Title of its report, and a logo as a data URI.
 
     Examples
     --------
@@ -209,17 +209,17 @@ class Study(Plottable, Serialisable):
 
     @property
     def rival(self) -> FRF | None:
-        """The FRF by the other family of solids, if one explains the relaxation test as well."""
+        """FRF of the other model family, if it fits the relaxation test equally well."""
         other = replace_by_alternative(self.fit)
         if other is None or self.mass is None or self.static_equilibrium is None:
             return None
         point = self.static_equilibrium.point
-        at = point.compression if point.given else None
+        at = point.compression if point.is_stated else None
         return predict_frf(other, mass=self.mass, seals=self.seals, compression=at)
 
     @property
     def every_check(self) -> tuple[Check, ...]:
-        """The checks of the bench, of the hammer, of their comparison, and of the story."""
+        """The checks of the fit, of the hammer test, of their comparison, and of the study."""
         hammer = () if self.measured is None else self.measured.checks
         comparison_checks = () if self.comparison is None else self.comparison.checks
         return (*self.fit.checks, *hammer, *comparison_checks, *self.checks)
@@ -228,8 +228,8 @@ class Study(Plottable, Serialisable):
     def verdict(self) -> Verdict:
         """Verdict on the study's solid: the joint fit's where there is one, else the fit's.
 
-        A prediction from the relaxation test alone that misses the hammer is no fault of the
-        joint fit, which is made to mend it.
+        A prediction from the relaxation test that misses the hammer test does not count against
+        the joint fit, which corrects it.
         """
         return verdict(self.verdict_checks, headline=self._headline_text)
 
@@ -243,7 +243,7 @@ class Study(Plottable, Serialisable):
         comparison_checks = () if comparison is None else comparison.checks
         of_test = self.fit.checks
         if solid.evidence.alternative is not None:
-            # what the relaxation test cannot distinguish is asked of both tests
+            # model families: both tests decide, not the relaxation test alone
             own_checks = {check.name for check in solid.checks} & {"model_families_distinguished"}
             of_test = tuple(check for check in of_test if check.name not in own_checks)
         all_checks = (*of_test, *hammer, *solid.checks, *comparison_checks, *self.checks)
@@ -251,7 +251,7 @@ class Study(Plottable, Serialisable):
 
     @property
     def _headline_text(self) -> str:
-        """Return the headline of the study where no important check failed."""
+        """The headline of the study if no important check failed."""
         if self.joint is not None and self.joint_comparison is not None:
             sentence_start = f"From {hertz(self.joint.band)} one model matches both tests"
             return paragraph(sentence_start, self.joint_comparison.resonance_match)
@@ -276,7 +276,7 @@ class FittedTests:
 
     @cached_property
     def hold_fit(self) -> tuple[Fit | None, tuple[Check, ...]]:
-        """Fit of the paper's eq. (5) to one test, or why the record does not allow it."""
+        """Fit of the paper's eq. (5) to one test; else the check with the reason."""
         if len(self.tests) > 1:
             return None, ()
         arms = get_fewest_arms_model(self.fit).arms
@@ -332,7 +332,7 @@ def characterise(
     impact_temperature: Quantity | None = None,
     fit_once: Callable[..., FittedTests] = fit_tests,
 ) -> Study:
-    """Return the main job: prepare, fit, predict, compare, and mend with a joint fit.
+    """Return the study of the main job: prepare, fit, predict, compare, and fit both tests jointly.
 
     Parameters
     ----------
@@ -374,7 +374,7 @@ def characterise(
         cycle=cycle, machine=_select_bench_machine(machine, measured),
     )  # fmt: skip
     fitted_records, chosen_fit = fitted.tests, fitted.fit
-    # what is shown is of the temperature of the solid
+    # the test at the temperature of the solid is shown
     first = find_reference_test(chosen_fit, fitted_records)
     test, prepared = (test, *tests)[first], fitted_records[first]
     load = None if mass is None else MassOnSeals(mass, block.seals, block.compression)
@@ -385,7 +385,7 @@ def characterise(
     if load is not None:
         response = _predict_mass_response(chosen_fit, fitted_records, measured, load, band)
         if joint and measured is not None:
-            send_progress("fitting relaxation and hammer together")
+            send_progress("fitting the joint model of relaxation and hammer test")
             usual_options = replace(options, arms="auto", family="maxwell")
             earlier_fit, number = _select_earlier_fit(
                 chosen_fit, fitted_records, options.arms, usual_options, impact_temperature
@@ -404,7 +404,7 @@ def characterise(
             mended = _JointResults(
                 joint_fit, *_predict_and_compare(joint_fit, measured, mass_on_seals, band)
             )
-    send_progress("bounding what the tests leave open")
+    send_progress("computing bounds over the spectra that the tests do not exclude")
     hold_fit, checks = fitted.hold_fit
     return Study(
         test=test,
@@ -431,7 +431,7 @@ def characterise(
 
 
 def _select_bench_machine(machine: Machine | None, measured: FRF | None) -> Machine | None:
-    """Return the machine of the tests; the hammer's rig only where there is a hammer."""
+    """Return the machine of the bench tests, without the rig of a hammer test."""
     return machine if machine is None or measured is None else machine.on_bench
 
 
@@ -442,10 +442,10 @@ def _select_earlier_fit(
     bench: FitOptions,
     temperature: Quantity | None,
 ) -> tuple[Fit, int | Literal["auto"]]:
-    """Return the fit of the tests that the hammer joins, and how many arms both are to have.
+    """Return the fit of the tests for the joint fit, and its number of arms.
 
-    A number of arms that was requested is that of the joint fit, as in ``dashpot fit``, unless the
-    tests by themselves have more: then the data choose.
+    A requested number of arms is that of the joint fit, as in ``dashpot fit``, unless the fit of
+    the tests has more arms: then it is ``"auto"``.
     """
     if arms == "auto":
         return chosen_fit, arms
@@ -575,7 +575,7 @@ def _predict_and_compare(
 def _check_untested_prediction(
     prediction: FRF, chosen_fit: Fit, rest_state: StaticEquilibrium, load: MassOnSeals
 ) -> tuple[Check, ...]:
-    """Ask of a prediction that no hammer has tested whether a test informs it."""
+    """Return the checks of a prediction that no hammer test validates."""
     band_check = prediction_in_valid_band(find_peak(prediction).frequency, chosen_fit.band)
     return (
         *rest_checks(rest_state.point, load.mass),
@@ -591,7 +591,7 @@ def _prediction_bounds(
     point: OperatingPoint,
     load: MassOnSeals,
 ) -> FRFBounds:
-    """Return the limits of the predicted FRF around its peak, by both kinds of ignorance."""
+    """Return limits of the predicted FRF near its peak: standard errors and unresolved arms."""
     top = compute_peak_limit(load.seals * point.solid(chosen_fit).k_0, load.mass)
     low, high = top / FREQUENCY_FACTOR, top * FREQUENCY_FACTOR
     if measured is not None:

@@ -84,7 +84,7 @@ def test_the_end_of_the_hold_has_the_interval_of_the_fit(fit: dp.Fit) -> None:
 def test_a_bound_is_open_to_no_number_of_tests(fit: dp.Fit) -> None:
     """k_inf is at most so much, however often the seal is tested."""
     (limit,) = _judge(fit, "k_inf >= 0.15N/mm").limits
-    assert (limit.outcome, limit.spread, limit.further_tests) == ("open", "bound", None)
+    assert (limit.outcome, limit.spread, limit.additional_tests) == ("open", "bound", None)
     assert limit.explanation.startswith("Repeating the test does not decide it: its interval")
     (below,) = _judge(fit, "k_inf <= 0.5N/mm").limits
     assert below.outcome == "met"
@@ -129,7 +129,7 @@ def test_further_tests_follow_from_the_interval(fit: dp.Fit) -> None:
     fact = find_value(noisy, "k_1").fact
     middle = fact.value + 0.5001 * (fact.high - fact.value)
     (limit,) = _judge(noisy, f"k_1 <= {middle!r}N/m").limits
-    assert limit.further_tests == 3
+    assert limit.additional_tests == 3
 
 
 def test_force_is_that_of_the_record(fit: dp.Fit) -> None:

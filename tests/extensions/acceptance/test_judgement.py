@@ -10,7 +10,7 @@ import pytest
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.extensions.acceptance.judgement import POWER, count_further_tests, judge_interval
+from dashpot.extensions.acceptance.judgement import POWER, count_additional_tests, judge_interval
 from dashpot.extensions.acceptance.limit_files import (
     parse_expression,
     read_limits,
@@ -51,7 +51,7 @@ def test_further_tests_are_the_first_that_decide(
     """Against a search: the interval of the mean of n tests, noise over root n and rig as it is."""
     value, half = 10.0, 1.0
     limit = value + distance if above else value - distance
-    count = count_further_tests(
+    count = count_additional_tests(
         limit, None, value, value - half, value + half, noise_share=noise_share
     )
     noise, rig = half * noise_share, half * math.sqrt(1 - noise_share**2)
@@ -68,20 +68,22 @@ def test_further_tests_are_the_first_that_decide(
 
 
 def test_further_tests_between_two_limits_decide_both():
-    to_lower = count_further_tests(1.0, None, 2.0, 0.0, 4.0)
-    to_upper = count_further_tests(None, 2.5, 2.0, 0.0, 4.0)
-    assert count_further_tests(1.0, 2.5, 2.0, 0.0, 4.0) == max(to_lower or 0, to_upper or 0) == 15
+    to_lower = count_additional_tests(1.0, None, 2.0, 0.0, 4.0)
+    to_upper = count_additional_tests(None, 2.5, 2.0, 0.0, 4.0)
+    assert (
+        count_additional_tests(1.0, 2.5, 2.0, 0.0, 4.0) == max(to_lower or 0, to_upper or 0) == 15
+    )
 
 
 def test_no_number_of_tests_decides_a_value_on_its_limit():
-    assert count_further_tests(3.0, None, 3.0, 2.0, 4.0) is None
+    assert count_additional_tests(3.0, None, 3.0, 2.0, 4.0) is None
 
 
 def test_the_larger_number_of_tests_decides_nine_times_in_ten():
     """By 4000 simulated means of so many tests of a value that is true."""
     error, distance = 1.0, 0.8
     half = 1.96 * error
-    count = count_further_tests(distance, None, 0.0, -half, half, quantile=POWER)
+    count = count_additional_tests(distance, None, 0.0, -half, half, quantile=POWER)
     assert count is not None
     tests = count + 1
     means = np.random.default_rng(5).normal(0.0, error / math.sqrt(tests), 4000)

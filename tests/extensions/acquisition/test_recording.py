@@ -21,7 +21,11 @@ from dashpot.base.version import is_ours
 from dashpot.extensions.acquisition.line_parser import MAX_LENGTH, Lines
 from dashpot.extensions.acquisition.record_to_file import record
 from dashpot.extensions.acquisition.recorder import Description
-from dashpot.extensions.acquisition.replay_device import Paced, create_simulated_device, replay
+from dashpot.extensions.acquisition.replay_device import (
+    PacedReplay,
+    create_simulated_device,
+    replay,
+)
 from dashpot.extensions.acquisition.serial_line import SerialLine
 from dashpot.fitting.relaxation import fit
 from dashpot.reading.readers.relaxation import read_relaxation
@@ -73,7 +77,7 @@ class Sender:
 def test_a_serial_instrument_becomes_a_record_that_is_fitted(tmp_path):
     with instrument() as (handle, line):
         sender = Sender(handle, [b"cut line\n", *PLAIN])
-        rows, notes = record(line, tmp_path / "seal.csv", seen=sender.next)
+        rows, notes = record(line, tmp_path / "seal.csv", on_block=sender.next)
     assert rows == len(ROWS)
     assert notes == ("the device closed the line",)
     back = read_relaxation(tmp_path / "seal.csv")
@@ -98,7 +102,7 @@ def test_record_counts_and_reports_lost_lines(tmp_path):
     sent[200] = sent[199]
     with instrument() as (handle, line):
         sender = Sender(handle, sent)
-        rows, notes = record(line, tmp_path / "a.csv", seen=sender.next)
+        rows, notes = record(line, tmp_path / "a.csv", on_block=sender.next)
     assert rows == 300 - 5 - 2 - 1
     assert notes[0] == r"three garbled lines left out, first '0.7450,0.00\xff\xfe7'"
     assert notes[1] == "one line left out that came no later than the line before"
@@ -281,7 +285,7 @@ def test_record_refuses_a_file_that_another_recorder_writes(tmp_path):
     times = [float(row.split(",")[0]) for row in text.splitlines()[2:-1]]
     assert times == sorted(times)
     # what was killed holds no lock
-    rows, _ = record(Paced(TEST, "a card", speed=np.inf), file, replace=True)
+    rows, _ = record(PacedReplay(TEST, "a card", speed=np.inf), file, replace=True)
     assert rows == len(TEST.time)
     write_atomic(file, b"another result")
     assert file.read_bytes() == b"another result"
@@ -294,12 +298,12 @@ def test_an_earlier_record_stays_until_rows_come(tmp_path):
     with pytest.raises(ReadError, match="nothing came"):
         record(Silent(), file, seconds=1e-3, replace=True)
     assert file.read_bytes() == before
-    record(Paced(TEST, "a card", speed=np.inf), file, replace=True)
+    record(PacedReplay(TEST, "a card", speed=np.inf), file, replace=True)
     assert "earlier" not in file.read_text()
     assert len(read_relaxation(file).time) == len(TEST.time)
 
 
-class Broken(Paced):
+class Broken(PacedReplay):
     """A device whose driver fails in the middle."""
 
     def blocks(self):
@@ -326,7 +330,7 @@ def test_a_full_disk_leaves_whole_rows(tmp_path, monkeypatch):
         return write(handle, data[:fits])
 
     monkeypatch.setattr("dashpot.extensions.acquisition.record_to_file.os.write", filling)
-    blocks = Paced(TEST, "a card", speed=5.0)
+    blocks = PacedReplay(TEST, "a card", speed=5.0)
     with pytest.raises(ReadError, match=r"a.csv cannot be written any further: No space left on"):
         record(blocks, tmp_path / "a.csv")
     text = (tmp_path / "a.csv").read_text()

@@ -51,7 +51,7 @@ def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
     result = ran(path)
     half = 0.004 * (1 if "Strain" in header else 1e-1)
     assert result["half_way"] == pytest.approx(half, rel=1e-3)
-    assert result["of"] == ("strain" if "Strain" in header else "m")
+    assert result["amplitude_unit"] == ("strain" if "Strain" in header else "m")
     assert result["law"] == ("factor" if "Strain" in header else "additive")
     # and never as one of frequency
     assert "recognised sweep.csv: an amplitude sweep" in shell.ran("fit", path).stderr
@@ -295,7 +295,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
         system, response="m.z", force="m.z", level=0.15, frequency=np.linspace(10, 18, 1601)
     )
     top = int(true.amplitude.argmax())
-    requested, excess = result["at"]
+    requested, excess = result["peaks"]
     assert requested["frequency"] == pytest.approx(float(true.frequency[top]), rel=0.002)
     assert requested["receptance"] == pytest.approx(true.amplitude[top] / 0.15, rel=0.03)
     low, high = requested["receptance_interval"]
@@ -371,9 +371,11 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     )
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
     stiffness = result["per_doubling"]["stiffness"]
-    assert abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["found"] * 2 < 0.01
+    assert (
+        abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["detectable_change"] * 2 < 0.01
+    )
     low, high = result["amplitudes"]
-    requested, far = result["at"]
+    requested, far = result["peaks"]
     assert low < requested["amplitude"] < high < far["amplitude"]
     assert requested["frequency"] == pytest.approx(12.7, rel=0.002)
     # the steady motion of a mass on a spring at its resonance

@@ -24,6 +24,7 @@ pytestmark = pytest.mark.once
 
 MASS = 0.104
 X = np.geomspace(1e-4, 0.02, 13)
+STIFFNESS_UNITS = {"unit": "N/m", "amplitude_unit": "m"}
 
 
 def payne(X, d=0.55, X_c=2e-3, m=0.5):
@@ -58,7 +59,7 @@ class TestSweep:
 
     def test_fit_recovers_an_element_parallel_to_the_solid(self):
         K = 400 * (1 + 0.05j) + 200 * (payne(X, d=1.0) - 1)
-        amplitude_fit = fit_amplitude(sweep(K, unit="N/m", of="m"))
+        amplitude_fit = fit_amplitude(sweep(K, **STIFFNESS_UNITS))
         assert amplitude_fit.law == "additive"
         assert amplitude_fit.lost == pytest.approx(200, rel=1e-3)
         assert amplitude_fit.element().stiffness(1e-3) == pytest.approx(
@@ -137,7 +138,7 @@ class TestSweep:
         K = K * (1 + 0.003 * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
         K[:2] *= [1.3 + 0.4j, 0.85 - 0.2j]
         amplitude_fit = fit_amplitude(sweep(K))
-        assert amplitude_fit.left_out == 2
+        assert amplitude_fit.omitted_samples == 2
         assert amplitude_fit.half_way == pytest.approx(2e-3, rel=0.1)
 
     def test_a_rubber_that_does_not_follow_the_law(self):
@@ -157,7 +158,7 @@ class TestSweep:
         held, Xs = 0, np.geomspace(1e-4, 6e-3, 24)
         for seed in range(12):
             K = 400 * (1 + 0.08j) + 0.75 * 3e6 * Xs**2
-            amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, unit="N/m", of="m"))
+            amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, **STIFFNESS_UNITS))
             assert (amplitude_fit.law, amplitude_fit.verdict.use) == ("cubic", "use"), seed
             held += abs(amplitude_fit.k3 - 3e6) < 2 * dict(amplitude_fit.se)["k3"]
             assert amplitude_fit.spring().k3 == amplitude_fit.k3
@@ -168,7 +169,7 @@ class TestSweep:
         Xs = np.geomspace(1e-4, 6e-3, 12)
         for friction in (lambda X: payne(X, d=1.0, X_c=4e-4), lambda X: jenkins(X) / 100):
             K = 400 + 30j + 150 * np.array([friction(item) for item in Xs]) + 0.75 * 5e6 * Xs**2
-            amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.003, unit="N/m", of="m"))
+            amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.003, **STIFFNESS_UNITS))
             assert amplitude_fit.law == "additive+cubic"
             assert abs(amplitude_fit.k3 - 5e6) < 2.5 * dict(amplitude_fit.se)["k3"]
 
@@ -176,7 +177,7 @@ class TestSweep:
     def test_fit_reports_a_spring_that_is_not_cubic(self, other):
         Xs = np.tile(np.geomspace(1e-4, 6e-3, 12), 3)
         K = 400 + 30j + np.array([other(item) for item in Xs])
-        amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.002, unit="N/m", of="m"))
+        amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.002, **STIFFNESS_UNITS))
         assert amplitude_fit.law == "cubic"
         assert [check.name for check in amplitude_fit.checks if check.failed] == ["spring_cubic"]
 
@@ -189,14 +190,14 @@ class TestSweep:
             for part in (least, -least):
                 k3 = part * 400
                 amplitude_fit = fit_amplitude(
-                    sweep(K + k3 * added, Xs, noise=0.003, seed=seed, unit="N/m", of="m")
+                    sweep(K + k3 * added, Xs, noise=0.003, seed=seed, **STIFFNESS_UNITS)
                 )
                 hidden = amplitude_fit.k3_detection_limit * Xs.max() ** 2
                 assert abs(k3) < hidden < 6 * abs(k3)
                 assert "No cubic spring is seen. One of up to" in " ".join(
                     amplitude_fit._summary_lines
                 )
-        amplitude_fit = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
+        amplitude_fit = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, **STIFFNESS_UNITS))
         assert amplitude_fit.k3 > 0
         assert amplitude_fit.k3_detection_limit == 0
 
@@ -205,14 +206,14 @@ class TestSweep:
         Xs = np.geomspace(1e-4, 6e-3, 12)
         K = 400 + 30j + np.array([jenkins(item, F=100 * slip) for item in Xs])
         for seed in range(3):
-            amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, unit="N/m", of="m"))
+            amplitude_fit = fit_amplitude(sweep(K, Xs, noise=0.003, seed=seed, **STIFFNESS_UNITS))
             assert "cubic" not in amplitude_fit.law
 
     def test_too_few(self):
         with pytest.raises(FitError, match="loops or lines found: 5"):
             fit_amplitude(sweep(5e6 * payne(X[:5]), X[:5]))
 
-    @pytest.mark.parametrize("words", [{"unit": "mm"}, {"of": "mm"}])
+    @pytest.mark.parametrize("words", [{"unit": "mm"}, {"amplitude_unit": "mm"}])
     def test_no_unit(self, words):
         with pytest.raises(DataError, match="expected"):
             sweep(5e6 * payne(X), **words)

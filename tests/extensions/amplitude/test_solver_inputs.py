@@ -274,11 +274,11 @@ LINEAR = [
 @pytest.mark.parametrize(("target", "form"), LINEAR)
 def test_a_form_that_holds_no_friction_says_who_does(target, form):
     write, fit = TARGETS[target], a_level_fit()
-    with pytest.raises(ExportError, match="3 sliders and a cubic spring, whose force is not") as no:
+    with pytest.raises(ExportError, match="3 sliders and a cubic spring in parallel") as no:
         write(fit, units="SI", form=form, allow=("all",))
     message = str(no.value)
     if target in CARRIERS:
-        assert f"take --form {CARRIERS[target][0]}" in message
+        assert f"use --form {CARRIERS[target][0]}" in message
     else:
         assert f"--to {', '.join(CARRIERS)}" in message
     # arms alone are linear: any deck takes them
@@ -296,8 +296,8 @@ def test_a_deck_of_levels_says_where_it_comes_from(target):
     deck = TARGETS[target](a_level_fit(), units="mm-t-s")
     for words in (
         "slider 2: k = 0.06 N/mm, slips at 0.012 N (0.2 mm)",
-        "cubic spring: k3 = 0.02 N/mm^3, by straight lines to 4. mm either way",
-        "displacement amplitudes tested: 0.1 to 2 mm; whatever moves less or farther is EXTRA",
+        "cubic spring: k3 = 0.02 N/mm^3, piecewise linear to 4. mm in both directions",
+        "displacement amplitudes tested: 0.1 to 2 mm; other amplitudes are EXTRA",
         "at the amplitudes 0.02, 0.5 (N, or m/s^2 of a base), which leaves 1 % of F/X",
         f"source: low.csv sha256 {'0' * 64}",
         "valid band: 8 to 20 Hz",

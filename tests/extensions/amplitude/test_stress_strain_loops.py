@@ -71,7 +71,7 @@ def test_fit_of_loops_in_strain_and_stress_gives_moduli(tmp_path, head, strain, 
     assert inspect_file(path).kind == "cyclic"
     levels = level_files([path], options=ReadOptions())
     fit = levels.fit
-    assert (fit.unit, fit.of) == ("Pa", "strain")
+    assert (fit.unit, fit.amplitude_unit) == ("Pa", "strain")
     np.testing.assert_allclose(fit.amplitudes, (0.01, 0.1), rtol=2e-3)
     for line, tone in zip(fit.lines, (0.3, 1.0, 3.0), strict=True):
         true = 1e6 * modulus(tone)
@@ -82,7 +82,7 @@ def test_fit_of_loops_in_strain_and_stress_gives_moduli(tmp_path, head, strain, 
 
 def test_read_of_loops_in_strain_and_stress_gives_a_sweep_in_pascal(tmp_path) -> None:
     sweep = dp.read(write_record(tmp_path / "loops.csv", loops()))
-    assert (sweep.unit, sweep.of) == ("Pa", "strain")
+    assert (sweep.unit, sweep.amplitude_unit) == ("Pa", "strain")
     np.testing.assert_allclose(sweep.storage, 1e6 * modulus(1.0).real, rtol=0.01)
     assert dp.fit(sweep).unit == "Pa"
 
@@ -182,7 +182,7 @@ def test_loops_are_drawn_in_strain_and_stress(tmp_path) -> None:
     assert "N/mm" not in drawn
     assert "storage E" in drawn
     document = json.loads((tmp_path / "loops.json").read_text())
-    assert (document["unit"], document["of"]) == ("Pa", "strain")
+    assert (document["unit"], document["amplitude_unit"]) == ("Pa", "strain")
 
 
 def test_steady_cycles_of_strain_are_those_of_a_unit_specimen() -> None:

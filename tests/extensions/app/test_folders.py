@@ -146,7 +146,9 @@ def test_a_lot_shows_its_table_and_opens_the_tests_that_it_knows(store, tmp_path
     tests.mkdir()
     (tests / "lot1_seal1.csv").write_text(text)
     (tests / "noise.csv").write_text("no table\nat all\n")
-    made = batch(tests, output=tmp_path / "lot", arms=2, by=r"lot(\w+)_seal(\w+)", jobs=1)
+    made = batch(
+        tests, output=tmp_path / "lot", arms=2, label_pattern=r"lot(\w+)_seal(\w+)", jobs=1
+    )
     head = ask("folder", store, folder=str(tmp_path / "lot"))
     assert head["kind"] == "lot"
     for name in head["columns"]:

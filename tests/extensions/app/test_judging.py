@@ -18,7 +18,7 @@ pytestmark = pytest.mark.once
 
 PIECES = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
 ASKED = {
-    "cld": (PIECES, {"compression": "6", "between": "4 to 8", "length": "100 mm"}),
+    "cld": (PIECES, {"compression": "6", "compression_limits": "4 to 8", "length": "100 mm"}),
     "stress-strain": (("tension.csv", "biaxial.csv"), {"test 1": "biaxial"}),
     "csr": (("ovens.csv",), {"use_at": "85", "oven": "1"}),
     "drop": (("slam.csv",), {"mass": "100"}),
@@ -72,7 +72,7 @@ def test_every_kind_of_the_register_has_a_place_on_the_page():
     # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {
         "temperature-sweep",
-        "one-frequency",
+        "single-frequency",
         "rod",
         "plug-in",
         "preload-map",

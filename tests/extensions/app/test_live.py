@@ -38,10 +38,10 @@ def test_a_curve_is_thinned_evenly_and_keeps_every_peak(block: int):
 
 
 def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
-    assert live.look(0, 0)["kept"] is None
+    assert live.describe_state(0, 0)["kept"] is None
     live.start({"driver": "simulated", "speed": "1e9", "folder": str(tmp_path)})
     live._thread.join()
-    seen = live.look(1e9, -1)
+    seen = live.describe_state(1e9, -1)
     assert (seen["running"], seen["rows"], seen["failed"]) == (False, 42501, "")
     (kept,) = tmp_path.glob("record-*.csv")
     assert seen["message"].endswith(f"kept in {kept}")
@@ -50,7 +50,7 @@ def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
     again = {"driver": "replay", "file": seen["kept"]["id"], "speed": 1e9}
     live.start(again)
     live._thread.join()
-    played = live.look(400, 200)
+    played = live.describe_state(400, 200)
     assert played["rows"] == 42501
     assert "simulated; replayed from record-" in played["message"]
     assert "it goes with the app" in played["message"]
@@ -60,9 +60,9 @@ def test_live_record_runs_singly_and_stops_on_request(live):
     live.start({"driver": "simulated", "speed": 1e-3})
     with pytest.raises(DataError, match="a record is running; stop it first"):
         live.start({"driver": "simulated"})
-    assert live.look(400, 200)["running"]
+    assert live.describe_state(400, 200)["running"]
     live.stop()
-    assert not live.look(400, 200)["running"]
+    assert not live.describe_state(400, 200)["running"]
 
 
 def test_a_page_reads_no_file_through_it(live, tmp_path):
@@ -86,7 +86,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
         with pytest.raises(error, match=message):
             live.start(asked)
     assert not live.running
-    assert live.look(0, 0)["rows"] == 0
+    assert live.describe_state(0, 0)["rows"] == 0
 
 
 def test_live_record_reports_a_failing_driver(live, monkeypatch):
@@ -106,6 +106,6 @@ def test_live_record_reports_a_failing_driver(live, monkeypatch):
     monkeypatch.setattr(live, "_device", lambda *_: Broken())
     live.start({"driver": "simulated"})
     live._thread.join()
-    seen = live.look(400, 200)
+    seen = live.describe_state(400, 200)
     assert seen["failed"] == "a fault in the driver: RuntimeError: boom"
     assert (seen["rows"], seen["kept"]) == (2, None)

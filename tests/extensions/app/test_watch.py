@@ -41,13 +41,13 @@ def file(tmp_path):
 
 def look_twice(watch, name):
     """What two looks say: one that is still written is left alone at the first."""
-    watch.look([name])
-    return watch.look([name])[name]
+    watch.list_file_states([name])
+    return watch.list_file_states([name])[name]
 
 
 def test_a_file_that_rests_is_as_it_was_read(store, file):
     name = store.put_file(file)
-    row = FileWatch(store).look([name])[name]
+    row = FileWatch(store).list_file_states([name])[name]
     assert row["state"] == ""
     assert row["sha256"] == sha256(ROWS.encode()).hexdigest()
 
@@ -76,8 +76,8 @@ def test_a_file_is_read_again_once_it_rests(store, file):
     for i in range(3):
         with file.open("a") as rows:
             rows.write(f"{2 + i},5\n")
-        assert watch.look([name])[name]["state"] == "writing"
-    row = watch.look([name])[name]
+        assert watch.list_file_states([name])[name]["state"] == "writing"
+    row = watch.list_file_states([name])[name]
     assert row["state"] == "changed"
     assert find_file(store.folder, row["new"]["id"]).read_text() == file.read_text()
 
@@ -87,18 +87,18 @@ def test_a_file_that_was_touched_is_the_same(store, file):
     os.utime(file)
     watch = FileWatch(store)
     assert look_twice(watch, name)["state"] == ""
-    assert watch.look([name])[name]["state"] == ""
+    assert watch.list_file_states([name])[name]["state"] == ""
 
 
 def test_deleted_file_is_reported(store, file):
     name = store.put_file(file)
     file.unlink()
-    assert FileWatch(store).look([name])[name]["state"] == "gone"
+    assert FileWatch(store).list_file_states([name])[name]["state"] == "gone"
 
 
 def test_what_a_page_sent_has_no_place_on_disk(store):
     name = store.put("seal.csv", ROWS.encode())
-    assert FileWatch(store).look([name, "no such", 7, None]).keys() == {name}
+    assert FileWatch(store).list_file_states([name, "no such", 7, None]).keys() == {name}
 
 
 async def blocks(*parts):

@@ -38,7 +38,7 @@ from dashpot.solids.demo_seals import PAPER
 pytestmark = pytest.mark.once
 
 BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
-QUICK = {"arms": 1, "quick": True, "by": BY}
+QUICK = {"arms": 1, "quick": True, "label_pattern": BY}
 
 
 @pytest.fixture(scope="module")
@@ -449,11 +449,11 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
         ({"mass": 0.0}, "expected a number > 0"),
         ({"seals": float("nan")}, "expected a number > 0"),
         ({"jobs": 0}, "a number of processes >= 1"),
-        ({"by": "("}, "no regular expression"),
-        ({"by": "lot"}, "0 groups"),
-        ({"by": "(a)(b)(c)(d)(e)(f)"}, "6 groups"),
-        ({"by": "(?P<batch>a)"}, "batch"),
-        ({"by": r"(nowhere)"}, "fits none of 11 paths"),
+        ({"label_pattern": "("}, "no regular expression"),
+        ({"label_pattern": "lot"}, "0 groups"),
+        ({"label_pattern": "(a)(b)(c)(d)(e)(f)"}, "6 groups"),
+        ({"label_pattern": "(?P<batch>a)"}, "batch"),
+        ({"label_pattern": r"(nowhere)"}, "fits none of 11 paths"),
     ],
 )  # fmt: skip
 def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, inputs, message):

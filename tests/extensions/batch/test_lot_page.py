@@ -48,7 +48,7 @@ def lot(tmp_path_factory):
         name = f"lot{of}_seal{seal}_rep{repeat}.csv"
         (place / name).write_text(write_relaxation(made.test))
     (place / "<b>junk & co.csv").write_text("no table\nat all\n")
-    return batch(place, arms=1, by=BY, jobs=1)
+    return batch(place, arms=1, label_pattern=BY, jobs=1)
 
 
 def test_the_page_says_what_the_lot_is(lot):
@@ -116,7 +116,7 @@ def many(**requested):
 
 def test_a_page_is_as_high_for_many_tests_as_for_few(lot):
     large, result = many()
-    page = html(large, found=result)
+    page = html(large, lot_summary=result)
     assert len(page) < 1_000_000
     # of each table so many rows, and of every chart one dot a lot
     for rows in re.findall(r"<tbody>(.*?)</tbody>", page, re.DOTALL):
@@ -146,7 +146,7 @@ def test_lot_page_lists_dates_if_stated(lot):
 
 def test_what_the_page_says_is_what_the_document_says():
     large, result = many()
-    page, document = unescape(html(large, found=result)), result.to_dict()
+    page, document = unescape(html(large, lot_summary=result)), result.to_dict()
     for light in document["summary"]:
         assert light["message"] in page.replace("\xa0", " ")
     assert f">{document['verdict']['verdict_grade'].capitalize()}<" in page
@@ -174,7 +174,7 @@ def test_a_point_of_the_chart_leads_to_its_tests(browser):
     return [first, [...new Set(found)], found.length, rows().length, opened];
     """
     first, lots, of_lot, of_seal, opened = probe(
-        browser, html(large, found=result), script, width=1366, height=768
+        browser, html(large, lot_summary=result), script, width=1366, height=768
     )
     assert (first, lots, of_lot, of_seal, opened) == (50, ["L5"], 50, 2, True)
 

@@ -122,10 +122,15 @@ def test_a_limit_of_a_modulus_is_not_held_against_a_stiffness(tmp_path):
     requested = limits(tmp_path, '[storage_at_5Hz_Pa]\nupper = "6MPa"', (part, material))
     (result,) = summary(lot_of(rows), limits=requested).others
     passed = {
-        (decision.seal, decision.value) for decision in result.judged if decision.decision == "pass"
+        (decision.seal, decision.value)
+        for decision in result.seal_decisions
+        if decision.decision == "pass"
     }
     assert passed == {("m0", 5e6), ("m1", 5e6 + 1)}
-    assert {item.seal for item in result.judged if item.decision == "no result"} == {"1", "2"}
+    assert {item.seal for item in result.seal_decisions if item.decision == "no result"} == {
+        "1",
+        "2",
+    }
 
 
 def test_what_operators_add_widens_the_guard_band(tmp_path):
@@ -185,7 +190,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
     requested = limits(tmp_path, '[k_end]\nlower = "180N/m"\nupper = "220N/m"\ncpk = 1.33\n')
     result = summary(lot, limits=requested)
     json.dumps(result.to_dict(), allow_nan=False)
-    page = html(lot, found=result)
+    page = html(lot, lot_summary=result)
     assert "<i>" not in page
     assert page.count("<svg") == page.count("</svg>")
     book = openpyxl.load_workbook(BytesIO(workbook(result)))
@@ -193,7 +198,7 @@ def test_any_lot_has_a_page_a_document_and_a_workbook(rows, tmp_path):
     cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
     assert not any(cell.data_type == "f" or cell.hyperlink for cell in cells)
     for quantity in result.quantities:
-        for seal in quantity.judged:
+        for seal in quantity.seal_decisions:
             assert seal.decision in {"pass", "fail", "not proven", "no result"}
 
 
@@ -221,9 +226,9 @@ def test_lot_page_leads_with_a_missed_capability(tmp_path):
     lot = lot_of(draw_rows(2, 25, 2, seed=4))
     requested = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
     result = summary(lot, limits=requested)
-    page = html(lot, found=result)
+    page = html(lot, lot_summary=result)
     assert "3.00 is asked" in page
-    (check,) = [check for check in result.checks if check.name == "capability_as_asked"]
+    (check,) = [check for check in result.checks if check.name == "capability_requirement_met"]
     worst = min(item.cpk for item in result.main.capability.values())
     assert check.failed
     assert check.value == worst
@@ -242,7 +247,7 @@ def test_lot_page_leads_with_a_missed_capability(tmp_path):
 def test_required_capability_that_is_undetermined_fails(tmp_path, rows, unknown):
     requested = limits(tmp_path, '[k_end]\nlower = "1N/m"\nupper = "999N/m"\ncpk = 1.33\n')
     checks = summary(lot_of(rows), limits=requested).checks
-    (check,) = [check for check in checks if check.name == "capability_as_asked"]
+    (check,) = [check for check in checks if check.name == "capability_requirement_met"]
     assert check.failed is unknown
     assert ("is not known of one lot" in check.message) is unknown
 
@@ -327,7 +332,7 @@ def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
     requested = {"cpk": able.cpk, "high": able.cpk_interval[1]}[of] + by
     limits = [Limits(lot.quantity("k_end"), 176.0, 224.0, requested)]
     (result,) = (check for check in summary(lot, limits=limits).checks
-                if check.name == "capability_as_asked")  # fmt: skip
+                if check.name == "capability_requirement_met")  # fmt: skip
     assert (result.grade if result.failed else None) == grade
 
 

@@ -244,12 +244,15 @@ def test_a_calibration_that_changes_is_followed(rig, search_count):
 def test_a_folder_whose_hammers_may_be_anywhere_is_sought_each_time(rig, search_count, words):
     (rig / "a.csv").write_text(TEXT)
     by = r"(?P<lot>a)\.csv"
-    Story(until(10.0), by=by, **words)
+    Story(until(10.0), label_pattern=by, **words)
     assert len(search_count) >= 20
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):
-    for requested, message in (({"by": "("}, "no regular"), ({"pair": "x"}, "in braces")):
+    for requested, message in (
+        ({"label_pattern": "("}, "no regular"),
+        ({"pair": "x"}, "in braces"),
+    ):
         with pytest.raises(DataError, match=message):
             Story(**requested)
     rig.rmdir()

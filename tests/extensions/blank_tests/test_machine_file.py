@@ -68,7 +68,7 @@ def test_a_document_keeps_the_errors_of_the_machine() -> None:
     found = measure(SLOW, 1)
     again = from_json(to_json(found))
     assert again.machine == found.machine
-    assert again.found == found.found
+    assert again.reported_values == found.reported_values
     assert again.verdict == found.verdict
 
 

@@ -11,7 +11,7 @@ from kit.foreign.curves import compliances, crept, moduli, sweeps
 from kit.foreign.truths import Solid
 
 import dashpot as dp
-from dashpot.datamodel.fit import list_known_values
+from dashpot.datamodel.fit import list_model_values
 from dashpot.extensions.curves.curve_uncertainty import weight_curve
 from dashpot.extensions.curves.modulus.fit import fit_modulus
 from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
@@ -46,8 +46,8 @@ def test_a_curve_that_levels_off_keeps_its_plateau() -> None:
     assert 0.8e6 < low < 1e6 < high < 1.02e6
     assert fit.verdict.use == "use"
     assert fit.intervals()["k_inf"] == (0.0, end.k_inf[1])
-    assert list_known_values(fit)[0].words == "k(100 s)"
-    assert list_known_values(fit)[0].unit == "Pa"
+    assert list_model_values(fit)[0].words == "k(100 s)"
+    assert list_model_values(fit)[0].unit == "Pa"
     assert from_json(to_json(fit)) == fit
 
 
@@ -112,7 +112,7 @@ def test_a_sweep_tells_its_storage_in_hertz() -> None:
     fit = dp.fit(dp.DynamicTest(f, value.real, value.imag, units="SI"))
     end = fit.evidence.end_of_hold
     assert end is not None
-    assert list_known_values(fit)[0].words == "K'(0.00100 Hz)"
+    assert list_model_values(fit)[0].words == "K'(0.00100 Hz)"
     assert end.k_end[0] < value.real[0] < end.k_end[1]
     assert "At 0.00100 Hz the storage is" in end.format_limits("Pa")
     assert (

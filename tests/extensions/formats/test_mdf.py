@@ -19,7 +19,7 @@ from kit.foreign.files import press_and_hold
 from kit.mdf_files import Channel, Group, mdf3, mdf4, pack_block
 
 from dashpot.base.errors import ReadError
-from dashpot.base.provenance import cautions_in
+from dashpot.base.provenance import list_cautions
 from dashpot.extensions.formats.mdf_table import MdfTable
 from dashpot.reading.formats import read_table
 from dashpot.reading.raw_file import RawFile, open_raw
@@ -192,7 +192,7 @@ def test_mdf_aligns_no_clock_of_an_unknown_unit(unit: str) -> None:
     other = Group([replace(clock(TIME * 1e3), unit=unit), Channel("Temp", TIME, "degC")], "air")
     table = MdfTable(BytesIO(mdf4([bench()], [other])), None)
     assert "Temp" not in {column.name for column in table.columns}
-    assert any(unit in note for note in cautions_in(table.notes))
+    assert any(unit in note for note in list_cautions(table.notes))
 
 
 def test_nothing_is_interpolated_across_a_pause_nor_an_invalid_number() -> None:
@@ -282,7 +282,7 @@ def test_a_hammer_with_another_clock_is_a_caution() -> None:
     hammer = Group([clock(time), Channel("Hammer", np.zeros(400), "N")], "hammer")
     other = Group([clock(time + 4e-4), Channel("Acceleration", np.ones(400), "m/s^2")], "mass")
     table = MdfTable(BytesIO(mdf4([hammer], [other])), None)
-    assert len(cautions_in(table.notes)) == 1
+    assert len(list_cautions(table.notes)) == 1
 
 
 def test_groups_with_the_same_channels_are_segments(tmp_path: Path) -> None:

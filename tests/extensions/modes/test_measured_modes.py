@@ -342,8 +342,8 @@ def test_collinear_and_circular_shapes_are_the_two_ends():
 def test_compare_pairs_modes_of_two_tests_of_the_same_points(tmp_path):
     first, second = (as_text(tmp_path, points(seed=i), f"{i}.csv") for i in (0, 1))
     document = run_json("compare", first, second, "--band", "5:79Hz")
-    assert [entry["other"] for entry in document["against"]] == [1, 2]
-    assert min(entry["mac"] for entry in document["against"]) > 0.98
+    assert [entry["other"] for entry in document["matched_modes"]] == [1, 2]
+    assert min(entry["mac"] for entry in document["matched_modes"]) > 0.98
     result = ran("compare", first, save_frf(tmp_path, points()[0]))
     assert result.exit_code == 2
     assert "4 points are held against 1" in result.output
@@ -437,7 +437,7 @@ def test_modes_by_mass_check_one_model_for_all_masses(tmp_path):
     masses = (0.104, 0.25, 0.6)
     files = [on_seals(tmp_path, mass) for mass in masses]
     modes = modes_by_mass(files, masses, seals=2)
-    assert modes.checks[0].name == "one_solid_explains_masses"
+    assert modes.checks[0].name == "single_solid_explains_masses"
     assert modes.checks[0].passed
     for mode, k in zip(modes.joint_modes.modes, modes.joint_modes.stiffness, strict=True):
         s = mode.pole

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from kit.shell import ran
 
-from dashpot.datamodel.fit import list_known_values
+from dashpot.datamodel.fit import list_model_values
 from dashpot.extensions.paper import reproduction as paper
 from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
@@ -156,7 +156,7 @@ def test_intervals_hold_table_1_on_the_virtual_rig(method):
     for seed in range(100):
         test = prepare(simulate_relaxation(PAPER, seed=seed).test)
         expected = {
-            value.name: value for value in list_known_values(fit(test, arms=2, method=method))
+            value.name: value for value in list_model_values(fit(test, arms=2, method=method))
         }
         for name, value in printed.items():
             held[name] += paper.is_within_interval(expected[name], value)

@@ -365,7 +365,7 @@ def test_repeated_sweeps_of_a_table_show_their_scatter(records: Path):
     (records / "twice.csv").write_text(text, encoding="utf-8")
     preload_map = fit_preload_map(read_sweeps([records / "twice.csv"]))
     assert {cell.sweeps for cell in preload_map.cells} == {2}
-    (noted,) = (check for check in preload_map.checks if check.name == "repeatability_known")
+    (noted,) = (check for check in preload_map.checks if check.name == "repeatability_determined")
     assert noted.passed
     assert preload_map.sweep_scatter[0] == pytest.approx(2e-3, rel=0.6)
 

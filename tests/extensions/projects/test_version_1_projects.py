@@ -46,7 +46,7 @@ def page(_: object) -> str:
 
 def judge(project: Project) -> dict[str, Check]:
     """The failed checks by name, and those that compare results."""
-    compared = {"former_result_recomputed", "uncertainty_unrevised"}
+    compared = {"earlier_result_reproduced", "uncertainty_unrevised"}
     checks = verify(project, page=page)
     return {check.name: check for check in checks if check.failed or check.name in compared}
 
@@ -85,7 +85,7 @@ def test_verify_accepts_a_version_1_project(saved_project: Path) -> None:
     assert note.grade == "note"
     assert "standard_error" in note.message
     assert "the band ends where the loss factor is not known to 30 %" in note.message
-    same = next(check for check in checks if check.name == "former_result_recomputed")
+    same = next(check for check in checks if check.name == "earlier_result_reproduced")
     assert same.value is not None
     assert same.value < SAME_NUMBER_TOLERANCE
 
@@ -103,8 +103,8 @@ def test_verify_reports_another_stiffness_without_calling_it_tampering(version_1
         version_1, ".json", edit_document(lambda result: change_time_constant(result["fit"]))
     )
     failed = judge(version_1)
-    assert set(failed) == {"former_result_recomputed", "uncertainty_unrevised"}
-    check = failed["former_result_recomputed"]
+    assert set(failed) == {"earlier_result_reproduced", "uncertainty_unrevised"}
+    check = failed["earlier_result_reproduced"]
     assert check.grade == "limit"
     assert "tau was 0.6" in check.message
     assert "Either this version computes it otherwise, or result and history were" in check.message

@@ -15,9 +15,9 @@ import dashpot as dp
 from dashpot.base.number_format import round_to_error
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.systems.door.closing_setup import (
-    Between,
     Cabin,
     CheckStrap,
+    InterSealAir,
     Latch,
     Tolerances,
     Vents,
@@ -139,7 +139,7 @@ def test_every_term_has_its_table(folder, tmp_path):
     assert setup.check == CheckStrap((0.0, 4 * np.pi / 180), (0.0, 1.0))
     assert setup.latch == Latch((0.0, 0.005), (50.0, 0.0), 1.1)
     assert setup.vents == Vents(0.62, 1.4, 0.008, 0.008 * 0.014, np.pi / 4 * 0.005 * 0.005 / 0.05)
-    assert setup.between == Between(0.62, 1.0, 0.015, 0.012, 0.002)
+    assert setup.inter_seal_air == InterSealAir(0.62, 1.0, 0.015, 0.012, 0.002)
     assert setup.cabin == Cabin(0.7, 1.4, 2.8, 1.1 * 1.2, 0.55, 0.06)
     assert setup.variation == Tolerances(1e-3, 0.15, 0.4, 12, 4, 1.0)
     picture, output = tmp_path / "closing.svg", tmp_path / "closing.json"

@@ -235,4 +235,4 @@ def test_station_without_contact_leaks_at_rest(folder: Path):
     text = DOOR.replace('compression = "6mm"', 'compression = "6, 6, 6, -1 mm"')
     result = dp.predict(dp.read(door_file(folder, text)), leak=True)
     assert result.states[0].least.value == 0
-    assert {"seal_touches", "leak_speed_known"} <= {c.name for c in result.checks if c.failed}
+    assert {"seal_touches", "leak_speed_determined"} <= {c.name for c in result.checks if c.failed}

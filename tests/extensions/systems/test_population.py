@@ -95,11 +95,13 @@ def test_limit_share_agrees_with_normal_distribution(folder):
     bound = first.value * np.exp(-0.02)
     cars = predict_population(folder / "soft.toml", spread="4%", limits=[f"mode 1 >= {bound}Hz"])
     quantity = cars.quantities[0]
-    assert quantity.share_beyond == pytest.approx(norm.cdf(-1.0), abs=2e-3)
+    assert quantity.nonconforming_share == pytest.approx(norm.cdf(-1.0), abs=2e-3)
     ends = norm.cdf((-0.02 + 1.96 * 0.004 * np.array([-1, 1])) / 0.02)
     assert (quantity.share_low, quantity.share_high) == pytest.approx(tuple(ends), abs=0.01)
     above = predict_population(folder / "soft.toml", spread="4%", limits=[f"mode 1 <= {bound}Hz"])
-    assert above.quantities[0].share_beyond == pytest.approx(1 - quantity.share_beyond)
+    assert above.quantities[0].nonconforming_share == pytest.approx(
+        1 - quantity.nonconforming_share
+    )
 
 
 U = np.linspace(-0.4, 0.4, 11)
@@ -209,7 +211,7 @@ def test_closing_speed_of_the_cars_follows_the_force_of_the_seal(tmp_path, monke
     (entry,) = [item for item in cars["quantities"] if item["name"] == "closing"]
     door = dp.read("door.toml")
     assert entry["limit"] == 0.73
-    assert 0 <= entry["share_low"] <= entry["share_beyond"] <= entry["share_high"] <= 1
+    assert 0 <= entry["share_low"] <= entry["nonconforming_share"] <= entry["share_high"] <= 1
     from dashpot.extensions.systems.door.analyse_file import open_door
 
     closed = make_closing_door(open_door(door)[0].door)

@@ -11,8 +11,8 @@ from typing import Any
 from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
-from dashpot.extensions.acceptance.judgement import POWER, count_further_tests, judge_interval
+from dashpot.extensions.acceptance.datamodel import Acceptance, LimitAssessment
+from dashpot.extensions.acceptance.judgement import POWER, count_additional_tests, judge_interval
 from dashpot.extensions.acceptance.limit_files import (
     LimitEntry,
     is_expression,
@@ -125,30 +125,30 @@ def _combine_limits(
     return LimitEntry(other.quantity, lower, upper, other.cpk, *texts)
 
 
-def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> JudgedLimit:
+def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> LimitAssessment:
     value, lower, upper = entry.quantity, entry.lower, entry.upper
     reported_value = _read_in_stated_unit(value, entry.lower_text or entry.upper_text)
     low, high = _get_interval(reported_value)
     outcome = judge_interval(lower, upper, low, high) if is_usable else "open"
-    further_tests: int | None = None
-    further_tests_90: int | None = None
+    additional_tests: int | None = None
+    additional_tests_90: int | None = None
     if outcome == "open" and is_usable and value.spread == "random":
-        further_tests, further_tests_90 = (
-            count_further_tests(
+        additional_tests, additional_tests_90 = (
+            count_additional_tests(
                 lower, upper, reported_value.value, low, high,
                 noise_share=value.noise_share, quantile=quantile,
             )
             for quantile in (0.0, POWER)
         )  # fmt: skip
-    return JudgedLimit(
+    return LimitAssessment(
         value.column,
         reported_value,
         lower,
         upper,
         outcome,
         value.spread,
-        further_tests,
-        further_tests_90,
+        additional_tests,
+        additional_tests_90,
         value.remedy,
         is_usable,
         (entry.lower_text, entry.upper_text),

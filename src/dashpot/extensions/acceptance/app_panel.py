@@ -9,7 +9,7 @@ from typing import Any
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.number_format import format_count
 from dashpot.extensions.acceptance.accept import read_limits
-from dashpot.extensions.acceptance.datamodel import JudgedResult
+from dashpot.extensions.acceptance.datamodel import AcceptanceResult
 from dashpot.extensions.acceptance.limit_files import is_expression, recognise_limits
 from dashpot.extensions.acceptance.page import render_section
 from dashpot.reading.toml import read_tables
@@ -17,7 +17,7 @@ from dashpot.reading.toml import read_tables
 
 def judge_for_app(
     result: Any, expressions: Sequence[str], files: Sequence[Path]
-) -> tuple[str, tuple[str, ...], JudgedResult]:
+) -> tuple[str, tuple[str, ...], AcceptanceResult]:
     """Return limits held against a result: their section as HTML, their options, the document.
 
     Parameters
@@ -50,7 +50,7 @@ def judge_for_app(
     options = [("--limits", path.name) for path in files]
     options += [("--limit", text) for text in expressions]
     words = tuple(word for option in options for word in option)
-    return render_section(acceptance), words, JudgedResult(result, acceptance)
+    return render_section(acceptance), words, AcceptanceResult(result, acceptance)
 
 
 def describe_limit_file(path: Path) -> dict[str, Any] | None:

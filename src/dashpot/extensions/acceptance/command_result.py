@@ -9,7 +9,7 @@ import click
 from dashpot import workflow
 from dashpot.cli._command_result import CommandResult
 from dashpot.extensions.acceptance.accept import read_limits
-from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedResult
+from dashpot.extensions.acceptance.datamodel import Acceptance, AcceptanceResult
 from dashpot.extensions.acceptance.page import render_section
 from dashpot.extensions.acceptance.text import render_acceptance
 
@@ -27,7 +27,7 @@ def judge_result(outcome: CommandResult) -> CommandResult:
     acceptance = judge(getattr(outcome.result, "study", outcome.result))
     text = outcome.text
     return outcome._replace(
-        result=JudgedResult(outcome.result, acceptance),
+        result=AcceptanceResult(outcome.result, acceptance),
         text=text._replace(lines=[*render_acceptance(acceptance).lines, *text.lines]),
         unmet=acceptance.word != "meets",
     )

@@ -26,7 +26,7 @@ _MAX_DIGITS = 9
 
 
 @dataclass(frozen=True)
-class JudgedLimit(Serialisable):
+class LimitAssessment(Serialisable):
     """Limits of one quantity, its value, and whether the 95 % interval keeps to them.
 
     Attributes
@@ -40,7 +40,7 @@ class JudgedLimit(Serialisable):
         ``"met"``, ``"missed"``, or ``"open"`` where the interval holds a limit.
     spread : str
         What the interval is of: ``"random"``, ``"bound"`` or ``"unknown"``.
-    further_tests, further_tests_90 : int or None
+    additional_tests, additional_tests_90 : int or None
         How many more tests like this one would decide it: if their mean lies where this value
         does, and with a chance of 90 % if this value is true. None where it is decided, and where
         no number of such tests does.
@@ -62,8 +62,8 @@ class JudgedLimit(Serialisable):
         Key("high", "value.high", nonfinite_as_null=True),
         "outcome",
         "spread",
-        "further_tests",
-        "further_tests_90",
+        "additional_tests",
+        "additional_tests_90",
         Key("message", "explanation"),
     )
 
@@ -73,8 +73,8 @@ class JudgedLimit(Serialisable):
     upper: float | None
     outcome: Outcome
     spread: Spread
-    further_tests: int | None = None
-    further_tests_90: int | None = None
+    additional_tests: int | None = None
+    additional_tests_90: int | None = None
     remedy: str = ""
     is_usable: bool = True
     stated: tuple[str, str] = ("", "")
@@ -147,15 +147,15 @@ class JudgedLimit(Serialisable):
             return f"{_REPEATING}: its interval is a bound, not scatter. {self.remedy}".rstrip()
         if self.spread == "unknown":
             return "How many tests decide it is not known: the value has no standard error."
-        if self.further_tests is None:
+        if self.additional_tests is None:
             if self.remedy:
                 return f"{_REPEATING}. {self.remedy}"
             return f"{_REPEATING}: {_OF_RIG}"
-        count = format_count(self.further_tests, "further test")
+        count = format_count(self.additional_tests, "further test")
         text = f"{sentence(count)[:-1]} would decide it if the mean stays here"
-        if self.further_tests_90 is None:
+        if self.additional_tests_90 is None:
             return f"{text}. {self.remedy or sentence(_OF_RIG)}"
-        return f"{text}, {self.further_tests_90} with a chance of 90 %."
+        return f"{text}, {self.additional_tests_90} with a chance of 90 %."
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ class Acceptance(Printable, Serialisable):
         Result that was compared with the limits.
     use : str
         The verdict on the model.
-    limits : tuple of JudgedLimit
+    limits : tuple of LimitAssessment
     """
 
     schema = "dashpot/acceptance@1"
@@ -182,7 +182,7 @@ class Acceptance(Printable, Serialisable):
 
     result: Any
     use: Use
-    limits: tuple[JudgedLimit, ...]
+    limits: tuple[LimitAssessment, ...]
 
     @property
     def word(self) -> SealWord:
@@ -245,7 +245,7 @@ class Acceptance(Printable, Serialisable):
 
 
 @dataclass(frozen=True)
-class JudgedResult(Serialisable):
+class AcceptanceResult(Serialisable):
     """Result with its acceptance, as one document.
 
     Attributes

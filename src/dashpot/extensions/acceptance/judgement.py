@@ -39,7 +39,7 @@ def judge_interval(lower: float | None, upper: float | None, low: float, high: f
     return "missed" if high < lower_limit or low > upper_limit else "open"
 
 
-def count_further_tests(
+def count_additional_tests(
     lower: float | None,
     upper: float | None,
     value: float,
@@ -73,9 +73,9 @@ def count_further_tests(
 
     Examples
     --------
-    >>> count_further_tests(3.0, None, 3.5, 2.5, 4.5)
+    >>> count_additional_tests(3.0, None, 3.5, 2.5, 4.5)
     3
-    >>> count_further_tests(3.0, None, 3.5, 2.5, 4.5, noise_share=0.8)
+    >>> count_additional_tests(3.0, None, 3.5, 2.5, 4.5, noise_share=0.8)
     """
     tests_needed = 1.0
     for limit in (lower, upper):

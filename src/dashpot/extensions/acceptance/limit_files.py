@@ -11,7 +11,7 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.units import Dimension, find_unit, parse_quantity
-from dashpot.reading.columns.file_kinds import Recognised
+from dashpot.reading.columns.file_kinds import RecognisedKind
 from dashpot.reading.toml import Section, read_tables
 
 _KEYS = ("lower", "upper", "cpk")
@@ -77,14 +77,14 @@ def is_expression(text: str) -> bool:
     return re.search("[<>=≤≥]", text) is not None
 
 
-def recognise_limits(tables: Mapping[str, Any]) -> Recognised | None:
+def recognise_limits(tables: Mapping[str, Any]) -> RecognisedKind | None:
     """Return that the tables of a TOML file are limits; None of another TOML file."""
     if not tables or not all(
         isinstance(table, dict) and table and table.keys() <= set(_KEYS)
         for table in tables.values()
     ):
         return None
-    return Recognised("limits", f"its tables state limits: {', '.join(list(tables)[:4])}")
+    return RecognisedKind("limits", f"its tables state limits: {', '.join(list(tables)[:4])}")
 
 
 def read_limits(path: str | Path, find_quantity: Callable[[str], Q]) -> tuple[LimitEntry[Q], ...]:

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from dashpot import workflow
-from dashpot.extensions.acceptance.datamodel import Acceptance, JudgedLimit
+from dashpot.extensions.acceptance.datamodel import Acceptance, LimitAssessment
 from dashpot.report.page_frame import environment
 
 WIDTH = 200.0
@@ -36,7 +36,7 @@ class IntervalBar(NamedTuple):
 class LimitRow(NamedTuple):
     """Row of the table: limit, value with its interval, and the bar."""
 
-    limit: JudgedLimit
+    limit: LimitAssessment
     value: str
     low: str
     high: str
@@ -58,13 +58,13 @@ def write_page(acceptance: Acceptance) -> str:
     return workflow.html(acceptance.result, limits=render_section(acceptance))
 
 
-def _make_row(limit: JudgedLimit) -> LimitRow:
+def _make_row(limit: LimitAssessment) -> LimitRow:
     value, low, high = limit.cell_texts
     unit = limit.value.word
     return LimitRow(limit, value, low, high, unit, _MARKS[limit.outcome], _draw_bar(limit))
 
 
-def _draw_bar(limit: JudgedLimit) -> IntervalBar:
+def _draw_bar(limit: LimitAssessment) -> IntervalBar:
     """Return the bar: an axis that holds value, interval and limits, open ends at its edges."""
     reported_value = limit.value
     limits = [end for end in (limit.lower, limit.upper) if end is not None]

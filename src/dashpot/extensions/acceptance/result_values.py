@@ -20,7 +20,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.fitting.prediction_bounds import off_by_error, parameter_band
 from dashpot.registry import find_handler
 from dashpot.solids.maxwell import Solid
-from dashpot.workflow.identification import Identified
+from dashpot.workflow.identification import IdentificationResult
 from dashpot.workflow.measured_frf import Modes
 from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue, recommend_solid
 from dashpot.workflow.study import Study
@@ -160,7 +160,7 @@ def list_names(result: Any) -> list[str]:
         answered = {value.quantity for value in advice.mass_values}
         names = [name for name, word in _RECOMMENDED_QUANTITIES.items() if word in answered]
         return [*names, "force at TIME", *list_names(advice.solid)]
-    if isinstance(result, Identified):
+    if isinstance(result, IdentificationResult):
         modes = [] if result.vibration is None else list_names(result.vibration)
         return [*modes, *list_names(result.fit)]
     if isinstance(result, Modes):
@@ -216,7 +216,7 @@ def _(result: Modes, name: _Name) -> ResultValue | None:
 
 
 @_find_by_name.register
-def _(result: Identified, name: _Name) -> ResultValue | None:
+def _(result: IdentificationResult, name: _Name) -> ResultValue | None:
     """Return a value of the measured modes, or of the fit."""
     value = None if result.vibration is None else _find_by_name(result.vibration, name)
     return value or _find_by_name(result.fit, name)

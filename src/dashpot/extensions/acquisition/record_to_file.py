@@ -27,7 +27,7 @@ def record(
     *,
     seconds: float = math.inf,
     replace: bool = False,
-    seen: Callable[[Block], None] | None = None,
+    on_block: Callable[[Block], None] | None = None,
 ) -> tuple[int, tuple[str, ...]]:
     """Write the samples of a recorder to a file, until it ends, is stopped, or `seconds` are over.
 
@@ -44,7 +44,7 @@ def record(
         By the recorder's clock; of this computer's while nothing comes.
     replace : bool
         Whether a file that exists is written over.
-    seen : callable
+    on_block : callable
         Takes each block when it is in the file.
 
     Returns
@@ -70,8 +70,8 @@ def record(
                     rows += len(times)
                     if len(times):
                         first = times[0] if math.isnan(first) else first
-                        if seen is not None:
-                            seen((times, values))
+                        if on_block is not None:
+                            on_block((times, values))
                     elapsed_time = (
                         times[-1] - first if len(times) else time.monotonic() - start_time
                     )

@@ -18,7 +18,7 @@ BLOCK_PERIOD = 0.05
 """Seconds between two blocks."""
 
 
-class Paced:
+class PacedReplay:
     """Test replayed in real time.
 
     Parameters
@@ -60,7 +60,7 @@ class Paced:
         self._is_stopped = True
 
 
-def replay(path: str | Path, *, speed: float = 1.0) -> Paced:
+def replay(path: str | Path, *, speed: float = 1.0) -> PacedReplay:
     """Return the relaxation test in a file as a device.
 
     Raises
@@ -72,17 +72,17 @@ def replay(path: str | Path, *, speed: float = 1.0) -> Paced:
 
     test = read_relaxation(path)
     origin_prefix = "simulated; " if test.source is not None and test.source.simulated else ""
-    return Paced(test, f"{origin_prefix}replayed from {Path(path).name}", speed=speed)
+    return PacedReplay(test, f"{origin_prefix}replayed from {Path(path).name}", speed=speed)
 
 
 def create_simulated_device(
     seal: GeneralizedMaxwell | None = None, *, speed: float = 1.0, seed: int = 0
-) -> Paced:
+) -> PacedReplay:
     """Return the virtual rig as a device, at work on a seal: the paper's if none is given."""
     from dashpot.simulation.relaxation import simulate_relaxation
     from dashpot.solids.demo_seals import PAPER
 
     record = simulate_relaxation(PAPER if seal is None else seal, seed=seed)
-    return Paced(
+    return PacedReplay(
         record.test, "simulated; a virtual indentation rig, not a measurement", speed=speed
     )

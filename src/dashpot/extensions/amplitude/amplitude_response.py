@@ -391,7 +391,7 @@ class SweptPart(Serialisable):
                 resonance.amplitude / self.stretch(self.factors[0]),
                 self.law.amplitudes,
                 location=f"{resonance.level:.4g} {resonance.unit}",
-                subject=self.law.of,
+                subject=self.law.amplitude_unit,
             )
             for resonance in resonances
         )
@@ -478,7 +478,9 @@ def make_swept_part(
         factors = (1.0,)
     fitted_at = 0.0
     if choices.fitted_at is not None:
-        fitted_at = convert_to_si(choices.fitted_at, "strain" if law.of == "strain" else "length")
+        fitted_at = convert_to_si(
+            choices.fitted_at, "strain" if law.amplitude_unit == "strain" else "length"
+        )
     return SweptPart(
         (law, *_list_rival_laws(law, record)), factors, height, fitted_at, law.source, record
     )
@@ -522,7 +524,7 @@ def _get_part_height(
     choices: LevelChoices, law: AmplitudeFit, height: float | None
 ) -> float | None:
     """Return the height of the part, m; None for a sweep over displacement."""
-    if law.of == "m":
+    if law.amplitude_unit == "m":
         if law.unit == "Pa":
             raise DataError(
                 f"{choices.sweep}: a modulus over a displacement does not give the strain; write "

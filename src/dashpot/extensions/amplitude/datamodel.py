@@ -49,7 +49,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
         Pa or N/m (`unit`).
     unit : str
         ``"Pa"`` or ``"N/m"``.
-    of : str
+    amplitude_unit : str
         ``"m"`` or ``"strain"``: whether the amplitude is a length or a strain.
     specimen : Specimen
     source : Source or None
@@ -70,7 +70,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     >>> import dashpot as dp, numpy as np
     >>> t = np.linspace(0, 10, 50)
     >>> sweep = dp.AmplitudeSweep(1 + 0 * t, 1 + t, 5 - t / 9, 1 + 0 * t, units="Hz, %, MPa, MPa")
-    >>> sweep.of, float(sweep.amplitude[0])
+    >>> sweep.amplitude_unit, float(sweep.amplitude[0])
     ('strain', 0.01)
     """
 
@@ -79,7 +79,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
     storage: FloatArray
     loss: FloatArray
     unit: str = "Pa"
-    of: str = "strain"
+    amplitude_unit: str = "strain"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     sd: FloatArray | None = None
@@ -98,25 +98,27 @@ class AmplitudeSweep(EqualByValue, HasSummary):
         )
         resolve_unit(self, arrays, "storage", "loss", "sd")
         if arrays:
-            object.__setattr__(self, "of", {"length": "m"}.get(arrays["amplitude"], "strain"))
+            object.__setattr__(
+                self, "amplitude_unit", {"length": "m"}.get(arrays["amplitude"], "strain")
+            )
         hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
-        for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
+        for name, unit in (("frequency", "Hz"), ("amplitude", self.amplitude_unit)):
             values = getattr(self, name)
             bad_indices = np.flatnonzero(values <= 0)
             if bad_indices.size:
                 raise DataError(
                     f"{name}[{bad_indices[0]}] = {values[bad_indices[0]]:g} {unit}; expected > 0"
                 )
-        if self.unit not in {"Pa", "N/m"} or self.of not in {"m", "strain"}:
+        if self.unit not in {"Pa", "N/m"} or self.amplitude_unit not in {"m", "strain"}:
             raise DataError(
-                f"unit '{self.unit}' of storage and loss, '{self.of}' of amplitude; expected 'Pa' "
-                "or 'N/m', and 'm' or 'strain'"
+                f"unit '{self.unit}' of storage and loss, '{self.amplitude_unit}' of amplitude; "
+                "expected 'Pa' or 'N/m', and 'm' or 'strain'"
             )
 
     @property
     def _table_columns(self) -> Series:
         """Storage and loss over amplitude."""
-        unit, amplitude_unit = self.unit, "m" if self.of == "m" else "1"
+        unit, amplitude_unit = self.unit, "m" if self.amplitude_unit == "m" else "1"
         return collect_arrays(
             self, amplitude=amplitude_unit, frequency="Hz", storage=unit, loss=unit, sd=unit
         )
@@ -129,7 +131,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
             describe_record_source(self.source, len(self.frequency)),
             (
                 f"storage and loss in {self.unit} at {tones} Hz, amplitudes of "
-                f"{self.amplitude.min():.3g} to {self.amplitude.max():.3g} {self.of}"
+                f"{self.amplitude.min():.3g} to {self.amplitude.max():.3g} {self.amplitude_unit}"
             ),
         )
 
@@ -211,7 +213,7 @@ LoopRecord: TypeAlias = RelaxationTest | StressStrainLoops
 """Recorded loops of a part, or of a material."""
 
 
-class LinearAt(NamedTuple):
+class LinearModulus(NamedTuple):
     """Storage and loss at one frequency, with their standard errors."""
 
     frequency_hz: float
@@ -253,15 +255,16 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         Rms residual over the magnitude of the modulus.
     orders : tuple of (str, float)
         BIC of each law that may be: the smallest is best, and is taken unless another is as good.
-    left_out : int
+    omitted_samples : int
         Number of omitted samples: those of the smallest amplitudes with more scatter than the
         others.
-    unit, of : str
+    unit, amplitude_unit : str
         As in the sweep.
     checks : tuple of Check
     source : Source or None
     k3 : float
-        Coefficient of the cubic spring, in `unit` per square of `of`; 0 if there is none.
+        Coefficient of the cubic spring, in `unit` per square of `amplitude_unit`; 0 if there is
+        none.
     k3_detection_limit : float
         Without a cubic spring: largest magnitude that the data cannot exclude, 95 %; else 0.
     loss_per_lag : float or None
@@ -286,7 +289,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         "residual",
         "law",
         "unit",
-        "of",
+        "amplitude_unit",
         Key("loss_factor_per_lag", "loss_per_lag"),
         "delay_sd",
         Key("linear", "lines"),
@@ -306,9 +309,9 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     amplitudes: tuple[float, float]
     residual: float
     orders: tuple[tuple[str, float], ...]
-    left_out: int = 0
+    omitted_samples: int = 0
     unit: str = "Pa"
-    of: str = "strain"
+    amplitude_unit: str = "strain"
     checks: tuple[Check, ...] = ()
     source: Source | None = None
     k3: float = 0.0
@@ -317,11 +320,11 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     delay_sd: float = 0.0
 
     @property
-    def lines(self) -> tuple[LinearAt, ...]:
+    def lines(self) -> tuple[LinearModulus, ...]:
         """The stiffness at a vanishing amplitude, frequency by frequency."""
         value, se = self.linear, self.linear_se
         rows = (self.frequency, value.real, value.imag, se.real, se.imag)
-        return tuple(map(LinearAt, *(row.tolist() for row in rows)))
+        return tuple(map(LinearModulus, *(row.tolist() for row in rows)))
 
     @property
     def constants(self) -> dict[str, float]:
@@ -341,7 +344,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     @property
     def _headline(self) -> str:
         """Change of the stiffness over the amplitudes, and residual of the law."""
-        unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
+        unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.amplitude_unit)
         low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
         end_stiffnesses = self.stiffness(self.amplitudes).real
         verb = "falls" if end_stiffnesses[1] < end_stiffnesses[0] else "rises"
@@ -355,7 +358,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     @property
     def _table_columns(self) -> Series:
         """The numbers of the law."""
-        unit, is_length = self.unit, self.of == "m"
+        unit, is_length = self.unit, self.amplitude_unit == "m"
         units = {
             "lost": "1" if self.law.startswith("factor") else unit,
             "half_way": "m" if is_length else "1", "exponent": "1",
@@ -372,7 +375,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     def _summary_lines(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         lines, error = [str(self.verdict)], dict(self.se)
-        unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.of)
+        unit, amplitude_unit = get_display_unit(self.unit), get_display_unit(self.amplitude_unit)
         low, high = (convert_to_unit(amplitude, amplitude_unit) for amplitude in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
@@ -392,7 +395,7 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
                 f"{self.exponent:.2g}"
             )
         if self.k3:
-            unit_text = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
+            unit_text = f"{self.unit}" + ("" if self.amplitude_unit == "strain" else "/m^2")
             verb = "stiffens" if self.k3 > 0 else "softens"
             cubic_stiffness = format_quantity(
                 0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g"
@@ -413,9 +416,10 @@ class AmplitudeFit(EqualByValue, HasSummary, HasChecks, Serialisable):
             f"residual {100 * self.residual:.2g} % rms; valid from {low:.3g} to {high:.3g} "
             f"{amplitude_unit}"
         )
-        if self.left_out:
+        if self.omitted_samples:
             lines.append(
-                f"left out: {self.left_out} samples of the smallest amplitudes, which scatter"
+                f"left out: {self.omitted_samples} samples of the smallest amplitudes, "
+                "which scatter"
             )
         return tuple(lines)
 

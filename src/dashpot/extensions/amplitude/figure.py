@@ -294,7 +294,7 @@ def _close_curve(values: FloatArray) -> FloatArray:
 def _make_amplitude_panels(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
     """Return storage and loss, one colour a frequency; the law dashed where it was not measured."""
     quantity, word, mm = "strain", "%", 100.0
-    if sweep.of != "strain":
+    if sweep.amplitude_unit != "strain":
         quantity, (word, mm) = "displacement", select_plot_unit(sweep.amplitude, "m")
     letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)

@@ -114,11 +114,11 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     residual_check = law_residual_small(best.residual)
     followed_well = bool(residual_check.passed)
     detection = amplitude_dependence_detected(
-        gain, range_, sweep.of, law_words, is_explained=followed_well
+        gain, range_, sweep.amplitude_unit, law_words, is_explained=followed_well
     )
     checks: list[Check] = [
         *([detection] if has_several_amplitudes else []),
-        amplitudes_spread(range_[1] / range_[0], sweep.of),
+        amplitudes_spread(range_[1] / range_[0], sweep.amplitude_unit),
         residual_check,
         loss_residual_small(best.residual_loss),
         *check_machine(list_sources([sweep]), float(np.hypot(sweep.storage, sweep.loss).max())),
@@ -150,7 +150,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         tuple((fitted.law, fitted.bic) for fitted in (constant_fit, *candidates)),
         int(np.count_nonzero(is_stray)),
         sweep.unit,
-        sweep.of,
+        sweep.amplitude_unit,
         (*checks, *caution_checks(list_sources([sweep]))),
         sweep.source,
         best.parameters.get("k3", 0.0),

@@ -56,7 +56,7 @@ class AmplitudeResult(HasVerdict, Serialisable):
     Attributes
     ----------
     fit : AmplitudeFit, LevelFit or HitLevels
-    at : tuple of PeakAtLevel
+    peaks : tuple of PeakAtLevel
         The levels that were requested.
     checks : tuple of Check
     records : tuple of AmplitudeSweep, RelaxationTest, StressStrainLoops or FRF
@@ -76,11 +76,11 @@ class AmplitudeResult(HasVerdict, Serialisable):
         "verdict",
         "checks",
         Key("fit", flatten=True),
-        Key("at", "requested_levels", optional=True),
+        Key("peaks", "requested_levels", optional=True),
     )
 
     fit: AmplitudeFit | LevelFit | HitLevels
-    at: tuple[PeakAtLevel, ...]
+    peaks: tuple[PeakAtLevel, ...]
     checks: tuple[Check, ...]
     records: tuple[AmplitudeSweep | LoopRecord | FRF, ...]
 
@@ -114,12 +114,12 @@ class AmplitudeResult(HasVerdict, Serialisable):
     @property
     def requested_levels(self) -> tuple[PeakAtLevel, ...] | None:
         """Return the requested levels; None for one sweep or record of loops, which has none."""
-        return None if isinstance(self.fit, AmplitudeFit) else self.at
+        return None if isinstance(self.fit, AmplitudeFit) else self.peaks
 
     def to_dict(self) -> dict[str, Any]:
         """``dashpot/levels@2``; of FRFs as their fit writes it, which is read again."""
         if isinstance(self.fit, LevelFit):
-            return replace(self.fit, checks=self.checks, at=self.at).to_dict()
+            return replace(self.fit, checks=self.checks, peaks=self.peaks).to_dict()
         return super().to_dict()
 
 

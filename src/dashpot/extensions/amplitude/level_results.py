@@ -66,7 +66,7 @@ class PeakAtLevel:
         )
 
 
-class CubicFound(NamedTuple):
+class CubicSpringEstimate(NamedTuple):
     """Cubic spring, N/m^3, with its 95 % interval."""
 
     k3: float
@@ -107,7 +107,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     specimen : Specimen
     steps : tuple of Step
         Later steps.
-    at : tuple of PeakAtLevel
+    peaks : tuple of PeakAtLevel
         The levels that were requested.
     """
 
@@ -127,7 +127,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         Key("orders", "two_ln_l"),
         "levels",
         "source",
-        "at",
+        "peaks",
     )
 
     solid: GeneralizedMaxwell
@@ -145,7 +145,7 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
     orders: tuple[tuple[str, float], ...] = ()
     specimen: Specimen = field(default_factory=Specimen)
     steps: tuple[Step, ...] = ()
-    at: tuple[PeakAtLevel, ...] = ()
+    peaks: tuple[PeakAtLevel, ...] = ()
 
     @property
     def _table_columns(self) -> Series:
@@ -187,9 +187,9 @@ class LevelFit(EqualByValue, HasSummary, HasChecks, Serialisable):
         return low, high
 
     @property
-    def cubic(self) -> CubicFound | None:
+    def cubic(self) -> CubicSpringEstimate | None:
         """The cubic spring, where there is one."""
-        return CubicFound(self.k3, self.k3_interval) if self.k3 else None
+        return CubicSpringEstimate(self.k3, self.k3_interval) if self.k3 else None
 
     @property
     def two_ln_l(self) -> dict[str, float]:

@@ -61,7 +61,7 @@ def build_lot_row(
         "samples": len(record.time),
         "temperature_K": kelvin,
         "loop_frequency_Hz": tone,
-        column("loop_amplitude", "m" if sweep.of == "m" else ""): median(top.amplitude),
+        column("loop_amplitude", "m" if sweep.amplitude_unit == "m" else ""): median(top.amplitude),
         column("loop_storage", sweep.unit): storage,
         column("loop_storage_se", sweep.unit): float(np.hypot(scatter[0], phase_error * abs(loss))),
         column("loop_loss", sweep.unit): loss,

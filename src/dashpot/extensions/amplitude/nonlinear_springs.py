@@ -6,7 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.solids.nonlinear_springs import Cubic
 from dashpot.solids.rate_independent import RateIndependent, amplitudes
@@ -34,8 +40,11 @@ class StagedSpring(RateIndependent):
     until: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        k, limits = samples("k", self.k), increasing("until", samples("until", self.until))
-        same_length(until=limits, k=k[1:])
+        k, limits = (
+            validate_samples("k", self.k),
+            require_increasing("until", validate_samples("until", self.until)),
+        )
+        require_same_length(until=limits, k=k[1:])
         if (k < 0).any() or limits[0] <= 0:
             raise DataError(
                 f"StagedSpring: k = {self.k!r}, until = {self.until!r}; expected stiffnesses >= 0 "

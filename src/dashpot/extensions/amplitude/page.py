@@ -57,7 +57,7 @@ def page(levels: AmplitudeResult) -> KindPage:
         topics.append(Topic("Damping", loss))
     low, high = fit.amplitudes
     unit_name, scale = select_plot_unit(np.array(fit.amplitudes), "m")
-    if isinstance(fit, AmplitudeFit) and fit.of == "strain":
+    if isinstance(fit, AmplitudeFit) and fit.amplitude_unit == "strain":
         unit_name, scale = "%", 100.0
     amplitude_fact = (
         "Amplitudes",
@@ -131,7 +131,7 @@ def list_level_values(levels: AmplitudeResult) -> list[ReportedValue]:
     if isinstance(fit, AmplitudeFit):
         return [*_make_law_facts(fit)]
     rows = _make_hit_facts(fit) if isinstance(fit, HitLevels) else _make_level_facts(fit)
-    return [*rows, *(row for peak in levels.at for row in peak.facts)]
+    return [*rows, *(row for peak in levels.peaks for row in peak.facts)]
 
 
 def format_residual_note(levels: AmplitudeResult) -> str:
@@ -140,8 +140,10 @@ def format_residual_note(levels: AmplitudeResult) -> str:
     if isinstance(fit, AmplitudeFit):
         unit_name, scale = _get_amplitude_unit(fit)
         text = f"Leaves {round_to_error(100 * fit.residual, digits=2)} % rms"
-        if fit.left_out:
-            text += f", less {fit.left_out} samples of the smallest amplitudes, which scatter"
+        if fit.omitted_samples:
+            text += (
+                f", less {fit.omitted_samples} samples of the smallest amplitudes, which scatter"
+            )
     elif isinstance(fit, HitLevels):
         unit_name, scale = select_plot_unit(np.array(fit.amplitudes), "m")
         text = (
@@ -189,7 +191,7 @@ def _make_law_facts(fit: AmplitudeFit) -> Iterator[ReportedValue]:
         return
     softening_units = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
     yield _make_fact("lost", fit.lost, error_of["lost"], *softening_units)
-    text, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
+    text, si = ("strain", "1") if fit.amplitude_unit == "strain" else ("amplitude", "m")
     yield _make_fact(f"half of the softening, {text}", fit.half_way, error_of["half_way"], si, word)
     # one that was set is not known
     yield _make_fact("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
@@ -206,7 +208,7 @@ def _make_hit_facts(fit: HitLevels) -> Iterator[ReportedValue]:
 
 def _get_amplitude_unit(fit: AmplitudeFit) -> tuple[str, float]:
     """Return the word and the factor in which an amplitude is read."""
-    if fit.of == "strain":
+    if fit.amplitude_unit == "strain":
         return "%", 100.0
     return select_plot_unit(np.array(fit.amplitudes), "m")
 

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import FloatArray, samples
+from dashpot.base.arrays import FloatArray, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.value_ranges import require_positive
 
@@ -32,7 +32,7 @@ class PolynomialLaw:
     depth: float | None = None
 
     def __post_init__(self) -> None:
-        a = samples("coefficients", self.coefficients)
+        a = validate_samples("coefficients", self.coefficients)
         require_positive("PolynomialLaw: ", depth=self.depth, optional=True)
         if not a.any():
             raise DataError(

@@ -250,7 +250,7 @@ def preloaded_levels(
         build_preloaded_mass(*group) for group in _list_shifted_laws(fit, fit.elastic_law)
     ]
     band = frequency[:: -(-len(frequency) // _LINES)]
-    rig = _AtLevels(preloaded_mass, variant_masses, load, kind)
+    rig = _LevelResponses(preloaded_mass, variant_masses, load, kind)
     return tuple(rig.compute_resonance(level, band, around_hz) for level in levels)
 
 
@@ -270,7 +270,7 @@ def _list_shifted_laws(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Soli
 
 
 @dataclass(frozen=True)
-class _AtLevels:
+class _LevelResponses:
     """Responses of a preloaded mass, and of masses with one parameter off by its standard error."""
 
     preloaded_mass: PreloadedMass

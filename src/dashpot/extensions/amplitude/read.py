@@ -13,7 +13,7 @@ from dashpot.base.units import convert_to_unit
 from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep, LoopRecord, StressStrainLoops
 from dashpot.reading.columns.kind_detection import (
-    ONE_FREQUENCY_DECADES,
+    SINGLE_FREQUENCY_DECADES,
     assign_amplitude_column,
     group_values,
 )
@@ -142,7 +142,7 @@ def read_amplitude(
     with channels.open_file(path, options) as file:
         channels.expect(
             file,
-            ["strain-sweep", "one-frequency"],
+            ["strain-sweep", "single-frequency"],
             "an amplitude sweep is",
             stated_columns=SWEEP_OPTIONS,
         )
@@ -177,7 +177,7 @@ def _find_tones(frequency: FloatArray) -> FloatArray:
     """Return the frequencies, each the median of a group with the same nominal one."""
     if not np.all(frequency > 0):
         return frequency
-    tone = group_values(np.log10(frequency), ONE_FREQUENCY_DECADES)
+    tone = group_values(np.log10(frequency), SINGLE_FREQUENCY_DECADES)
     return np.array([np.median(frequency[tone == index]) for index in range(tone.max() + 1)])[tone]
 
 

@@ -26,12 +26,12 @@ def render_levels(value: AmplitudeResult) -> Text:
         )
         lines += _format_small_loops(value.fit)  # type: ignore[arg-type]  # a lag is of loops alone
     rows = [["amplitude, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
-    for item in value.at:
+    for item in value.peaks:
         peak, motion = (reported_value.cells.ascii for reported_value in item.facts)
         peak_value, motion_value = (peak.value, peak.interval), (motion.value, motion.interval)
         seal = f"{convert_to_unit(item.amplitude, 'mm'):.3g}"
         rows.append([f"{item.level:.4g}", *peak_value, *motion_value, seal])
-    return Text([*lines, *(table(rows) if value.at else ()), *list_notes(value.source)])
+    return Text([*lines, *(table(rows) if value.peaks else ()), *list_notes(value.source)])
 
 
 def _format_small_loops(amplitude_fit: AmplitudeFit) -> list[str]:

@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 def format_command_words(attribute: Field[Any], text: str) -> list[str]:
     """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
-    if "under" not in attribute.metadata:
+    if "keyed_flag" not in attribute.metadata:
         return [get_option_flag(attribute), text]
     return [
         get_option_flag(attribute),
@@ -54,16 +54,16 @@ def format_options(result: Any, *names: str) -> list[str]:
     ['--units', 'force=N', '--text-format', 'skip=3']
     """
     option_words: list[str] = []
-    for glob, item in getattr(result, "own", ()):
+    for glob, item in getattr(result, "file_options", ()):
         words = iter(format_options(item))
         option_words += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
     for attribute in fields(result):
         value = getattr(result, attribute.name)
         if names and attribute.name not in names:
             continue
-        if "part" in attribute.metadata and value in _part_files:
+        if "options_class" in attribute.metadata and value in _part_files:
             option_words += [f"--{attribute.name}", _part_files[value]]
-        elif "part" in attribute.metadata:
+        elif "options_class" in attribute.metadata:
             option_words += format_options(value)
         elif value != attribute.default and attribute in iterate_option_fields(result):
             if "is_flag" in attribute.metadata:
@@ -80,9 +80,9 @@ def format_options(result: Any, *names: str) -> list[str]:
 def format_values(attribute: Field[Any], value: Any) -> list[str]:
     """Return a field's value as it is typed, one text for every time."""
     metadata = attribute.metadata
-    if "typed" in metadata:
-        return list(metadata["typed"](value))
-    if "ends" in metadata:
+    if "unparse" in metadata:
+        return list(metadata["unparse"](value))
+    if "is_range" in metadata:
         return [f"{value[0]!r}:{format_command_quantity(value[1], metadata['unit'])}"]
     values = value if isinstance(value, tuple) else (value,)
     if "unit" in metadata:
@@ -110,7 +110,7 @@ def format_command_quantity(value: float, dimension: Dimension) -> str:
     return text if parse_quantity(text, dimension) == value else f"{value!r}{si.word}"
 
 
-# A job as the command that is typed for it, so that what a page shows can be repeated.
+# Command of a job, so that a result of the page can be repeated in a shell.
 
 
 FIT_FILE = "fit.json"
@@ -165,11 +165,11 @@ def _merge_read_options(job: Job) -> ReadOptions:
     shared_fields = ("units",) if bench.units == hammer.units else ()
     options_by_paths = ((job.relaxation, *job.other_tests), bench), (job.impact, hammer)
     pairs = [
-        (escape(path), replace(options, own=()).drop_fields(shared_fields))
+        (escape(path), replace(options, file_options=()).drop_fields(shared_fields))
         for paths, options in options_by_paths
         for path in dict.fromkeys(paths)
     ]
     return replace(
         bench.select_fields(shared_fields),
-        own=(*pairs, *bench.own, *hammer.own),
+        file_options=(*pairs, *bench.file_options, *hammer.file_options),
     )

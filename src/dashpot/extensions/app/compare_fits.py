@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.number_format import decibels, percent, round_to_error
 from dashpot.base.reported_values import ReportedValue
 from dashpot.base.units import convert_to_unit
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import relaxation_panels, result_cache, view_models, wire_format
 from dashpot.extensions.app.request_parsing import build_job, get_panel_sizes, require_mapping
@@ -90,7 +90,9 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire_format.encode_message(
         {
             "verdict": view_models.render_template(
-                "against", message=_format_comparison(a, b, rows), lights=_make_indicators(a, b)
+                "fit_comparison",
+                message=_format_comparison(a, b, rows),
+                lights=_make_indicators(a, b),
             ),
             "colour": "open",
             "panels": {
@@ -98,7 +100,7 @@ def build_fit_comparison(request: Mapping[str, Any], folder: Path) -> bytes:
                 "ab-rest": _render_residuals(a, b, sizes),
             },
             "table": view_models.render_template(
-                "beside_each", rows=rows, names=(_get_source_name(a), _get_source_name(b))
+                "compared_values", rows=rows, names=(_get_source_name(a), _get_source_name(b))
             ),
             "simulated": True
             in {
@@ -185,7 +187,7 @@ def _classify_overlap(first: RecommendedValue, second: RecommendedValue) -> str:
 
 def _compare_arms(a: Fit, b: Fit) -> Iterator[ComparedValue]:
     """Springs and arms in one chart: common time constants in one row, others alone."""
-    entries = [{fact.name: fact for fact in list_known_values(fit)} for fit in (a, b)]
+    entries = [{fact.name: fact for fact in list_model_values(fit)} for fit in (a, b)]
     group = f"Model, k in {entries[0]['k_inf'].word}" if "k_inf" in entries[0] else "Model"
     if all("k_inf" in facts for facts in entries):
         yield _compare_values("k∞", entries[0]["k_inf"], entries[1]["k_inf"], group)

@@ -29,7 +29,7 @@ class FileWatch:
         self._hashes: dict[str, str] = {}
         self._stamps: dict[str, tuple[int, ...]] = {}
 
-    def look(self, files: Sequence[Any]) -> dict[str, dict[str, Any]]:
+    def list_file_states(self, files: Sequence[Any]) -> dict[str, dict[str, Any]]:
         """Return hash, time and state of each file, and the new identity of a changed one.
 
         The state is empty, ``"writing"``, ``"gone"`` or ``"changed"``.

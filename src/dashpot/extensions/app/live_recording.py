@@ -137,7 +137,7 @@ class Live:
         if self._thread is not None:
             self._thread.join(timeout=timeout)
 
-    def look(self, width: float, height: float) -> dict[str, Any]:
+    def describe_state(self, width: float, height: float) -> dict[str, Any]:
         """Return the displayed state: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:
@@ -179,7 +179,7 @@ class Live:
         error_text, notes, saved_file = "", (), None  # type: tuple[str, tuple[str, ...], dict[str, str] | None]
         try:
             record = require_handler("record", "file")
-            _, notes = record(recorder, self._path, seen=self._add_block)
+            _, notes = record(recorder, self._path, on_block=self._add_block)
             if self._path.stat().st_size <= MAX_FILE_BYTES:
                 name = self._path.name
                 saved_file = {"id": self._store.put(name, self._path.read_bytes()), "name": name}

@@ -12,7 +12,7 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.number_format import duration, format_count, percent, round_to_error
 from dashpot.base.progress import send_progress
 from dashpot.base.units import convert_to_unit
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.extensions.app import result_cache, view_models, wire_format
 from dashpot.extensions.app.command_lines import format_job_command, format_options
@@ -171,7 +171,7 @@ def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) 
 def _make_row(test: OverlaidTest, median: float) -> OverlaidRow:
     if test.fit is None or test.prepared is None:
         return OverlaidRow(test.name, test.file, "", "", "", "", "", "", "bad", test.error)
-    facts = {fact.name: fact for fact in list_known_values(test.fit)}
+    facts = {fact.name: fact for fact in list_model_values(test.fit)}
     fact = facts.get("k_end", facts.get("k_inf"))
     value, low, high = ("", "", "") if fact is None else fact.cell_texts
     return OverlaidRow(

@@ -239,7 +239,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
             "solid": view_models.render_arms(fit),
             "checks": view_models.render_checks(checks),
             "beside": view_models.render_template(
-                "beside", rows=view_models.make_parameter_rows(fit, by_eq5)
+                "paper_values", rows=view_models.make_parameter_rows(fit, by_eq5)
             ),
             "panels": panels,
             "time_limits": _list_time_limits(ramp_hold),

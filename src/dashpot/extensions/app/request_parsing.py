@@ -68,10 +68,10 @@ def build_from_request(kind: type[T], options: Mapping[str, Any], folder: Path) 
 def _read_field(field: Field[Any], options: Mapping[str, Any], folder: Path) -> Any:
     """Return the value of a form field; missing or empty text is the default."""
     metadata, name, value = field.metadata, field.name, options[field.name]
-    if "part" in metadata and isinstance(value, str) and value:
-        return _read_part(metadata["part"], name, find_file(folder, value))
-    if "part" in metadata:
-        return build_part(metadata["part"], value, name)
+    if "options_class" in metadata and isinstance(value, str) and value:
+        return _read_part(metadata["options_class"], name, find_file(folder, value))
+    if "options_class" in metadata:
+        return build_part(metadata["options_class"], value, name)
     if isinstance(field.default, tuple):
         return tuple(_read_single_value(field, item, folder) for item in get_list(options, name))
     if isinstance(field.default, bool):
@@ -103,14 +103,14 @@ def _read_single_value(field: Field[Any], value: Any, folder: Path) -> Any:
     metadata, name = field.metadata, field.name
     if is_path_field(field):
         return str(find_file(folder, value))
-    if "ends" in metadata:
+    if "is_range" in metadata:
         return _convert_value(lambda text: si_range(text, metadata["unit"]), value, name)
     if "unit" in metadata:
         return read_quantity({name: value}, name, metadata["unit"])
     if "choices" in metadata:
         require_choice(name, value, metadata["choices"])
         return value
-    if "least" in metadata:
+    if "minimum" in metadata:
         return read_arms(value)
     return (
         require_number(value, name)
@@ -144,7 +144,7 @@ def convert_to_request(result: Any) -> dict[str, Any]:
     fields_by_name = {}
     for field in _fields(result):
         value = getattr(result, field.name)
-        if "part" in field.metadata:
+        if "options_class" in field.metadata:
             fields_by_name[field.name] = _get_changed_fields(value)
         elif not is_path_field(field) and value not in (None, ""):
             fields_by_name[field.name] = _format_field(field, value)
@@ -155,7 +155,7 @@ def _format_field(field: Field[Any], value: Any) -> Any:
     if "unit" not in field.metadata:
         return value
     texts = format_values(field, value)
-    return texts if isinstance(value, tuple) and "ends" not in field.metadata else texts[0]
+    return texts if isinstance(value, tuple) and "is_range" not in field.metadata else texts[0]
 
 
 def _get_changed_fields(result: Any) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from dashpot.workflow.study import FittedTests, Study, find_reference_test, fit_
 
 def select_options(job: Job, *stages: str) -> Job:
     """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
-    names = [field.name for field in fields(job) if field.metadata.get("decides") in stages]
+    names = [field.name for field in fields(job) if field.metadata.get("stage") in stages]
     return Job(**{name: getattr(job, name) for name in names})
 
 

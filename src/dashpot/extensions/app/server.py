@@ -235,7 +235,7 @@ def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of ro
 
     async def watch(request: Request) -> Response:
         names = get_list(parse_json_object(await _read_body(request)), "files")
-        return JSONResponse(await asyncio.to_thread(context.watch.look, names))
+        return JSONResponse(await asyncio.to_thread(context.watch.list_file_states, names))
 
     async def cancel(_: Request) -> Response:
         return JSONResponse({"cancelled": context.cancel()})
@@ -315,10 +315,10 @@ def _list_recording_routes(context: AppContext) -> list[Route]:
         elif request.method == "DELETE":
             await asyncio.to_thread(context.live.stop)
         size = [_get_size(request, name) for name in ("width", "height")]
-        return JSONResponse(await asyncio.to_thread(context.live.look, *size))
+        return JSONResponse(await asyncio.to_thread(context.live.describe_state, *size))
 
     async def fit_recorded(_: Request) -> Response:
-        recorded_file = context.live.look(0, 0)["kept"]
+        recorded_file = context.live.describe_state(0, 0)["kept"]
         if recorded_file is None:
             raise DataError("no record is there to fit: start one, and stop it")
         context.state["open"] = [*context.state.get("open", []), recorded_file]
@@ -346,7 +346,7 @@ async def _read_body(request: Request, max_bytes: int = MAX_BYTES) -> bytes:
     return bytes(body)
 
 
-# by their path: naming a package would import it
+# Modules by their path: the name of a package would import it.
 _PACKAGE = resources.files("dashpot")
 
 

@@ -29,7 +29,7 @@ from dashpot.base.plain_text import sentences
 from dashpot.base.reported_values import UNKNOWN, ReportedValue
 from dashpot.base.units import Dimension, convert_to_unit, get_display_unit
 from dashpot.datamodel.bounds import StiffnessBounds
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.vibration_tests import ImpactTest
@@ -429,7 +429,7 @@ def format_hammer_line(study: Study) -> str:
     return f"{accepted} of {len(study.measured.hits)} hits{peak}"
 
 
-# -- curves while a handle is held ----------------------------------------------------------------
+# -- Curves while a handle is dragged -------------------------------------------------------------
 
 
 class LiveCurves(NamedTuple):
@@ -475,7 +475,9 @@ def compute_live_test(
         relaxation.residual_panel(plotted_fit, prepared).note, prepared, unit
     )
     return LiveCurves(
-        arrays, render_template("beside", rows=make_parameter_rows(fit, by_eq5)), residual_note
+        arrays,
+        render_template("paper_values", rows=make_parameter_rows(fit, by_eq5)),
+        residual_note,
     )
 
 
@@ -493,10 +495,10 @@ def make_parameter_rows(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, st
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
     eq5_values = {}
     if by_eq5 is not None and fit.family != "fractional":
-        eq5_values = {fact.name: fact.cells.value for fact in list_known_values(by_eq5)}
+        eq5_values = {fact.name: fact.cells.value for fact in list_model_values(by_eq5)}
     return [
         (fact.symbol, fact.cells.value, eq5_values.get(fact.name, ""), fact.word)
-        for fact in list_known_values(fit)
+        for fact in list_model_values(fit)
         if fact.name[0] != "b" and fact.name != "k_end"
     ]
 
@@ -515,7 +517,7 @@ def compute_live_response(predicted: FRF) -> LiveCurves:
     )
 
 
-# -- pieces of the page ---------------------------------------------------------------------------
+# -- Parts of the page ----------------------------------------------------------------------------
 
 
 def render_verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "") -> str:
@@ -585,7 +587,7 @@ class Term(NamedTuple):
 def make_terms(fit: Fit) -> list[Term]:
     """Return every parameter of the solid, the stiffness at the end of the hold first."""
     # b = k tau says of an arm what k and tau say
-    return [make_term(fact) for fact in list_known_values(fit) if not fact.name.startswith("b_")]
+    return [make_term(fact) for fact in list_model_values(fit) if not fact.name.startswith("b_")]
 
 
 def make_term(fact: ReportedValue) -> Term:
@@ -619,7 +621,7 @@ def render_arms(fit: Fit, *, relaxation_fit: Fit | None = None) -> str:
     """
     if fit.family != "maxwell" or fit.model.arms > MAX_LISTED_ARMS:
         return render_solid(fit)
-    reported_values = {fact.name: fact for fact in list_known_values(fit)}
+    reported_values = {fact.name: fact for fact in list_model_values(fit)}
     row_parameters = [("k∞", "k_inf", "")]
     row_parameters += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
     if "b" in reported_values:
@@ -706,7 +708,7 @@ def render_checks(checks: Sequence[Check]) -> str:
         "checks",
         failed=failed_checks,
         passed=passed_count,
-        judged=passed_count + len(failed_checks),
+        checked=passed_count + len(failed_checks),
         grades=grades,
     )
 
@@ -729,7 +731,7 @@ def list_values(study: Study, recommendation: Recommendation) -> str:
     value_groups.append(("One seal", [_shorten_name(*pair) for pair in pairs]))
     has_measurement = study.comparison is not None
     return render_template(
-        "answers", groups=value_groups, measured=has_measurement, ranged=True, told="Numbers",
+        "answers", groups=value_groups, measured=has_measurement, ranged=True, caption="Numbers",
         note=""
     )  # fmt: skip
 
@@ -740,7 +742,7 @@ def format_next_test(study: Study, checks: Sequence[Check]) -> str:
     stated_remedies = {check.remedy.words for check in checks if check.failed and check.remedy}
     if end is None or end.remedy in stated_remedies:
         return ""
-    return render_template("more", remedy=end.remedy, told=end.format_limits(study.fit.unit))
+    return render_template("more", remedy=end.remedy, limits_text=end.format_limits(study.fit.unit))
 
 
 def render_groups(groups: Sequence[Group], text: str, note: str) -> str:
@@ -749,7 +751,7 @@ def render_groups(groups: Sequence[Group], text: str, note: str) -> str:
     has_measurement = any(row.measured for _, rows in value_groups for row in rows)
     has_interval = any(row.low or row.high for _, rows in value_groups for row in rows)
     return render_template(
-        "answers", groups=value_groups, measured=has_measurement, ranged=has_interval, told=text,
+        "answers", groups=value_groups, measured=has_measurement, ranged=has_interval, caption=text,
         note=note
     )  # fmt: skip
 
@@ -899,7 +901,7 @@ def render_column_questions(
         if unit.dimension in REQUESTED_DIMENSIONS:
             units_by_dimension.setdefault(unit.dimension, []).append(unit.word)
     return render_template(
-        "asked", file=result, heading=_format_heading(result),
+        "column_questions", file=result, heading=_format_heading(result),
         stranger=_format_unplaced_kind(result), roles=ROLES,
         units=units_by_dimension, consequences=consequences, on_page=format_for_page, rate=rate,
         timeless=rate is not None or any(question.role == "time" for question in result.questions),

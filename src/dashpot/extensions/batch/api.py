@@ -48,7 +48,7 @@ def batch(
     length: Quantity | None = None,
     radius: Quantity | None = None,
     machine: Machine | None = None,
-    by: str | None = None,
+    label_pattern: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
     joint: bool = False,
@@ -81,7 +81,7 @@ def batch(what: Any, /, **options: Any) -> Any:
         writes them; a second run makes only the rows that are missing.
     jobs : int, optional
         Number of parallel processes.
-    arms, method, mass, seals, joint, pair, by, manifest, frequency, compression
+    arms, method, mass, seals, joint, pair, label_pattern, manifest, frequency, compression
         As ``dashpot batch --help`` has them.
     machine : Machine, optional
         On which the tests were made.
@@ -136,7 +136,7 @@ def _fit_files(
     length: Quantity | None = None,
     radius: Quantity | None = None,
     machine: Machine | None = None,
-    by: str | None = None,
+    label_pattern: str | None = None,
     manifest: Place | None = None,
     pair: str | None = None,
     joint: bool = False,
@@ -148,8 +148,8 @@ def _fit_files(
     lot = run_batch(
         paths, output=to, arms=arms, method=method, quick=quick, mass=mass, seals=seals,
         at=frequency, compression=compression, length=length, radius=radius,
-        machine=machine, by=by, manifest=manifest, pair=pair, joint=joint, jobs=jobs,
-        scheduler=scheduler,
+        machine=machine, label_pattern=label_pattern, manifest=manifest, pair=pair, joint=joint,
+        jobs=jobs, scheduler=scheduler,
     )  # fmt: skip
     if to is not None:
         from dashpot.extensions.batch.lot_output import write_lot  # figures and pages take time

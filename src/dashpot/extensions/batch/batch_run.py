@@ -29,8 +29,8 @@ from dashpot.extensions.batch.parquet_parts import (
     SMALL_PART,
     Task,
     build_row_frame,
-    claim,
     collect_table,
+    create_results_folder,
     import_polars,
     list_done_keys,
     make_tasks,
@@ -60,7 +60,7 @@ class BatchJob:
     paths: tuple[str | Path, ...]
     output: Path
     choices: BatchOptions
-    by: str | None = None
+    label_pattern: str | None = None
     manifest: str | Path | None = None
     pair: str | None = None
     jobs: int | None = None
@@ -71,7 +71,7 @@ class BatchJob:
     def entries(self, *, allow_none: bool = False) -> tuple[Entry, ...]:
         """Return the tests found; an empty list is an error unless `allow_none` is set."""
         return find_entries(
-            self.paths, manifest=self.manifest, label_pattern=self.by, pair=self.pair,
+            self.paths, manifest=self.manifest, label_pattern=self.label_pattern, pair=self.pair,
             output_folder=self.output, allow_none=allow_none,
         )  # fmt: skip
 
@@ -122,7 +122,7 @@ def batch(
     length: Quantity | None = None,
     radius: Quantity | None = None,
     machine: Machine | None = None,
-    by: str | None = None,
+    label_pattern: str | None = None,
     manifest: str | Path | None = None,
     pair: str | None = None,
     joint: bool = False,
@@ -164,7 +164,7 @@ def batch(
         Radius of an indenter's tip, m; `mass` is then the indenter's.
     machine : Machine, optional
         On which the tests were made; the manifest may give each test its own.
-    by : str, optional
+    label_pattern : str, optional
         A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may be in any order.
     manifest : path, optional
@@ -208,7 +208,9 @@ def batch(
     )
     path_list = (paths,) if isinstance(paths, str | Path) else tuple(paths)
     with _make_results_folder(output) as folder:
-        return run_batch(BatchJob(path_list, folder, choices, by, manifest, pair, jobs, scheduler))
+        return run_batch(
+            BatchJob(path_list, folder, choices, label_pattern, manifest, pair, jobs, scheduler)
+        )
 
 
 def run_batch(job: BatchJob) -> Lot:
@@ -223,7 +225,7 @@ def run_batch(job: BatchJob) -> Lot:
 @contextmanager
 def lock_results_folder(folder: Path) -> Iterator[None]:
     """Make the folder of the results, and keep others out of it."""
-    claim(folder)
+    create_results_folder(folder)
     with open_exclusive_lock(folder / _LOCK, str(folder)):
         yield
 

@@ -165,7 +165,7 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
 
 @criterion("Cpk", ">=", None, "asked for with the limits",
            other_grade="stop where all of its interval is below")  # fmt: skip
-def capability_as_asked(
+def capability_requirement_met(
     words: str, lowest: tuple[str, Capability] | None, unknown_count: int, target: float
 ) -> Finding:
     """The Cpk of every lot is known and reaches the required value."""

@@ -131,7 +131,8 @@ def _format_comparison(item: QuantityComparison) -> Iterator[str]:
     yield f"  difference  {share(difference.value)}, 95 % from {share(low)} to {share(high)}"
     yield (
         f"  detectable  {abs(100 * item.share(difference.detectable)):.2g} % with a power of 80 %; "
-        f"alike within {abs(100 * item.share(difference.alike_within)):.2g} % (two one-sided tests)"
+        f"alike within {abs(100 * item.share(difference.equivalence_margin)):.2g} % "
+        "(two one-sided tests)"
     )
 
 

@@ -64,12 +64,12 @@ def watch_batch(
         if not Path(path).is_dir():
             raise ReadError(f"{path} is no folder; give the one into which the tests are written")
     open_executor(job.jobs, job.scheduler)
-    refuse_invalid_patterns(job.by, job.pair)
+    refuse_invalid_patterns(job.label_pattern, job.pair)
     watched, lot = _Watched(job, clock), None
     with lock_results_folder(job.output):
         try:
             while True:
-                lot = watched.look(lot, on_refresh)
+                lot = watched.update_lot(lot, on_refresh)
                 wait(POLL_PERIOD)
         except KeyboardInterrupt:
             return lot
@@ -86,7 +86,7 @@ class _Watched:
         self._reported = ""
         self._idle_state: tuple[Any, str] | None = None
 
-    def look(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
+    def update_lot(self, lot: Lot | None, on_refresh: Callable[[Lot], None]) -> Lot | None:
         """Compute the missing rows of files that no longer change, if there are any."""
         states, idle_state = self._read_folder_states(), self._idle_state
         if idle_state is not None and idle_state[0] == states:

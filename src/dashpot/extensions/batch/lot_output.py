@@ -47,7 +47,7 @@ def write_lot(
     write(f"{output}/lot.xlsx", workbook(summary))
     document = LotOutput(str(output), summary, quantity or summary.lot.main)
     write(f"{output}/lot.json", format_json(document) + "\n")
-    page = html(summary.lot, title=output.resolve().name, found=summary)
+    page = html(summary.lot, title=output.resolve().name, lot_summary=summary)
     write(f"{output}/lot.html", page)
 
 

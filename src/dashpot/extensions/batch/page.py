@@ -53,7 +53,7 @@ _SOURCES = {
 }  # fmt: skip
 
 
-def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
+def html(lot: Lot, *, title: str = "Lot", lot_summary: Summary | None = None) -> str:
     """Return the page of a lot as one self-contained file: no network.
 
     Its height does not depend on how many tests there are: tables hold the gravest rows, and the
@@ -65,24 +65,24 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     ----------
     lot : Lot
     title : str
-    found : Summary, optional
+    lot_summary : Summary, optional
         Values of the summary; by default of the stiffness at the end of the hold, without limits.
     """
-    found = found or summary(lot)
+    lot_summary = lot_summary or summary(lot)
     frame_values = frame()
     style = f"{frame_values['style']}\n{_read_page_part('lot.css')}"
     script = _read_page_part("lot.js")
-    verdict, main = found.verdict, found.main
+    verdict, main = lot_summary.verdict, lot_summary.main
     quantities = _select_other_quantities(lot, main)
     # a lot of an earlier version has no date
     names = [name for name in LABELS if name in lot.table.columns]
     labels = [name for name in names if (lot.table[name].fill_null("") != "").any()]
-    tests, by_lots = _make_test_rows(found, labels), len(main.seals) > BY_SEALS
+    tests, by_lots = _make_test_rows(lot_summary, labels), len(main.seals) > BY_SEALS
     signals, findings = (
         list(_make_signal_rows(main)),
-        sorted(_list_findings(found), key=lambda entry: -MARK_ORDER.index(entry["mark"])),
+        sorted(_list_findings(lot_summary), key=lambda entry: -MARK_ORDER.index(entry["mark"])),
     )
-    seals = _make_seal_rows(found, quantities)
+    seals = _make_seal_rows(lot_summary, quantities)
     return str(
         environment("dashpot.extensions.batch")
         .get_template("lot.html")
@@ -101,7 +101,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
                     "mark": light.mark,
                     "message": light.message,
                 }
-                for light in found.indicators
+                for light in lot_summary.indicators
             ],
             counts=_count_outcomes(lot, main),
             simulated=[format_count(lot.simulated_count, "file")] if lot.simulated_count else [],
@@ -115,7 +115,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             points=json.dumps(_list_points(main, by_lots=by_lots)),
             few=[name for name, chart in main.charts.items() if len(chart.seals) < MIN_POINTS],
             enough=MIN_POINTS,
-            curves=_make_curves(lot, found),
+            curves=_make_curves(lot, lot_summary),
             curves_most=CURVES,
             capability=_make_capability_row(main),
             capable=[(name, *capability.cells) for name, capability in main.capabilities.items()],
@@ -127,17 +127,17 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             remarks=len(findings),
             checked=[
                 {"mark": _mark(check), "message": check.message_with_remedy}
-                for check in found.checks
+                for check in lot_summary.checks
                 if check.passed is not None
             ],
             signals=signals,
-            further=quantities,
+            other_quantities=quantities,
             seals=seals,
             decisions=_count_decisions(seals),
-            judged=bool(main.judged),
+            has_decisions=bool(main.seal_decisions),
             labels=labels,
             tests=tests,
-            every=_encode_test_rows(tests, labels, found),
+            every=_encode_test_rows(tests, labels, lot_summary),
             files=lot.table.height,
             most=ROWS,
             marks=_MARKS,
@@ -252,7 +252,7 @@ def _make_capability_row(main: QuantitySummary) -> dict[str, Any] | None:
     }
 
 
-# -- words and tables -----------------------------------------------------------------------------
+# -- Texts and tables -----------------------------------------------------------------------------
 
 
 def _has_repeats(main: QuantitySummary) -> bool:
@@ -312,7 +312,7 @@ def _make_gauge_rows(main: QuantitySummary) -> dict[str, Any] | None:
         "rows": rows, "message": study.summary, "ratio": f"{100 * share:.0f}",
         "mark": "good" if share <= GOOD_SHARE else "care" if share <= LIMIT else "bad",
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
-        "left_out": study.left_out, "pooled": study.is_pooled,
+        "omitted_tests": study.omitted_tests, "pooled": study.is_pooled,
         "tolerance": distance and f"{100 * 6 * study['gauge'].deviation / distance:.1f}",
     }  # fmt: skip
 
@@ -355,7 +355,7 @@ def _make_lot_rows(main: QuantitySummary) -> list[tuple[str, ...]]:
 def _select_other_quantities(
     lot: Lot, main: QuantitySummary
 ) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
-    """The further quantities of the table of seals, each with the means that any of them has."""
+    """The other quantities of the table of seals, each with the means that any of them has."""
     sentences, seal_keys = (
         (main.quantity.name, "k_inf", "E_inf"),
         {(seal.lot, seal.name) for seal in main.seals},
@@ -378,7 +378,9 @@ def _make_seal_rows(
     summary: Summary, other_columns: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
 ) -> list[dict[str, Any]]:
     """Return a row per seal, the gravest first: failed, flagged, others."""
-    decisions = {(decision.lot, decision.seal): decision for decision in summary.main.judged}
+    decisions = {
+        (decision.lot, decision.seal): decision for decision in summary.main.seal_decisions
+    }
     seals = {(seal.lot, seal.name): seal for seal in summary.main.seals}
     reasons, rows = _build_seal_reasons(summary), []
     # those of which no test is used are judged alone
@@ -480,7 +482,9 @@ def _encode_test_rows(
     tests: Sequence[Mapping[str, Any]], labels: Sequence[str], summary: Summary
 ) -> str:
     """Return all rows for the script: no markup can end their element."""
-    decided = {(decision.lot, decision.seal): decision.decision for decision in summary.main.judged}
+    decided = {
+        (decision.lot, decision.seal): decision.decision for decision in summary.main.seal_decisions
+    }
     heads = ["file", *labels, "value", "verdict", "why", "mark"]
     rows = [
         [
@@ -505,7 +509,7 @@ def _encode_test_rows(
 def _build_seal_reasons(summary: Summary) -> dict[tuple[str, str], list[str]]:
     """Return why each seal is flagged: its decision, then its flags."""
     reasons: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for decision in summary.main.judged:
+    for decision in summary.main.seal_decisions:
         reasons[decision.lot, decision.seal] += filter(
             None, [decision.explain_decision(summary.main.quantity)]
         )

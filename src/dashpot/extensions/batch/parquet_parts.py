@@ -235,7 +235,7 @@ def _gather(folder: Path) -> None:
             path.unlink()
 
 
-def claim(folder: Path) -> None:
+def create_results_folder(folder: Path) -> None:
     """Make the folder of the results; refuse one with other Parquet files.
 
     Raises

@@ -17,7 +17,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.extensions.batch.acceptance import SealDecision, check_lot_acceptance
 from dashpot.extensions.batch.checks import (
-    capability_as_asked,
+    capability_requirement_met,
     charts_in_control,
     few_fits_doubted,
     files_fitted,
@@ -161,7 +161,7 @@ class QuantitySummary(Serialisable):
     limits : Limits or None
     capability : dict
         Capability of each lot with two seals, where there are limits.
-    judged : tuple of SealDecision
+    seal_decisions : tuple of SealDecision
         Judgements of each seal, where there are limits.
     """
 
@@ -186,7 +186,7 @@ class QuantitySummary(Serialisable):
     gauge: Gauge | None
     limits: Limits | None
     capability: dict[str, Capability]
-    judged: tuple[SealDecision, ...]
+    seal_decisions: tuple[SealDecision, ...]
 
     @property
     def charts_by_lot(self) -> tuple[LotControlCharts, ...]:
@@ -223,7 +223,7 @@ class QuantitySummary(Serialisable):
     @property
     def decisions(self) -> tuple[SealDecision, ...] | None:
         """The judgement of each seal; None without limits."""
-        return None if self.limits is None else self.judged
+        return None if self.limits is None else self.seal_decisions
 
     @property
     def sources(self) -> tuple[tuple[ReportedValue, str], ...]:
@@ -402,7 +402,7 @@ def _compute_quantity_summary(
     )  # fmt: skip
 
 
-# -- what to look at ------------------------------------------------------------------------------
+# -- Findings -------------------------------------------------------------------------------------
 
 
 def _flag_seals(lot: Lot, quantity: QuantitySummary) -> Iterator[Flag]:
@@ -507,12 +507,12 @@ def _run_checks(
 
 
 def _check_limits(quantity_summary: QuantitySummary, limits: Limits) -> Iterator[Check]:
-    decision_texts = [decision.decision for decision in quantity_summary.judged]
+    decision_texts = [decision.decision for decision in quantity_summary.seal_decisions]
     yield seals_within_limits(quantity_summary.quantity.words, str(limits), decision_texts)
     if limits.cpk is not None:
-        lot_names = {decision.lot for decision in quantity_summary.judged} or {""}
+        lot_names = {decision.lot for decision in quantity_summary.seal_decisions} or {""}
         unknown_count = len(lot_names) - len(quantity_summary.capabilities)
-        yield capability_as_asked(
+        yield capability_requirement_met(
             quantity_summary.quantity.words, quantity_summary.lowest, unknown_count, limits.cpk
         )
 
@@ -530,7 +530,7 @@ def _count_out_of_band(lot: Lot, frequency: float) -> int:
     return sum(not low <= frequency <= high for low, high in bands)
 
 
-# -- lights ----------------------------------------------------------------------------------------
+# -- Indicators ------------------------------------------------------------------------------------
 
 
 _NOT_JUDGED = {
@@ -582,11 +582,11 @@ def _format_limits(quantity: QuantitySummary) -> str:
         lot, capability = quantity.lowest
         lot_text = f" in {lot}" if lot and len(quantity.capabilities) > 1 else ""
         return f"Cpk {capability.cells[0]}{lot_text}, asked {quantity.limits.cpk:.2f}"
-    passed_count = sum(decision.decision == "pass" for decision in quantity.judged)
-    return f"{passed_count} of {len(quantity.judged)} seals pass"
+    passed_count = sum(decision.decision == "pass" for decision in quantity.seal_decisions)
+    return f"{passed_count} of {len(quantity.seal_decisions)} seals pass"
 
 
-# -- for people and programs -----------------------------------------------------------------------
+# -- Text and documents ----------------------------------------------------------------------------
 
 
 def _list_alarms(quantity_summary: QuantitySummary) -> str:
@@ -621,7 +621,7 @@ def _format_lines(quantity_summary: QuantitySummary) -> Iterator[str]:
         yield f"    {reported_value.name:<9} {value}{interval_text}, {share} % of the variance"
     yield from (
         _format_decision(judge, quantity_summary.quantity)
-        for judge in quantity_summary.judged
+        for judge in quantity_summary.seal_decisions
         if judge.decision != "pass"
     )
 

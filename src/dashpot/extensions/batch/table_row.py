@@ -31,7 +31,7 @@ from dashpot.extensions.batch.impact_comparison import (
     read_hammer_resonance,
 )
 from dashpot.extensions.batch.input_files import NO_TABLE, Entry, compute_file_hash
-from dashpot.reading.columns.file_kinds import Recognised
+from dashpot.reading.columns.file_kinds import RecognisedKind
 from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.registry import (
@@ -170,7 +170,7 @@ def _fit_entry(entry: Entry, choices: BatchOptions, entries: Mapping[str, Any]) 
 
 
 def _build_other_row(
-    recognised: Recognised,
+    recognised: RecognisedKind,
     kind: KindOfTest,
     entry: Entry,
     choices: BatchOptions,

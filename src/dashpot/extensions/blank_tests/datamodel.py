@@ -18,7 +18,7 @@ from dashpot.base.option_fields import require_choice
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.reported_values import HasReportedValues, ReportedValue
 from dashpot.base.result_mixins import HasSummary, HasVerdict, Series, collect_arrays
-from dashpot.base.serialisation import EVERY_FIELD, Serialisable
+from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.value_ranges import refuse_absurd_record
 from dashpot.datamodel.machine import Machine, MachineCalibration
 
@@ -119,7 +119,7 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     Attributes
     ----------
-    found : tuple of MachineValue
+    reported_values : tuple of MachineValue
         Compliance, creep, gain, delay, noise, drift and hum, each with its 95 % interval.
     records : tuple of BlankCurve
     spring_stiffness, spring_error : float or None
@@ -132,10 +132,10 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources : tuple of Source
     """
 
-    schema = "dashpot/blank@1"
-    _keys = ("verdict", EVERY_FIELD)
+    schema = "dashpot/blank@2"
+    _keys = ("verdict", Key("values", "reported_values"), EVERY_FIELD)
 
-    found: tuple[MachineValue, ...]
+    reported_values: tuple[MachineValue, ...]
     records: tuple[BlankCurve, ...]
     spring_stiffness: float | None = None
     spring_error: float | None = None
@@ -151,8 +151,8 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     @property
     def machine(self) -> Machine:
-        """The machine that fits take: ``dp.fit(test, machine=found.machine)``."""
-        reported_values = {value.name: value for value in self.found}
+        """The machine that fits take: ``dp.fit(test, machine=fit.machine)``."""
+        reported_values = {value.name: value for value in self.reported_values}
         compliance, creep, delay, gain = (
             reported_values.get(name) for name in ("compliance", "creep", "delay", "gain")
         )
@@ -178,7 +178,7 @@ class MachineFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
 
     def get_value(self, name: str) -> MachineValue | None:
         """Return one of the numbers found, by its name; None where no record gave it."""
-        return next((value for value in self.found if value.name == name), None)
+        return next((value for value in self.reported_values if value.name == name), None)
 
     @property
     def _headline(self) -> str:

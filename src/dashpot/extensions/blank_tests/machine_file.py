@@ -68,7 +68,7 @@ def render_machine_file(fit: MachineFit, *, date: str = "") -> str:
         origin["spring-stiffness"] = f"{convert_to_unit(fit.spring_stiffness, 'N/mm'):.6g} N/mm"
         origin["spring-error"] = f"{convert_to_unit(fit.spring_error or 0.0, '%'):.4g} %"
     lines += ["", "[blank]", *(f"{name} = {json.dumps(value)}" for name, value in origin.items())]
-    lines += ["", "[blank.intervals]", *map(_render_interval, fit.found)]
+    lines += ["", "[blank.intervals]", *map(_render_interval, fit.reported_values)]
     return "\n".join([*lines, ""])
 
 

@@ -45,7 +45,7 @@ MAX_SCATTER_SD = 3.0
 LEVEL_OF_CREEP = 0.65
 
 
-# -- sizes of strain and stress -------------------------------------------------------------------
+# -- Magnitudes of strain and stress --------------------------------------------------------------
 
 
 @criterion(
@@ -99,7 +99,7 @@ def modulus_of_a_rubber(modulus: float, unit: str) -> Finding:
     )
 
 
-# -- the curves -----------------------------------------------------------------------------------
+# -- Curves ---------------------------------------------------------------------------------------
 
 
 @criterion("smooth misfit", "<=", MAX_INCONSISTENT, "our choice; or 2.5 sd of what chance shows")
@@ -218,7 +218,7 @@ def modulus_falls(modulus: FloatArray) -> Finding:
     )
 
 
-# -- a fit to them --------------------------------------------------------------------------------
+# -- Fits of curves -------------------------------------------------------------------------------
 
 
 @criterion("plateau, N/m or Pa", ">", source="3 standard errors")

@@ -1,4 +1,4 @@
-"""A seal swept over frequency and a rubber at several temperatures, simulated."""
+"""Simulated frequency sweeps of a seal, and of a rubber at several temperatures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dashpot.solids.shift_laws import WLF
 
 
 def _simulate_sweep() -> str:
-    """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
+    """Storage and loss of one seal as a dynamic testing machine writes them, with 0.5 % noise."""
     frequency = np.geomspace(0.01, 100.0, 41)
     stiffness = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
     storage, loss = (convert_to_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
@@ -28,7 +28,7 @@ def _simulate_sweep() -> str:
 
 
 def _simulate_modulus() -> str:
-    """A relaxation modulus of rubber over time, MPa, 0.2 % noisy."""
+    """A relaxation modulus of rubber over time, MPa, with 0.2 % noise."""
     time = np.geomspace(1e-3, 100.0, 61)
     modulus = BROAD.relaxation(time) * 1e-2
     noise = 1 + 0.002 * np.random.default_rng(1).standard_normal(len(time))
@@ -38,20 +38,20 @@ def _simulate_modulus() -> str:
 
 
 def _simulate_sweeps() -> str:
-    """Sweeps of a filled rubber at nine temperatures, 0.5 % noisy, MPa."""
+    """Sweeps of a filled rubber at nine temperatures, MPa, with 0.5 % noise."""
     tau = np.logspace(-9, 3, 37)
     ratio = np.exp(-0.5 * ((np.log10(tau) + 4) / 2.2) ** 2)
     rubber = GeneralizedMaxwell(4.0, tuple(1500 * ratio / ratio.sum()), tuple(tau))
-    law, draw = WLF(7.0, 120.0, 296.15), np.random.default_rng(3).standard_normal
+    law, draw_normal = WLF(7.0, 120.0, 296.15), np.random.default_rng(3).standard_normal
     frequency = np.geomspace(0.1, 20.0, 12)
     rows = []
     for celsius in range(-25, 56, 10):
         kelvin = celsius + 273.15
         solid = rubber.shift_to_temperature(float(law.a_t(kelvin)), kelvin / law.reference)
         value = solid.complex_stiffness(omega=2 * np.pi * frequency)
-        value = value + 0.005 * np.abs(value) * (draw(12) + 1j * draw(12))
+        value = value + 0.005 * np.abs(value) * (draw_normal(12) + 1j * draw_normal(12))
         rows += [
-            f"{f:.6g},{v.real:.6g},{v.imag:.6g},{celsius + 0.05 * draw():.2f}"
+            f"{f:.6g},{v.real:.6g},{v.imag:.6g},{celsius + 0.05 * draw_normal():.2f}"
             for f, v in zip(frequency, value, strict=True)
         ]
     header = "frequency [Hz],storage modulus [MPa],loss modulus [MPa],temperature [degC]"

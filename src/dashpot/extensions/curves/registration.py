@@ -21,7 +21,7 @@ EXTENSION = Extension(
                 checks="dashpot.extensions.curves.superposition.checks", order=5,
         ),
             KindOfTest("temperature-sweep", order=7),
-            KindOfTest("one-frequency", order=8),
+            KindOfTest("single-frequency", order=8),
             KindOfTest(
                 "modulus", "dashpot.extensions.curves.modulus.read:read_modulus", "dashpot.workflow.bench_tests:fit_files", app_section="bench", fit_route="bench",
                 classes={
@@ -56,7 +56,7 @@ EXTENSION = Extension(
             "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.deck_lines:format_law_lines",
         },
         "deck remarks": {
-            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.deck_lines:format_stiffness_left_out",
+            "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.deck_lines:format_missing_stiffness_lines",
         },
         "shift table": {
             "dashpot.datamodel.shift_factors:TemperatureShifts": "dashpot.extensions.curves.temperatures.shift_table:format_shift_table",

@@ -9,7 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
@@ -25,8 +30,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 FindBand: TypeAlias = Callable[[GeneralizedMaxwell], tuple[tuple[float, float], BandError | None]]
 
-# arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
-# one farther out shows only its tail
+# Arms within half a decade outside the measured frequencies affect the loss at the ends of the
+# band; of those farther out only the tail of their loss peak does.
 EDGE_FACTOR = float(np.sqrt(10.0))
 # a loss below this part of the modulus is not weighed by its own value
 _SMALL_LOSS = 1e-3
@@ -123,9 +128,9 @@ def master_curve(
     DataError
         If the times do not increase from above 0, or a modulus is not above 0.
     """
-    t = increasing("time", samples("time", time, minimum=3))
-    values = samples("modulus", modulus)
-    same_length(time=t, modulus=values)
+    t = require_increasing("time", validate_samples("time", time, minimum=3))
+    values = validate_samples("modulus", modulus)
+    require_same_length(time=t, modulus=values)
     _require_positive("time", t)
     _require_positive("modulus", values)
     # an arm faster than the second time would show in one sample only
@@ -246,7 +251,7 @@ def _require_positive(name: str, values: FloatArray) -> None:
         )
 
 
-# where few arms do not follow the curves, a dense spectrum must miss far less
+# Ratio of the misfits, few arms over dense spectrum, above which the dense spectrum is used.
 _MUCH_BETTER = 0.5
 # few arms that leave no more than this of what a spectrum of several temperatures leaves will do
 _AS_CLOSE = 1.2

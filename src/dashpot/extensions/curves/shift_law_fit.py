@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray, samples
+from dashpot.base.arrays import FloatArray, validate_samples
 from dashpot.base.errors import FitError
 from dashpot.base.option_fields import ShiftLaw, require_choice
 from dashpot.numerics.inference.covariance_estimate import estimate, white_noise
@@ -173,7 +173,10 @@ def fit_shift_law(
         If the law requested cannot follow the shifts.
     """
     require_choice("law", law, ShiftLaw, FitError)
-    t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)
+    t, s = (
+        validate_samples("temperature", temperature),
+        validate_samples("log10_shift", log10_shift),
+    )
     free = FreeShifts(tuple(t), tuple(s), reference)
     is_not_reference = t != reference
     c = np.asarray(covariance, dtype=float)[np.ix_(is_not_reference, is_not_reference)]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import increasing, same_length, samples
+from dashpot.base.arrays import require_increasing, require_same_length, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.solids.elastic import ElasticLaw
@@ -60,9 +60,11 @@ def compare_with_curve(
     DataError
         If the curve does not reach a depth or its displacement does not rise.
     """
-    x = increasing("displacement", samples("displacement", displacement, minimum=2))
-    y = samples("force", force, minimum=2)
-    same_length(displacement=x, force=y)
+    x = require_increasing(
+        "displacement", validate_samples("displacement", displacement, minimum=2)
+    )
+    y = validate_samples("force", force, minimum=2)
+    require_same_length(displacement=x, force=y)
     agreements = []
     for depth in depths:
         if not x[0] <= depth <= x[-1]:

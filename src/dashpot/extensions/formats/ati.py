@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from dashpot.base import dataclass, replace, units
-from dashpot.base.arrays import EqualByValue, FloatArray, frozen
+from dashpot.base.arrays import EqualByValue, FloatArray, make_readonly_copy
 from dashpot.base.errors import ReadError
 from dashpot.reading.raw_file import RawFile, add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions
@@ -100,8 +100,10 @@ def read_calibration(path: str | Path) -> Calibration:
             serial=root.get("Serial", ""),
             part=sensor.get("PartNumber", ""),
             date=sensor.get("CalDate", ""),
-            matrix=frozen(_transform_to_tool_face(sensor, matrix) if scaled else matrix),
-            axis_range=frozen(limits * si),
+            matrix=make_readonly_copy(
+                _transform_to_tool_face(sensor, matrix) if scaled else matrix
+            ),
+            axis_range=make_readonly_copy(limits * si),
         )
 
 

@@ -33,8 +33,9 @@ class SampledChannel(NamedTuple):
 def interpolate_to_slowest(channels: Sequence[SampledChannel], notes: list[str]) -> FloatArray:
     """Return channels of several rates as rows at the instants of the slowest one of the test.
 
-    The first column is the time. Straight lines between slow samples would be taken for a record of
-    the fast ones. Channels of the test are those named for a load or a motion.
+    The first column is the time. The instants of a faster channel are not used: linear
+    interpolation of the slow one would add samples that were not recorded. Channels of the test are
+    those named for a load or a motion.
 
     Raises
     ------
@@ -53,12 +54,12 @@ def interpolate_to_slowest(channels: Sequence[SampledChannel], notes: list[str])
     end = min(float(c.time[-1]) for c in test_channels) + margin
     time = slowest.time[(slowest.time >= start) & (slowest.time <= end)]
     if len(time) < 2:
-        raise ReadError("the channels do not overlap in time (their starts and steps say so)")
+        raise ReadError("the channels do not overlap in time, by their start times and steps")
     message = (
         f"the channels are sampled at different steps ({steps_text}): they were interpolated to "
         f"the {len(time)} common instants of '{slowest.name}'"
     )
-    # straight lines dull what is near half the sampling rate
+    # linear interpolation attenuates frequencies near half the sampling rate
     has_acceleration = any(
         vocabulary.matches(c.name).get("acceleration", 0.0) >= vocabulary.MIN_SCORE
         for c in channels

@@ -457,7 +457,7 @@ def _part_by_labels(
     return replace(table, load=loader, doubts=(*table.doubts, *questions))
 
 
-# Columns side by side.
+# Blocks of columns of several specimens.
 
 
 def _split_set(name: str) -> list[tuple[str, str]]:

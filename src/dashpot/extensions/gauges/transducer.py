@@ -219,7 +219,7 @@ def tilt_motion(force: npt.ArrayLike, angle: float, *, azimuth: float = 0.0) -> 
     return np.asarray(np.multiply.outer(arrow, np.asarray(force, dtype=float)))
 
 
-# The twin of a force/torque transducer, and the acquisition card that reads it.
+# Simulated force/torque transducer with its acquisition card.
 
 
 @dataclass(frozen=True)

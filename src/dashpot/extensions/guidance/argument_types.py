@@ -211,9 +211,9 @@ _TYPES: Mapping[str, _Type] = MappingProxyType({
         _Type(_is_array("biu", Integral), "an array of True or False, or of positions"),
     ),
     **dict.fromkeys(
-        ("To", "Method", "Elastic", "FamilyOption", "ShiftLaw", "VerticalAsked", "RampLawOption",
+        ("To", "Method", "Elastic", "FamilyOption", "ShiftLaw", "VerticalOption", "RampLawOption",
          "AmplitudeLawOption", "ElasticKindOption",
-         "ImpactLawAsked"),
+         "ImpactLawOption"),
         _WORD,
     ),
 })  # fmt: skip
@@ -229,8 +229,9 @@ _CLASS_NAMES: Mapping[str, str] = MappingProxyType(
     {"Solid": "a solid", "HasVerdict": "another result"}
 )
 _EXAMPLES: Mapping[str, str] = MappingProxyType({
-    "band": '"1:50Hz"', "baseline": '"1s"', "between": '"1:4mm"', "close": '"1m/s"',
-    "cold": '["0degC"]', "compression": '"8mm"', "depth": '"8mm"', "drop": '"1m/s"',
+    "band": '"1:50Hz"', "baseline": '"1s"', "close": '"1m/s"',
+    "cold": '["0degC"]', "compression": '"8mm"', "compression_limits": '"1:4mm"',
+    "depth": '"8mm"', "drop": '"1m/s"',
     "drop_height": '"18mm"', "force_limits": '"1:20N"', "frequency": '"12.71Hz"',
     "height": '"10mm"', "hit_length": '"8s"', "hold": '"40s"', "impact_temperature": '"23degC"',
     "impact_velocity": '"1m/s"', "length": '"50mm"', "level": '"1N"', "levels": '["1N", "2N"]',

@@ -7,8 +7,9 @@ from difflib import get_close_matches
 from types import MappingProxyType
 
 FORMER_KEYWORDS: Mapping[str, str] = MappingProxyType({
-    "cuts": "time_limits", "known": "prior", "memory": "relaxation", "only": "temperature",
-    "slam": "drop", "wanted": "max_std",
+    "between": "compression_limits", "by": "label_pattern", "cuts": "time_limits",
+    "known": "prior", "memory": "relaxation", "only": "temperature", "slam": "drop",
+    "wanted": "max_std",
 })  # fmt: skip
 """Present name of a keyword by its former name."""
 READ_KEYS: Mapping[str, Sequence[str]] = MappingProxyType({

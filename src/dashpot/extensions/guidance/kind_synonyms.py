@@ -18,7 +18,7 @@ KIND_SYNONYMS: Mapping[str, str] = MappingProxyType(
         "loops": "cyclic", "hysteresis": "cyclic", "fatigue": "cyclic",
         "compression": "cld", "load-deflection": "cld", "tensile": "stress-strain",
         "tension": "stress-strain", "rebound": "indentation", "compression-set": "csr",
-        "slam": "drop", "drop-test": "drop",
+        "slam": "drop", "drop-test": "drop", "one-frequency": "single-frequency",
     }
 )  # fmt: skip
 """Kind of file by its name in the documentation, in other programs or in an earlier version."""

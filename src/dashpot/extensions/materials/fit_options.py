@@ -42,8 +42,7 @@ def list_groups() -> list[list[CommandOption]]:
             "Load deflection",
             opt(
                 "--compression-limits",
-                "between",
-                former="between",
+                hidden_alias="between",
                 type=Range("length"),
                 metavar="RANGE",
                 kinds=_CLD,
@@ -58,7 +57,7 @@ def list_groups() -> list[list[CommandOption]]:
             ),
             opt(
                 "--relaxation",
-                former="memory",
+                hidden_alias="memory",
                 type=File(),
                 multiple=True,
                 metavar="FIT",

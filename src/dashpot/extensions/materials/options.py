@@ -26,7 +26,7 @@ class DropOptions:
 
     drop: tuple[str, ...] = option(
         (), "Impact speed of the mass, 0.6m/s, or drop height, 18mm.", metavar="SPEED",
-        multiple=True, flag="drop", former="slam",
+        multiple=True, flag="drop", hidden_alias="slam",
     )  # fmt: skip
 
 
@@ -57,7 +57,7 @@ class RodChoices:
 Measure: TypeAlias = Literal["auto", "nominal", "true"]
 
 
-class FilesOfMode(NamedTuple):
+class ModeFiles(NamedTuple):
     """Files of one mode of test: their texts, and whether their specimen was pressed."""
 
     message: str
@@ -66,13 +66,13 @@ class FilesOfMode(NamedTuple):
 
 
 MODES = MappingProxyType({
-    "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
-    "compression": FilesOfMode(
+    "uniaxial": ModeFiles("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
+    "compression": ModeFiles(
         "Uniaxial, pressed: whatever the signs.", "uniaxial", is_compressed=True
     ),
-    "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
-    "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
-    "volumetric": FilesOfMode(
+    "biaxial": ModeFiles("Equibiaxial.", "equibiaxial"),
+    "planar": ModeFiles("Planar tension (pure shear).", "planar"),
+    "volumetric": ModeFiles(
         "Pressure over volume ratio or volumetric strain.", "volumetric", is_compressed=True
     ),
 })  # fmt: skip

@@ -91,11 +91,11 @@ EXTENSION = Extension(
                     "dashpot.extensions.materials.csr.datamodel:CSRTest": "",
                     "dashpot.extensions.materials.csr.aging_plan:AgingPlan": "",
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.figure:csr",
-                    "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.figure:draw_aged_force",
+                    "dashpot.extensions.materials.csr.lifetime_prediction:AgingPrediction": "dashpot.extensions.materials.csr.figure:draw_aged_force",
                 },
                 pages={
                     "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.page:page",
-                    "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.page:lay_out_aged",
+                    "dashpot.extensions.materials.csr.lifetime_prediction:AgingPrediction": "dashpot.extensions.materials.csr.page:lay_out_aged",
                 },
                 app_form="dashpot.extensions.materials.csr.app_form",
                 checks="dashpot.extensions.materials.csr.checks",
@@ -126,7 +126,7 @@ EXTENSION = Extension(
     handlers={
         "bound value": {
             "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:make_life_interval",
-            "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.lifetime_prediction:make_life_interval",
+            "dashpot.extensions.materials.csr.lifetime_prediction:AgingPrediction": "dashpot.extensions.materials.csr.lifetime_prediction:make_life_interval",
         },
         "retained force": {
             "dashpot.extensions.materials.csr.datamodel:Aging": "dashpot.extensions.materials.csr.lifetime_prediction:predict_aging",
@@ -153,7 +153,7 @@ EXTENSION = Extension(
             "drop": "dashpot.extensions.materials.table_rules:has_drop",
         },
         "text": {
-            "dashpot.extensions.materials.csr.lifetime_prediction:Aged": "dashpot.extensions.materials.csr.text:render_aged",
+            "dashpot.extensions.materials.csr.lifetime_prediction:AgingPrediction": "dashpot.extensions.materials.csr.text:render_aged",
             "dashpot.extensions.materials.csr.aging_plan:AgingPlan": "dashpot.extensions.materials.csr.plan_command:format_plan",
             "dashpot.extensions.materials.cld.fit_files:CLDResult": "dashpot.extensions.materials.cld.text:cld",
             "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.text:hyperelastic",
@@ -195,7 +195,7 @@ EXTENSION = Extension(
             "dashpot.extensions.materials.cld.fit_handler:run",
             "load deflection", "load deflection", order=7,
             options=(
-                "compression", "between", "force_limits", "machine", "relaxation", "temperatures",
+                "compression", "compression_limits", "force_limits", "machine", "relaxation", "temperatures",
                 "specimen",
             ),
         ),

@@ -87,7 +87,7 @@ def _overlap(first: ModeShape, second: ModeShape) -> float:
 
 
 @criterion("distance, standard errors", "<=", source="chance exceeds it once in a hundred")
-def one_solid_explains_masses(
+def single_solid_explains_masses(
     distance: float, masses: Sequence[float], worst: tuple[float, str]
 ) -> Finding:
     """One linear model has the poles that were measured under all of the masses."""

@@ -30,7 +30,7 @@ def run(request: FitRequest) -> CommandResult:
     )
 
 
-def under_masses(request: FitRequest) -> CommandResult:
+def fit_mass_series(request: FitRequest) -> CommandResult:
     """Find the modes under each mass, and whether one solid carries them all."""
     masses, files = request["mass"], request.files
     if len(masses) != len(files):

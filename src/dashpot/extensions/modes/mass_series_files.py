@@ -16,7 +16,7 @@ from dashpot.base.result_mixins import HasVerdict, Series, collect_columns
 from dashpot.base.serialisation import Key, Serialisable
 from dashpot.base.units import convert_to_unit, format_quantity
 from dashpot.datamodel.structure import FRFSet
-from dashpot.extensions.modes.checks import one_solid_explains_masses
+from dashpot.extensions.modes.checks import single_solid_explains_masses
 from dashpot.extensions.modes.mass_series import SeveralMasses, several_masses
 from dashpot.extensions.modes.measured_modes import MeasuredMode, MeasuredModes, modes_of
 from dashpot.extensions.modes.read_frf_set import read_frfs
@@ -57,8 +57,8 @@ class MassSeriesModes(HasChecks, HasVerdict, Serialisable):
     --------
     >>> import dashpot as dp
     >>> light, heavy = dp.simulate("impact", mass="90g"), dp.simulate("impact", mass="120g")
-    >>> found = dp.fit(light.frf(), heavy.frf(), mass=["90g", "120g"], seals=2)
-    >>> found.verdict.use in ("use", "use with care", "do not use")
+    >>> result = dp.fit(light.frf(), heavy.frf(), mass=["90g", "120g"], seals=2)
+    >>> result.verdict.use in ("use", "use with care", "do not use")
     True
     """
 
@@ -189,7 +189,7 @@ def fit_modes_by_mass(
         for mass, test in zip(masses, tests, strict=True)
         for check in test.frf.checks
     ]
-    single_model_check = one_solid_explains_masses(
+    single_model_check = single_solid_explains_masses(
         new_masses.distance, masses, (masses[new_masses.worst], modes_by_mass)
     )
     return MassSeriesModes(tests, new_masses, (single_model_check, *checks))

@@ -115,7 +115,7 @@ class MeasuredModes(Modes):
         Highest order of the stabilisation chart.
     mac : tuple of tuple of float
         Modal assurance criterion of every mode with every other; empty of a single point.
-    against : tuple of SameMode
+    matched_modes : tuple of SameMode
         The modes of another set that these are found in again.
     """
 
@@ -127,14 +127,14 @@ class MeasuredModes(Modes):
     points: tuple[str, ...] = ()
     highest_order: int = 0
     mac: tuple[tuple[float, ...], ...] = ()
-    against: tuple[SameMode, ...] = ()
+    matched_modes: tuple[SameMode, ...] = ()
 
     @property
-    def sound(self) -> str:
+    def _headline(self) -> str:
         """Change of the first mode between two tests, as a sentence."""
-        if not self.against:
-            return super().sound
-        matched_mode = self.against[0]
+        if not self.matched_modes:
+            return super()._headline
+        matched_mode = self.matched_modes[0]
         mode = self.modes[matched_mode.mode - 1]
         change = 100 * (matched_mode.frequency_hz / mode.frequency_hz - 1)
         return (
@@ -219,7 +219,9 @@ def modes_of(
             "expected the same ones, in the same order"
         )
     repeat_modes = against.per_force(mass=_UNIT).modes(band=search_band)
-    return replace(modes, against=_match_modes(shapes, repeat_modes, has_several_points)), chart
+    return replace(
+        modes, matched_modes=_match_modes(shapes, repeat_modes, has_several_points)
+    ), chart
 
 
 def _select_checked_frf(

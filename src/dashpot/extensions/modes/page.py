@@ -41,7 +41,7 @@ def masses_page(modes: MassSeriesModes) -> KindPage:
             ),
         ),
         indicators=make_indicators(
-            modes.checks, Topic("FRFs"), Topic("One model", {"one_solid_explains_masses"})
+            modes.checks, Topic("FRFs"), Topic("One model", {"single_solid_explains_masses"})
         ),
         figure_title="The response under each mass",
         picture=modes.plot(),

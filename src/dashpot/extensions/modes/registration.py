@@ -62,7 +62,7 @@ EXTENSION = Extension(
         ),
         FitRow(
             "masses", "dashpot.extensions.modes.api:fit_mass_series",
-            "dashpot.extensions.modes.fit_handler:under_masses",
+            "dashpot.extensions.modes.fit_handler:fit_mass_series",
             "FRFs under several masses", "FRFs under several masses", order=4,
             options=("mass", "seals", "band"),
         ),

@@ -17,7 +17,7 @@ from dashpot.reading.readers.channels import Channel, OpenedFile, find_mass_moti
 from dashpot.reading.readers.impact import (
     find_record_starts,
     join_record_starts,
-    loaded_whole,
+    load_complete_columns,
     refuse_same,
 )
 
@@ -64,7 +64,7 @@ def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
         channels_chosen = _choose_channels(file)
-        loaded_columns, columns = loaded_whole(file, channels_chosen)
+        loaded_columns, columns = load_complete_columns(file, channels_chosen)
         base, mass = columns[-2:]
         refuse_same(file, channels_chosen, [base, mass])
         starts, notes, rate = (

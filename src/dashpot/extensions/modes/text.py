@@ -47,7 +47,7 @@ def modes(modes: MeasuredModes) -> Text:
     lines = [*(table(rows) if modes.modes else ()), band_text, *unit]
     if modes.points and modes.modes:
         lines += ["", *_format_shapes(modes), "", *_format_macs(modes)]
-    if modes.against:
+    if modes.matched_modes:
         lines += ["", *_format_matched_modes(modes)]
     return Text(lines)
 
@@ -75,7 +75,7 @@ def _format_macs(measured_modes: MeasuredModes) -> list[str]:
 def _format_matched_modes(measured_modes: MeasuredModes) -> list[str]:
     """Return the modes common with another test."""
     rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
-    for mode in measured_modes.against:
+    for mode in measured_modes.matched_modes:
         change = mode.frequency_hz / measured_modes.modes[mode.mode - 1].frequency_hz - 1
         rows.append(
             [

@@ -13,7 +13,7 @@ from dashpot.base import dataclass
 from dashpot.base.arrays import ComplexArray, FloatArray
 
 NODES = 40
-"""Nodes of the rule that integrates the history: a ramp is a few time constants long."""
+"""Nodes of the quadrature of the hereditary integral; a ramp lasts a few time constants."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Coefficients:
         return speed * (self.z(t) - self.z(t - c))
 
     def eq_5(self, t: FloatArray, *, speed: float, c: float) -> FloatArray:
-        r"""Eqs. (4) and (5), for t > c: one in stress, one in force, the same sum.
+        r"""Eqs. (4) and (5), for t > c: the same sum, in stress and in force.
 
         .. math:: A [k_\infty c - \sum_j b_j e^{-t/\tau_j} (1 - e^{c/\tau_j})]
         """
@@ -71,7 +71,7 @@ class Coefficients:
         return np.asarray(speed * (self.k_inf * c - arms))
 
     def hereditary(self, t: float, *, speed: float, c: float) -> float:
-        r"""Return the integral that eqs. (1) to (5) solve, by Gauss's rule, N.
+        r"""Return the hereditary integral of eqs. (1) to (5), by Gauss-Legendre quadrature, N.
 
         .. math:: \int_0^{\min(t, c)} A \Big[k_\infty + \sum_j k_j e^{-(t - s)/\tau_j}\Big] ds
         """
@@ -82,7 +82,7 @@ class Coefficients:
         kernel = self.k_inf + sum(k * np.exp(-quadrature_time / tau) for k, tau in arms)
         return float(speed * 0.5 * end * (weights @ kernel))
 
-    # -- the mass on its seals --------------------------------------------------------------------
+    # -- mass on seals ----------------------------------------------------------------------------
 
     def _polynomials(self, m: float) -> tuple[FloatArray, FloatArray]:
         """Numerator and denominator of eq. (6), highest power of s first."""
@@ -107,7 +107,7 @@ class Coefficients:
         return np.asarray(np.roots(self._polynomials(mass)[1]), dtype=complex)
 
     def eq_7(self, omega: FloatArray, *, mass: float) -> FloatArray:
-        """Eq. (7) without the sign of its factor: the accelerance's magnitude, 1/kg."""
+        """Eq. (7) without its sign: magnitude of the accelerance, 1/kg."""
         k0, (k1, k2), (b1, b2), (t1, t2) = self.k_inf, self.k, self.b, self.tau
         w = omega
         numerator = np.sqrt((1 - t1 * t2 * w**2) ** 2 + (t1 + t2) ** 2 * w**2)

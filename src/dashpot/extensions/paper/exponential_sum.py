@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray, FrozenArrays, same_length, samples
+from dashpot.base.arrays import FloatArray, FrozenArrays, require_same_length, validate_samples
 from dashpot.base.errors import DataError, FitError
 from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.numerics.exponential_fit import OptimalityCertificate, certificate, solve
@@ -101,9 +101,9 @@ def exponential_sum(
     """
     if terms < 1:
         raise FitError(f"terms = {terms}; expected at least one exponential")
-    abscissa, values = samples("x", x, minimum=3), samples("y", y)
-    root = None if weights is None else samples("weights", weights)
-    same_length(x=abscissa, y=values, weights=root)
+    abscissa, values = validate_samples("x", x, minimum=3), validate_samples("y", y)
+    root = None if weights is None else validate_samples("weights", weights)
+    require_same_length(x=abscissa, y=values, weights=root)
     if len(abscissa) < 2 * terms + constant:
         raise DataError(
             f"{len(abscissa)} samples cannot determine {2 * terms + constant} parameters; fit "

@@ -60,7 +60,7 @@ def paper_pictures(reproduction: Reproduction) -> dict[str, Picture]:
     """Return the paper's figures by file name: 2, 4 and 6."""
     fits = [
         (f"N = {hold_fit.solid.arms}", hold_fit.time, hold_fit.force)
-        for hold_fit in (reproduction.one_arm, reproduction.two_arms)
+        for hold_fit in (reproduction.single_arm, reproduction.two_arms)
     ]
     study = reproduction.study
     assert study.comparison is not None  # noqa: S101

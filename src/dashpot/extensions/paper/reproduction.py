@@ -20,7 +20,7 @@ from dashpot.base.reported_values import ReportedValue
 from dashpot.base.serialisation import EVERY_FIELD, Key, Serialisable
 from dashpot.base.units import convert_to_unit
 from dashpot.base.version import byline
-from dashpot.datamodel.fit import Fit, list_known_values
+from dashpot.datamodel.fit import Fit, list_model_values
 from dashpot.datamodel.frf import Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.extensions.paper.equations import Coefficients
@@ -173,7 +173,7 @@ class Reproduction(Serialisable):
         Where accelerance and receptance are highest: Hz, and 1/kg or m/N.
     mode : (float, float)
         Natural frequency, Hz, and damping ratio of the oscillating pole.
-    one_arm, two_arms, quantised : HoldFit
+    single_arm, two_arms, quantised : HoldFit
     ideal : RelaxationTest
     rig, hammer : SimulatedRelaxation, SimulatedImpact
     study : Study
@@ -191,7 +191,7 @@ class Reproduction(Serialisable):
         "peak",
         "receptance_peak",
         "mode",
-        "one_arm",
+        "single_arm",
         "two_arms",
         "quantised",
     )
@@ -204,7 +204,7 @@ class Reproduction(Serialisable):
     peak: tuple[float, float]
     receptance_peak: tuple[float, float]
     mode: tuple[float, float]
-    one_arm: HoldFit
+    single_arm: HoldFit
     two_arms: HoldFit
     quantised: HoldFit
     ideal: RelaxationTest
@@ -272,7 +272,7 @@ def reproduce(seed: int = 0) -> Reproduction:
         peak=top,
         receptance_peak=lower,
         mode=(mode.frequency, mode.damping_ratio),
-        one_arm=hold_fit,
+        single_arm=hold_fit,
         two_arms=two,
         quantised=quantised_fit,
         ideal=noise_free_test,
@@ -577,7 +577,7 @@ def _get_facts_by_name(fit: Fit | None) -> dict[str, ReportedValue]:
     return (
         {}
         if fit is None
-        else {reported_value.name: reported_value for reported_value in list_known_values(fit)}
+        else {reported_value.name: reported_value for reported_value in list_model_values(fit)}
     )
 
 

@@ -63,25 +63,25 @@ class PluggedTest(EqualByValue, HasSummary):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
+class PluginFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """Result of a plug-in: its numbers and checks, under its own name.
 
     Attributes
     ----------
-    kind, by : str
+    kind, package : str
         The name of the plug-in; its package and version.
-    found : tuple of ReportedValue
+    reported_values : tuple of ReportedValue
     checks : tuple of Check
     notes : tuple of str
     sources : tuple of Source
     """
 
     schema = "dashpot/plugged@2"
-    _keys = ("verdict", EVERY_FIELD, Key("values", "found"))
+    _keys = ("verdict", EVERY_FIELD, Key("values", "reported_values"))
 
     kind: str
-    by: str
-    found: tuple[ReportedValue, ...]
+    package: str
+    reported_values: tuple[ReportedValue, ...]
     checks: tuple[Check, ...] = ()
     notes: tuple[str, ...] = ()
     sources: tuple[Source, ...] = ()
@@ -94,4 +94,5 @@ class PluggedFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     @property
     def _headline(self) -> str:
         """First number of the result, and its plug-in."""
-        return f"{self.found[0].text}, by '{self.kind}' of {self.by}, not verified by dashpot"
+        first_value = self.reported_values[0].text
+        return f"{first_value}, by '{self.kind}' of {self.package}, not verified by dashpot"

@@ -7,25 +7,25 @@ import math
 import numpy as np
 
 from dashpot.base.reported_values import ReportedValue
-from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.extensions.plugins.datamodel import PluginFit
 from dashpot.plot.picture import FIT, Dots, Line, Panel, Picture, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
 
 _HEIGHT = 60.0
 
 
-def draw_plugin_result(fit: PluggedFit, *, stamp: str = "") -> Picture:
+def draw_plugin_result(fit: PluginFit, *, stamp: str = "") -> Picture:
     """Return every number of a plug-in with its interval, one below the other.
 
     Parameters
     ----------
-    fit : PluggedFit
+    fit : PluginFit
     stamp : str
         Origin of the data, printed below the figure; by default the files.
     """
     origin = format_stamp(fit.sources) if fit.sources else ""
-    caption = f"Numbers of '{fit.kind}' of {fit.by}, each with its interval."
-    panels = tuple((_make_panel(reported_value),) for reported_value in fit.found)
+    caption = f"Numbers of '{fit.kind}' of {fit.package}, each with its interval."
+    panels = tuple((_make_panel(reported_value),) for reported_value in fit.reported_values)
     return Picture("plugged", caption, panels, 1, stamp or origin)
 
 

@@ -19,7 +19,7 @@ from dashpot.extensions.plugins.contract import (
     refuse_result,
     validate_keys,
 )
-from dashpot.extensions.plugins.datamodel import PluggedFit, PluggedTest
+from dashpot.extensions.plugins.datamodel import PluggedTest, PluginFit
 from dashpot.registry.plugins import Plugin, require_plugin
 
 _EXPECTED = (
@@ -30,7 +30,7 @@ _NUMBER_KEYS = ("name", "value", "unit", "error", "low", "high", "words")
 _CHECK_KEYS = ("name", "message", "passed", "grade", "remedy")
 
 
-def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
+def fit_plugged(records: Sequence[PluggedTest]) -> PluginFit:
     """Return the result of the plug-in of a kind for the columns of one file.
 
     Its function ``(columns, options)`` gets a list of ``{"name", "role", "unit", "values"}``,
@@ -72,7 +72,7 @@ def fit_plugged(records: Sequence[PluggedTest]) -> PluggedFit:
     all_checks = tuple(_check(plugin, entry) for entry in get_items(plugin, entries, "checks"))
     checks = (*all_checks, *caution_checks(list_sources(records)))
     notes = get_texts(plugin, entries, "notes")
-    return PluggedFit(
+    return PluginFit(
         plugin.name, plugin.package_version, reported_values, checks, notes, list_sources(records)
     )
 

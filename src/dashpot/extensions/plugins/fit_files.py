@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from dashpot.extensions.plugins.datamodel import PluggedFit
+from dashpot.extensions.plugins.datamodel import PluginFit
 from dashpot.extensions.plugins.fit import fit_plugged
 from dashpot.extensions.plugins.read import read_plugged
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
 
 
-def plugged_files(files: Sequence[str | Path], *, options: ReadOptions | None = None) -> PluggedFit:
+def plugged_files(files: Sequence[str | Path], *, options: ReadOptions | None = None) -> PluginFit:
     """Return the result for a file by the plug-in that ``options.kind`` names.
 
     Raises

@@ -17,7 +17,7 @@ EXTENSION = Extension(
                 fit_route="plug-in",
                 classes={
                     "dashpot.extensions.plugins.datamodel:PluggedTest": "",
-                    "dashpot.extensions.plugins.datamodel:PluggedFit": "dashpot.extensions.plugins.figure:draw_plugin_result",
+                    "dashpot.extensions.plugins.datamodel:PluginFit": "dashpot.extensions.plugins.figure:draw_plugin_result",
                 },
                 fits="dashpot.extensions.plugins.fit:fit_plugged", order=18,
         ),

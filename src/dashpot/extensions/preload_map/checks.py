@@ -171,7 +171,7 @@ def loss_factor_determined(half_width: float, *, loss_factor: float) -> Finding:
 
 
 @criterion(source="by definition", grade="note")
-def repeatability_known(repeats: int, *, is_stated: bool) -> Finding:
+def repeatability_determined(repeats: int, *, is_stated: bool) -> Finding:
     """Repeated sweeps, or the user, say how well a setting is repeated."""
     if repeats:
         text = f"{format_count(repeats, 'repeated sweep')} show the scatter between sweeps"

@@ -446,7 +446,7 @@ def _run_checks(
         checks.solid_follows_master_curve(law.misfit_ratio, misfit=law.misfit),
         *_judge_limits(preload_map),
         *check_machine(preload_map.source, float(np.abs(preload_map.value).max())),
-        checks.repeatability_known(repeats, is_stated=is_stated),
+        checks.repeatability_determined(repeats, is_stated=is_stated),
     )
 
 

@@ -39,7 +39,7 @@ def page(preload_map: PreloadMap) -> KindPage:
         ),
         indicators=make_indicators(
             preload_map.checks,
-            Topic("Records", {"repeatability_known", "part_dissipates"}),
+            Topic("Records", {"repeatability_determined", "part_dissipates"}),
             Topic(
                 "Separable", _SEPARABLE,
                 f"{len(tested_pairs)} of {len(preload_map.pairs)} pairs tested"),

@@ -7,7 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, frozen, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    EqualByValue,
+    FloatArray,
+    make_readonly_copy,
+    validate_samples,
+)
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, Step
@@ -199,10 +205,10 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
         for name in ("compressions", "compression_factor", "covariance", "frequency",
                      "amplitudes", "line_compression", "line_amplitude"):  # fmt: skip
             array = np.asarray(getattr(self, name), dtype=float)
-            object.__setattr__(self, name, frozen(array))
+            object.__setattr__(self, name, make_readonly_copy(array))
         for name in ("amplitude_factor", "value"):
             array = np.asarray(getattr(self, name), dtype=complex)
-            object.__setattr__(self, name, frozen(array))
+            object.__setattr__(self, name, make_readonly_copy(array))
 
     # -- evaluation ---------------------------------------------------------------------------
 
@@ -234,7 +240,7 @@ class PreloadMap(EqualByValue, HasChecks, HasVerdict, Serialisable):
             if isinstance(frequency, str)
             else np.atleast_1d(np.asarray(frequency, dtype=float))
         )
-        f = samples("frequency", f)
+        f = validate_samples("frequency", f)
         for end in (float(f.min()), float(f.max())):
             _require_within("frequency", end, self.band, "Hz", SAME_TONE)
         c, X = self._convert_place(compression, amplitude)

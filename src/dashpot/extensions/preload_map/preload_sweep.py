@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import ComplexArray, EqualByValue, FloatArray, complex_samples, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    EqualByValue,
+    FloatArray,
+    validate_complex_samples,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series
@@ -52,9 +58,13 @@ class PreloadSweep(EqualByValue):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        frequency = samples("frequency", self.frequency)
-        value = complex_samples("value", self.value)
-        weight = np.ones(len(frequency)) if self.weight is None else samples("weight", self.weight)
+        frequency = validate_samples("frequency", self.frequency)
+        value = validate_complex_samples("value", self.value)
+        weight = (
+            np.ones(len(frequency))
+            if self.weight is None
+            else validate_samples("weight", self.weight)
+        )
         if not len(frequency) == len(value) == len(weight):
             raise DataError(
                 f"{len(frequency)} frequencies, {len(value)} stiffnesses and {len(weight)} "

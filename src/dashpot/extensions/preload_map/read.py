@@ -371,7 +371,7 @@ def _load_file(
     if recognised_file.kind in _LOOPS:
         read_keywords: dict[str, Any] = {} if options is None else {"options": options}
         loops = require_handler("read record", recognised_file.kind)(path, read_keywords, {})
-        if loops.unit != "N/m" or loops.of != "m":
+        if loops.unit != "N/m" or loops.amplitude_unit != "m":
             raise ReadError(f"{Path(path).name}: expected loops of force and displacement")
         is_settled = _find_settled_loops(loops.frequency, loops.amplitude)
         return _StiffnessTable(

@@ -261,7 +261,7 @@ def make_profiles(job: Job) -> dict[str, bytes]:
     return {f"profiles/{sha256(text)[:NAME]}.toml": text for text in texts}
 
 
-# -- the files that a job names -------------------------------------------------------------------
+# -- Files of a job -------------------------------------------------------------------------------
 
 
 def list_paths(job: Job) -> tuple[str, ...]:

@@ -129,7 +129,7 @@ def _find_unlisted_files(project: Project, history: History) -> list[str]:
     return sorted({path.relative_to(project.folder).as_posix() for path in complete_files} - names)
 
 
-# -- the work, done again -------------------------------------------------------------------------
+# -- Recomputation --------------------------------------------------------------------------------
 
 
 def _compare_with_rerun(
@@ -255,7 +255,7 @@ def _compare_with_former(
     version = line.software.get("dashpot", "another version")
     reasons = {name: reason for name, reason in REVISED_NUMBERS.items() if name in revised_keys}
     return [
-        verification_checks.former_result_recomputed(worst, location, line.line, version),
+        verification_checks.earlier_result_reproduced(worst, location, line.line, version),
         verification_checks.uncertainty_unrevised(reasons, line.line, version),
     ]
 

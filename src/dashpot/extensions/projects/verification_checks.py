@@ -165,7 +165,7 @@ def result_recomputed(largest_difference: float, location: str, number: int) -> 
 @criterion(
     "relative difference", "<=", SAME_NUMBER_TOLERANCE, "as of `result_recomputed`", grade="limit"
 )
-def former_result_recomputed(
+def earlier_result_reproduced(
     largest_difference: float, location: str, number: int, version: str
 ) -> Finding:
     """The model of an earlier version can be recomputed from the raw files of its result."""

@@ -193,8 +193,8 @@ def _format_nonlinear_cards(deck: Deck, number: int) -> list[str]:
     curve = deck.nonlinear_elements.compute_curve(_MAX_POINTS - 1, k=deck.k_inf)
     if not curve[1][1] > 0:
         raise ExportError(
-            "COMBIN39 must rise at its origin, and beside a spring that softens there is no k_inf "
-            "that makes it; those that hold such: --to "
+            "COMBIN39 must rise at its origin, but k_inf does not exceed the softening of the "
+            "cubic spring; use a target that supports it: --to "
             f"{', '.join(name for name in CARRIERS if name != 'ansys')}"
         )
     values = [text(value) for pair in curve for value in pair]

@@ -7,7 +7,13 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import Kind, Mode
@@ -287,9 +293,9 @@ def _compute_white_response(
 
 
 def _read_table(frequency: npt.ArrayLike, psd: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
-    f = increasing("frequency", samples("frequency", frequency, minimum=2))
-    table = samples("psd", psd, minimum=2)
-    same_length(frequency=f, psd=table)
+    f = require_increasing("frequency", validate_samples("frequency", frequency, minimum=2))
+    table = validate_samples("psd", psd, minimum=2)
+    require_same_length(frequency=f, psd=table)
     if f[0] <= 0 or (table < 0).any():
         raise DataError("a table of psd needs frequencies > 0 Hz and densities >= 0")
     return f, table

@@ -6,7 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import BoolArray, EqualByValue, FloatArray, frozen, samples
+from dashpot.base.arrays import (
+    BoolArray,
+    EqualByValue,
+    FloatArray,
+    make_readonly_copy,
+    validate_samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
@@ -40,7 +46,7 @@ class FreeModes(EqualByValue):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        f = samples("frequency", self.frequency)
+        f = validate_samples("frequency", self.frequency)
         positions = np.array(self.place, dtype=float)
         shape = np.array(self.shapes, dtype=float)
         if (
@@ -65,7 +71,7 @@ class FreeModes(EqualByValue):
             )
         checked = {"frequency": f, "place": positions, "shapes": shape, "damping_ratio": zeta}
         for name, value in checked.items():
-            object.__setattr__(self, name, frozen(value))
+            object.__setattr__(self, name, make_readonly_copy(value))
 
     def __len__(self) -> int:
         return len(self.frequency)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, FrozenArrays, samples
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, FrozenArrays, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.datamodel.frf import FRF, Kind
@@ -108,7 +108,8 @@ def response_at_level(
     if isinstance(level, str):
         level = convert_to_si(level, "force" if force is not None else "length")
     f, levels = np.broadcast_arrays(
-        samples("frequency", np.atleast_1d(frequency)), samples("level", np.atleast_1d(level))
+        validate_samples("frequency", np.atleast_1d(frequency)),
+        validate_samples("level", np.atleast_1d(level)),
     )
     if (levels <= 0).any() or (f <= 0).any():
         raise DataError("frequency and amplitude must be above 0")
@@ -230,7 +231,7 @@ def backbone(
     without_friction = with_friction(system)
     mount = without_friction[0] if mount is None else mount
     rows = []
-    for X in samples("amplitude", np.atleast_1d(amplitude)).tolist():
+    for X in validate_samples("amplitude", np.atleast_1d(amplitude)).tolist():
         shares = np.ones(len(without_friction))
         for _ in range(100):
             mounts = list(system.mounts)

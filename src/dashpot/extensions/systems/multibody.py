@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
@@ -410,7 +410,7 @@ class System:
         shift : float
             Decay of an exponential window, 1/s: evaluates at :math:`s = j\omega + a`.
         """
-        f = samples("frequency", frequency)
+        f = validate_samples("frequency", frequency)
         s = 2j * np.pi * f + shift
         H = self.receptance(s) @ self.participation(force) @ self.participation(response)
         return FRF.from_receptance(f, H, kind=kind, shift=shift)
@@ -430,7 +430,7 @@ class System:
         frequency : array_like, shape (f,)
             Hz.
         """
-        s = 2j * np.pi * samples("frequency", frequency)
+        s = 2j * np.pi * validate_samples("frequency", frequency)
         if base not in self.base_dofs:
             raise DataError(f"'{base}' is no ground motion; known: {', '.join(self.base_dofs)}")
         G = self.base_stretch[:, self.base_dofs.index(base)]

@@ -18,10 +18,9 @@ def format_shaken_mass(prediction: Prediction) -> list[str]:
     band, response = mass.band, mass.response
     band_text = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     sentence = (
-        f"  shaken by {mass.of}{band_text}, the mass has {response.acceleration:.4g} m/s^2 rms and "
-        f"the seals move {format_quantity(response.stretch, 'mm')} rms, {response.crossings:.4g} "
-        "times a "
-        "second"
+        f"  shaken by {mass.excitation}{band_text}, the mass has {response.acceleration:.4g} "
+        f"m/s^2 rms and the seals move {format_quantity(response.stretch, 'mm')} rms, "
+        f"{response.crossings:.4g} times a second"
     )
     lines = [sentence]
     if (limits := mass.limits) is not None:

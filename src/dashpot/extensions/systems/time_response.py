@@ -13,9 +13,9 @@ from dashpot.base.arrays import (
     FloatArray,
     FrozenArrays,
     IndexArray,
-    increasing,
-    same_length,
-    samples,
+    require_increasing,
+    require_same_length,
+    validate_samples,
 )
 from dashpot.base.errors import DataError
 from dashpot.extensions.systems.multibody import Point, System
@@ -174,7 +174,7 @@ def respond(
     base : mapping
         From a ground motion such as ``"ground.z"`` to m (or rad), each of shape (t,).
     """
-    t = increasing("time", samples("time", time, minimum=2))
+    t = require_increasing("time", validate_samples("time", time, minimum=2))
     F = np.zeros((len(system.dofs), len(t)))
     for point, values in (force or {}).items():
         F += np.outer(
@@ -250,12 +250,12 @@ def _compute_step_matrices(
 
 
 def _validate_history(owner: str, values: npt.ArrayLike, t: FloatArray) -> FloatArray:
-    history = samples(owner, values)
-    same_length(time=t, **{owner: history})
+    history = validate_samples(owner, values)
+    require_same_length(time=t, **{owner: history})
     return history
 
 
-# Complex modes, by two methods that must agree.
+# Complex modes, computed by two methods.
 
 
 _RIGID = 1e-6

@@ -13,9 +13,9 @@ from dashpot.base.arrays import (
     ComplexArray,
     EqualByValue,
     FloatArray,
-    complex_samples,
-    frozen,
-    samples,
+    make_readonly_copy,
+    validate_complex_samples,
+    validate_samples,
 )
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source, Step
@@ -194,14 +194,18 @@ class TransferStiffness(EqualByValue, HasChecks, HasVerdict, Serialisable):
     steps: tuple[Step, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "frequency", samples("frequency", self.frequency))
+        object.__setattr__(self, "frequency", validate_samples("frequency", self.frequency))
         for name in ("value", "transmissibility", "indirect"):
             values = getattr(self, name)
             if values is not None:
-                object.__setattr__(self, name, complex_samples(name, values))
+                object.__setattr__(self, name, validate_complex_samples(name, values))
         for name in ("limits", "loss_factor_limits"):
-            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
-        object.__setattr__(self, "blocked", frozen(np.asarray(self.blocked, dtype=bool)))
+            object.__setattr__(
+                self, name, make_readonly_copy(np.asarray(getattr(self, name), dtype=float))
+            )
+        object.__setattr__(
+            self, "blocked", make_readonly_copy(np.asarray(self.blocked, dtype=bool))
+        )
 
     @property
     def interval_note(self) -> str:

@@ -36,7 +36,7 @@ MIN_CORRELATED_KAPPA = 20.0
     grade="stop",
     fit_status=Status.NOT_CONVERGED,
 )
-def optimum_found(*, stationary: bool) -> Finding:
+def optimiser_converged(*, stationary: bool) -> Finding:
     """The optimiser converged to an optimum."""
     return Finding(
         "The optimiser ended at an optimum",

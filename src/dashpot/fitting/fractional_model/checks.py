@@ -6,7 +6,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.errors import Status
 from dashpot.datamodel.fit_diagnostics import Alternative
 
-#: frequencies at which parts of a car or a machine vibrate and are heard end about here, Hz
+#: upper end of the usual frequencies of structure-borne vibration, Hz
 MAX_HEARD_FREQUENCY = 100.0
 #: a part of the stiffness, and of the loss factor, that is worth telling
 MIN_STIFFNESS_DIFFERENCE, MIN_LOSS_DIFFERENCE = 0.02, 0.1

@@ -52,8 +52,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # so the rows of a stack are asked once, and any trial of tau and alpha is a product with weights.
 
 
-# step of ln tau of the columns, and how far beyond the window of a stack they stand: an arm that
-# far out is a spring or nothing
+# Step in ln tau of the columns, and their range outside the window of the data: an arm beyond it
+# acts as a spring or not at all.
 GRID_STEP, GRID_MARGIN = 0.2, float(np.log(1e3))
 # slopes between which elements are sought: nearly a spring, and nearly an arm
 ALPHA_RANGE = (0.05, 0.92)
@@ -180,7 +180,7 @@ def fractional_jacobian(
 # the other are within what chance allows, it is kept: the two may part where no test has looked.
 
 
-# fall of BIC below which arms keep their place
+# Decrease of BIC below which the generalized Maxwell model is kept.
 DECISIVE_FAMILY_BIC = 10.0
 #: what distinguishes two families that explain ramps and holds, and sweeps
 FAMILY_ADVICE = "A faster ramp, a colder test or a hammer test"
@@ -291,7 +291,7 @@ def fit_fractional(data: FitData) -> FractionalFit:
     return FractionalFit(data, estimate, (), None, None, best)
 
 
-# -- beside the arms ------------------------------------------------------------------------------
+# -- Comparison with the generalized Maxwell model ------------------------------------------------
 
 
 class AlternativeFamily(NamedTuple):

@@ -38,13 +38,13 @@ MAX_ERROR = 0.025, 0.1
     other_grade="stop beyond 20, and 0.5",
     fit_status=Status.TESTS_DISAGREE,
 )
-def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> Finding:
+def lines_explained(scale: float, *, has_absolute_sd: bool, coherent: bool = False) -> Finding:
     """The model fits the FRF to within its scatter."""
     reason = "A second mode, leakage or amplitude may cause this"
     advice = Remedy(
         "Check the mass and its unit. Then narrow the band, or allow more arms.", "band"
     )
-    if known_sd:
+    if has_absolute_sd:
         return Finding(
             f"The model misses the FRF by {scale:.2g} times its noise",
             scale,
@@ -205,7 +205,7 @@ def _plausible(quantity: str, end_status: Status | None = None) -> Believable:
     return evaluate
 
 
-# a mass beyond belief is another than that on the balance: hammer and balance disagree
+# An implausible fitted mass: hammer and balance disagree.
 mass_plausible = _plausible("mass", Status.TESTS_DISAGREE)
 gain_plausible, delay_plausible, stiffness_plausible = map(
     _plausible, ("gain", "delay", "stiffness")

@@ -45,7 +45,7 @@ from dashpot.numerics.inference.model_order import DECISIVE_BIC
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 
-#: what the model lacks may decide between causes by this part of what they explain
+#: relative error of the explained deviance, from the imperfect model
 MODEL_ERROR_SHARE = 0.02
 TOLERANCE = 1e-11
 # standard errors beyond which a stiffness is said to be another
@@ -240,7 +240,7 @@ def agreement(candidate: Candidate, priors: NuisancePriors | None = None) -> lis
     all_checks = [
         checks.lines_explained(
             candidate.line_scale,
-            known_sd=frf_data.known_sd,
+            has_absolute_sd=frf_data.has_absolute_sd,
             coherent=frf_data.lines.coherence is not None,
         )
     ]

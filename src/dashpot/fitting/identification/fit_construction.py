@@ -32,7 +32,7 @@ from dashpot.datamodel.parameter_estimate import (
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.datamodel.shift_factors import TemperatureShifts
 from dashpot.datamodel.specimen import Specimen
-from dashpot.fitting.checks.solid import optimum_found
+from dashpot.fitting.checks.solid import optimiser_converged
 from dashpot.fitting.fit_construction import SolidEstimate, build_fit
 from dashpot.fitting.fractional_model.checks import (
     fractional_model_suffices,
@@ -59,7 +59,7 @@ from dashpot.solids.maxwell import Solid
 # best is reported beside it.
 
 
-# what would distinguish families that explain a hammer alone, and with relaxation tests
+# Tests that would distinguish the model families, for a hammer test and for a joint fit.
 _HAMMER_ADVICE, _JOINT_ADVICE = (
     "a relaxation test of the seal",
     "a colder test or a hammer on another mass",
@@ -189,7 +189,7 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 # A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
 
 
-# of the decay of a window, over which the response is differenced
+# Step of the finite difference by the decay rate of a window, in its standard errors.
 _DECAY_STEP = 1e-3
 
 
@@ -258,7 +258,7 @@ def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
 # Construction of a fit: errors, nuisances, changes.
 
 
-# arms nearer than this in ln tau are the same arm
+# Distance in ln tau below which two arms count as the same.
 SAME_ARM_DISTANCE = 1.0
 
 
@@ -669,7 +669,7 @@ def _run_checks(
     in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
     leading_explanation = None if discrepancy is None else discrepancy.explanations[0]
-    all_checks = [optimum_found(stationary=best.optimum.stationary)]
+    all_checks = [optimiser_converged(stationary=best.optimum.stationary)]
     requested_checks = agreement(best, None if discrepancy is None else discrepancy.priors)
     if earlier_fit is not None:
         check = checks.tests_agree(leading_explanation)

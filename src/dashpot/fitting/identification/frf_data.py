@@ -34,7 +34,7 @@ class FRFData:
         Accelerance.
     sd : array, shape (n,)
         Standard deviation of real and imaginary part, what leakage leaves included.
-    known_sd : bool
+    has_absolute_sd : bool
         False if the scatter is unknown, so that lines count by their relative misfit, or by
         their shares of it where there is a coherence.
     seals : float
@@ -49,7 +49,7 @@ class FRFData:
 
     lines: FRF
     sd: FloatArray
-    known_sd: bool
+    has_absolute_sd: bool
     seals: float
     peak_hz: float
     kind: Kind = Kind.ACCELERANCE

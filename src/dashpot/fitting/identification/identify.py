@@ -42,7 +42,7 @@ from dashpot.fitting.identification.parametrisation import (
     FractionalElement,
     with_dashpot,
 )
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.fitting.identification.problem_inputs import (
     PriorTests,
     find_operating_point,
@@ -61,7 +61,7 @@ from dashpot.registry import call_handler
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# a criterion this much above the best ends the search for more arms
+# Excess of the criterion over its best value that ends the search for more arms.
 MAX_CRITERION_RISE = 6.0
 # a fractional element lies in a narrow valley of slope and relaxation time: so many starts along it
 ELEMENT_STARTS = 4
@@ -88,7 +88,7 @@ def identify(
     arms: int | Literal["auto"] = "auto",
     family: FamilyOption = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
-    known: KnownSolid = KnownSolid(),  # noqa: B008
+    solid_prior: SolidPrior = SolidPrior(),  # noqa: B008
     bench: FitOptions = FitOptions(),  # noqa: B008
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
@@ -129,7 +129,7 @@ def identify(
         earlier fit without its tests is a prior of its own family alone.
     rig : HammerRig
         How well mass and channels are known.
-    known : KnownSolid
+    solid_prior : SolidPrior
         What the solid must also obey, and whether it has a dashpot beside its arms.
     bench : FitOptions
         How the tests are fitted that no earlier fit is of.
@@ -158,9 +158,9 @@ def identify(
         records, fit, convert_to_si(temperature, "temperature"), family, bench
     )
     point = find_operating_point(prior_tests.primary_fit, mass, seals, compression)
-    priors, constraints = make_priors(mass, rig, point), make_constraints(known, prior_tests)
+    priors, constraints = make_priors(mass, rig, point), make_constraints(solid_prior, prior_tests)
     full_problem = IdentificationProblem(prior_tests.relaxations, frf_data, priors, constraints)
-    parallel_dashpot = known.parallel_dashpot
+    parallel_dashpot = solid_prior.parallel_dashpot
     dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
     numbers = list_arm_counts(arms, prior_tests.arms)
@@ -238,7 +238,7 @@ def _run_final_descent(problem: IdentificationProblem, theta: FloatArray) -> Can
     return replace(candidate, optimum=replace(candidate.optimum, stationary=stationary))
 
 
-# -- the best solid of either family ----------------------------------------------------------
+# -- Best model of each family ----------------------------------------------------------------
 
 
 def _select_best(
@@ -302,7 +302,7 @@ def _fit_fractional(
     return min(attempts, key=lambda candidate: candidate.bic)
 
 
-# -- the best solid for each number of arms ---------------------------------------------------
+# -- Best model for each number of arms -------------------------------------------------------
 
 
 def _solve_every_order(
@@ -554,7 +554,7 @@ def _extend_reach(
     """Return the problems, of computed lines with slower arms: these have no scatter."""
     identification_problem = problems[-1]
     if (
-        identification_problem.frf_data.known_sd
+        identification_problem.frf_data.has_absolute_sd
         or identification_problem.relaxations
         or identification_problem.constraints.before is not None
     ):

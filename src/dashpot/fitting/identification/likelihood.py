@@ -52,7 +52,7 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.mass_on_seals import Response, TruncationLoss, residues, ringing_pole
 
-# one unit of a parameter that is no logarithm, s and Hz: of the order of what channels differ by
+# Units of the parameters that are no logarithms, s and Hz: typical differences between channels.
 LINEAR_UNITS = {"delay": 1e-4, "high_pass": 1.0}
 # arms are sought this far, as a factor in time, beyond what the lines and tests could show
 TAU_MARGIN = 3.0
@@ -473,7 +473,7 @@ class ModelPrediction:
             yield constraints.damping_ratio.standardise(-pole.real / pole_magnitude, slope)
 
 
-# -- the optimum ------------------------------------------------------------------------------
+# -- Optimum ----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -603,7 +603,7 @@ class Candidate:
         """Factor on the standard deviation of the lines that explains the misfit."""
         dof = max(2 * len(self.problem.frf_data.lines.s) - len(self.theta), 1)
         rms = float(np.sqrt(self.line_misfit / dof))
-        return max(rms, 1.0 if self.problem.frf_data.known_sd else SMALLEST_SCATTER)
+        return max(rms, 1.0 if self.problem.frf_data.has_absolute_sd else SMALLEST_SCATTER)
 
     def copy_with_scale(self, scale: float) -> Candidate:
         """Return the candidate with its covariance scaled by the scatter of the lines."""

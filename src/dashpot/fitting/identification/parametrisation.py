@@ -30,7 +30,7 @@ from dashpot.numerics.inference.model_order import is_well_determined
 from dashpot.solids.fractional import FractionalZener, compute_arm_weights
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-# arms that lose this many powers of e are gone
+# Smallest stiffness in the logarithmic parametrisation, relative to k_0.
 ZERO_STIFFNESS_SHARE = 1e-9
 # share of the stiffness below which an arm or an element is dropped
 MIN_STIFFNESS_SHARE = 1e-6

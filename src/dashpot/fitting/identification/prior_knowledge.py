@@ -77,7 +77,7 @@ class HammerRig:
 
 
 @dataclass(frozen=True)
-class KnownSolid:
+class SolidPrior:
     r"""Prior knowledge of the solid under a mass (Zhang and Richards 2007).
 
     Each of the three is a value, which is exact, or a value and its standard deviation; the fields
@@ -109,20 +109,25 @@ class KnownSolid:
         None,
         "Static stiffness of one seal.",
         unit="stiffness",
-        under="prior",
-        former="known",
+        keyed_flag="prior",
+        hidden_alias="known",
         key="stiffness",
     )
     natural_frequency: float | tuple[float, float] | None = option(
         None,
         "Natural frequency.",
         unit="frequency",
-        under="prior",
-        former="known",
+        keyed_flag="prior",
+        hidden_alias="known",
         key="frequency",
     )
     damping_ratio: float | tuple[float, float] | None = option(
-        None, "Damping ratio.", above=0.0, under="prior", former="known", key="damping"
+        None,
+        "Damping ratio.",
+        exclusive_minimum=0.0,
+        keyed_flag="prior",
+        hidden_alias="known",
+        key="damping",
     )
 
     def __post_init__(self) -> None:

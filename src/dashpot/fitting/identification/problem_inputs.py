@@ -13,7 +13,7 @@ from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.relaxation import RampHold
 from dashpot.fitting.fit_options import FitOptions, require_maxwell_family
 from dashpot.fitting.identification.likelihood import UNCHANGED, Constraints, NuisancePriors
-from dashpot.fitting.identification.prior_knowledge import HammerRig, KnownSolid
+from dashpot.fitting.identification.prior_knowledge import HammerRig, SolidPrior
 from dashpot.fitting.input_tests import list_temperatures
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nuisance_priors import Prior
@@ -21,7 +21,7 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
 from dashpot.vibration.mass_on_seals import MassOnSeals, OperatingPoint, operating_point
 
-# a block on a workshop balance: 0.1 g of 100 g
+# Relative error of a weighed mass: 0.1 g of 100 g on a workshop balance.
 USUAL_MASS_SD = 0.001
 MAX_ARMS = 3
 
@@ -162,7 +162,7 @@ def make_priors(mass: float | None, rig: HammerRig, point: OperatingPoint | None
     )
 
 
-def make_constraints(solid_prior: KnownSolid, prior_tests: PriorTests) -> Constraints:
+def make_constraints(solid_prior: SolidPrior, prior_tests: PriorTests) -> Constraints:
     """Return the constraints on the solid: its priors, and an earlier fit without its tests."""
 
     def prior(name: str) -> Prior | None:

@@ -12,7 +12,7 @@ from dashpot.fitting.nonlinear_ramp.linearity import LinearFitQuality
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# ratio of hold residuals, jointly over alone, from which a test is of another seal
+# Ratio of the hold residuals, joint fit over separate fit, that indicates another seal.
 _CONTRADICTION = 2.0
 _NEGLIGIBLE_RESIDUAL = 0.005
 # relative distance of k_inf from the end force from which it is wrong

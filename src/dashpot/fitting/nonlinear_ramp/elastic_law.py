@@ -51,7 +51,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # Elastic law as a value, with its uncertainty.
 
 
-# a law that lowers BIC by less is as good
+# Difference of BIC below which two laws are equivalent.
 MIN_BIC_GAIN = 10.0
 
 
@@ -244,11 +244,11 @@ def get_elastic_law(optimum: RampHoldOptimum) -> ElasticLaw:
 # takes the one that BIC prefers if it also matters.
 
 
-# a law that moves the path by less than this part of the depth is not worth having: behind one of
-# .1 to 1 % that is not taken, what a linear solid leaves on the ramp doubts sound records
+# Smallest relative deviation of the elastic path from a straight line at which a nonlinear law is
+# used. A larger limit, of 0.1 to 1 %, rejected linear records.
 MIN_GAP = 5e-4
 
-# a knot of the law needs so many rows of the ramp
+# Smallest number of rows of the ramp for each knot of the law.
 _ROWS_PER_KNOT = 2
 # so many depths bear finer laws
 _MIN_DEPTHS = 3

@@ -132,7 +132,7 @@ class RampHoldOptimum:
         )
 
 
-# -- the hold alone -------------------------------------------------------------------------------
+# -- Fit of the hold ------------------------------------------------------------------------------
 
 
 def fit_hold_only(
@@ -232,7 +232,7 @@ def rounding(rows: DownsampledRows, i: int) -> float:
     return ROUNDING_SHARE * rows.peak(i)
 
 
-# -- and its ramp ---------------------------------------------------------------------------------
+# -- Fit of the ramp ------------------------------------------------------------------------------
 
 
 def build_nuisances(rows: DownsampledRows, delay: FloatArray | None = None) -> Nuisances:

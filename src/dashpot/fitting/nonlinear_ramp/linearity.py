@@ -43,8 +43,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # Test of linearity on one record.
 
 
-# a linear law is wrong if it leaves so much more than the noise on the ramp, in one sample or in
-# one independent residual, and than the hold alone in the hold
+# Limits of the residuals of a linear law: on the ramp over the noise, of one sample and of one
+# independent residual; in the hold over those of a fit of the hold.
 MAX_RAMP_RATIO, MAX_SHAPE_RATIO, MAX_HOLD_RATIO = 1.2, 1.5, 1.1
 # residual relative to the peak with a negligible effect on the stiffnesses
 NEGLIGIBLE_RESIDUAL = 1e-4
@@ -161,7 +161,7 @@ def sample_noise(scatter: float, rms: float) -> float:
 # Test of linearity on several tests.
 
 
-# smallest number of arms for a hold alone, so that its residual is noise
+# Smallest number of arms in the fit of a hold, so that its residual is noise.
 _MIN_HOLD_ARMS = 2
 # ratio of sums of squares below which an arm is not needed for the hold alone
 _MIN_SSE_RATIO = 1.01

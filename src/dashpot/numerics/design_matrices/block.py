@@ -25,7 +25,7 @@ from dashpot.base.errors import DataError
 # order of a matrix product, for the same result in an eighth of the time.
 
 
-#: samples of a stretch: a longer one is more work, a shorter one has more ends
+#: samples of a segment: longer segments and shorter ones take more time
 STRETCH_SAMPLES = 32
 
 
@@ -243,7 +243,7 @@ class Evaluation(NamedTuple):
         )
 
 
-#: what a block cannot do once its rows are others
+#: methods that a block of transformed rows does not have
 _DROPPED_FIELDS: dict[str, None] = dict.fromkeys(
     ("sampling", "build_full", "add_fixed_column", "add_delayed_column")
 )

@@ -359,16 +359,16 @@ class Kernels(NamedTuple):
         s.
     lags : array, shape (L,)
         s.
-    right_factors : array, shape (K, r)
+    column_basis : array, shape (K, r)
         V: the columns at the fixed times times this span all others.
-    left_factors : array, shape (r, L)
+    projection : array, shape (r, L)
         S^-1 U': turns e(tau) into coordinates of that span.
     """
 
     tau: FloatArray
     lags: FloatArray
-    right_factors: FloatArray
-    left_factors: FloatArray
+    column_basis: FloatArray
+    projection: FloatArray
 
     @classmethod
     def from_window(cls, window: tuple[float, float], *, per_fold: float, rank: float) -> Kernels:
@@ -380,8 +380,8 @@ class Kernels(NamedTuple):
         shortest, longest = window
         # kernels scale with the clock: they are made for a window that starts at one
         folds = round(float(np.log(longest / shortest)) + 0.05, 1)
-        tau, lags, right_vectors, left_factors = _make_unit_kernels(folds, per_fold, rank)
-        return cls(tau * shortest, lags * shortest, right_vectors, left_factors)
+        tau, lags, right_vectors, projection = _make_unit_kernels(folds, per_fold, rank)
+        return cls(tau * shortest, lags * shortest, right_vectors, projection)
 
     def space(
         self, exact: DataBlock, change: Callable[[FloatArray], FloatArray] = np.asarray
@@ -394,12 +394,12 @@ class Kernels(NamedTuple):
         for first in range(0, len(self.tau), TIMES_PER_BATCH):
             rows = slice(first, first + TIMES_PER_BATCH)
             arms = change(exact.evaluate(np.log(self.tau[rows]), False).arms)
-            projected = projected + arms @ self.right_factors[rows]
+            projected = projected + arms @ self.column_basis[rows]
         return projected
 
     def columns(self, operator: FloatArray) -> Columns:
         r"""Return columns :math:`A\, S^{-1} U' e(\tau)` and their slopes, for A of shape (n, r)."""
-        full_columns = operator @ self.left_factors
+        full_columns = operator @ self.projection
 
         def columns(at: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
             x = self.lags[:, None] / at
@@ -411,7 +411,7 @@ class Kernels(NamedTuple):
 
     def rows(self, factor: FloatArray) -> Rows:
         """Rows from the triangular factor of columns in this space, fixed columns and target."""
-        rank = self.right_factors.shape[1]
+        rank = self.column_basis.shape[1]
         columns = self.columns(factor[:-1, :rank])
         return design_rows(factor[:-1, -1], factor[:-1, rank:-1], columns)
 
@@ -487,7 +487,7 @@ def compact_block(block: DataBlock, *, excess: float) -> DataBlock:
     )
     evaluation = block.evaluate(np.log(kernels.tau), False)
     column_groups = (
-        evaluation.arms @ kernels.right_factors,
+        evaluation.arms @ kernels.column_basis,
         evaluation.fixed,
         evaluation.target[:, None],
     )

@@ -41,7 +41,7 @@ from dashpot.numerics.design_matrices.data_compression import (
     uniform_step,
 )
 
-#: relative sum of squares below which a Gram matrix holds rounding only
+#: relative sum of squares below which a Gram matrix is rounding error
 ROUNDING = 1e-14
 _SIGNS = np.array([[1.0], [-1.0]])
 #: of the energy of all steps: an arm with less in a window is nothing there

@@ -253,7 +253,7 @@ def _validate_samples(
 # then nothing that grows with the record.
 
 
-#: samples from which the recursion is worth reducing
+#: number of samples from which the recursion is reduced
 MIN_REDUCED_SAMPLES = 2000
 #: of its way, a plate that moves by less is at rest
 REST_SHARE = 1e-5

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 # Source: C. J. Geyer, Statistical Science 7 (1992) 473.
 
 
-# a direction whose share of the information is below this is a rounding error, not knowledge
+# Share of the information below which a direction is rounding error.
 _SINGULAR_SHARE = 1e-13
 # kappa below which residuals are so nearly white that evenness is not tested
 _MIN_KAPPA = 3.0
@@ -633,7 +633,7 @@ def _make_reduced_basis(exact: DataBlock, length: int) -> ReducedBasis:
 
     space = kernels.space(exact, means)
     basis, factor = compute_blockwise_qr(np.concatenate((space, means(fixed)), axis=1))
-    rank = kernels.right_factors.shape[1]
+    rank = kernels.column_basis.shape[1]
     rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
     return ReducedBasis(
         JacobianColumns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS_ACCURACY)

@@ -42,7 +42,7 @@ MAX_SE_LN_TAU = 0.5
 MAX_CHANCE = erfc(MIN_K_OVER_SE / sqrt(2.0))
 
 
-#: a difference of BIC that outweighs doubt about k and tau
+#: difference of BIC that is decisive even where k and tau are uncertain
 DECISIVE_BIC = 50.0
 
 

@@ -16,7 +16,7 @@ from dashpot.numerics.log_tau_descent import Stack
 # One side of one profile: trial values, and the end of the search.
 
 
-#: points of a walk, and how many of them may be too far: beyond there is a cliff
+#: points of a profile, and largest number of points beyond the limit before the search stops
 _MAX_POINTS, _MAX_LEAPS = 20, 5
 #: an arm whose absence costs less deviance is one that the data do without
 _SPARE_DEVIANCE = 2.0
@@ -292,7 +292,7 @@ def _is_moderate(share: FloatArray) -> BoolArray:
 # and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
 
 
-#: a relaxation time is walked so far, as a factor, out of the window
+#: factor outside the window up to which a relaxation time is profiled
 WINDOW_FACTOR = 20.0
 #: a stiffness so many times that of the whole solid, or a b so many folds from the optimum, is open
 _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0

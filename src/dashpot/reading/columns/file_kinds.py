@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
-    "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
+    "temperature-sweep", "single-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
     "stress-strain", "csr", "drop", "seal-line", "free-modes", "plug-in", "blank", "preload-map",
     "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEP_KINDS: tuple[FileKind, ...] = (
-    "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
+    "dma", "master-curve", "strain-sweep", "temperature-sweep", "single-frequency",
 )  # fmt: skip
 """The kinds of a table of storage and loss."""
 
@@ -69,7 +69,7 @@ KINDS_OF_FILE: Mapping[str, KindOfFile] = MappingProxyType({
         "an amplitude sweep at one frequency or a few", "use dashpot fit", _SWEEP_ROLES
     ),
     "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TAU, _SWEEP_ROLES),
-    "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TAU, _SWEEP_ROLES),
+    "single-frequency": KindOfFile("a dynamic test at one frequency", _NO_TAU, _SWEEP_ROLES),
 } | {kind: KindOfFile(*row) for kind, row in FILE_KINDS.items()})  # fmt: skip
 """Every kind of file by its name; its readers and figures are rows of ``dashpot.registry``."""
 
@@ -102,7 +102,7 @@ DOCUMENT_KINDS: Mapping[str, KindOfFile] = MappingProxyType({
 
 
 @dataclass(frozen=True)
-class Recognised:
+class RecognisedKind:
     """Kind of a file, and the reason for it.
 
     Attributes
@@ -162,10 +162,10 @@ def get_kind_command(kind: str) -> str:
     return kinds[kind].usage if kind in kinds else ""
 
 
-def identify_json(raw: RawFile) -> Recognised | None:
+def identify_json(raw: RawFile) -> RecognisedKind | None:
     """Return the kind in a document's schema; None of JSON that is not dashpot's own."""
     match = _SCHEMA.search(raw.head(_SCHEMA_BYTES))
     if match is None:
         return None
     word = match[1].decode()
-    return Recognised(word, f"its schema is dashpot/{word}", stored=True)
+    return RecognisedKind(word, f"its schema is dashpot/{word}", stored=True)

@@ -466,7 +466,7 @@ def is_relative_transmissibility(table: FileTable) -> bool:
 
 MASTER_CURVE_DECADES = 7.0
 """Decades of frequency or time from which a curve was shifted together from several tests."""
-ONE_FREQUENCY_DECADES = 0.02
+SINGLE_FREQUENCY_DECADES = 0.02
 """Decades within which a sweep stays at one frequency."""
 
 
@@ -514,7 +514,7 @@ def _detect_sweep_kind(table: FileTable, options: ReadOptions, reason: str) -> t
     decades = _compute_decades(table, "frequency", options)
     if decades >= MASTER_CURVE_DECADES:
         return "master-curve", f"{reason}, over {decades:.0f} decades"
-    if not decades <= ONE_FREQUENCY_DECADES:
+    if not decades <= SINGLE_FREQUENCY_DECADES:
         if _has_amplitude_sweep(table, assign_amplitude_column(table, options)):
             return "strain-sweep", reason + ", and each frequency recurs at several amplitudes"
         return "dma", reason
@@ -523,7 +523,7 @@ def _detect_sweep_kind(table: FileTable, options: ReadOptions, reason: str) -> t
     if any(_has_variation(table, role, amplitude_options) for role in _AMPLITUDE_ROLES):
         return "strain-sweep", reason
     temperature_varies = _has_variation(table, "temperature", options)
-    return "temperature-sweep" if temperature_varies else "one-frequency", reason
+    return "temperature-sweep" if temperature_varies else "single-frequency", reason
 
 
 _AMPLITUDE_ROLES: tuple[Role, ...] = ("strain", "stress", "displacement", "force")
@@ -581,7 +581,7 @@ def _has_amplitude_sweep(table: FileTable, options: ReadOptions) -> bool:
     elif any("temp" in line.casefold() for line in chain(*loaded_columns.above)):
         temperature_group = block
     conditions = np.stack(
-        (group_values(np.log10(rows[:, 0]), ONE_FREQUENCY_DECADES), temperature_group)
+        (group_values(np.log10(rows[:, 0]), SINGLE_FREQUENCY_DECADES), temperature_group)
     )
     _, condition = np.unique(conditions, axis=1, return_inverse=True)
     amplitudes_by_condition = [

@@ -35,7 +35,7 @@ OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
 })  # fmt: skip
 """Role on a part for each role of a material."""
 
-# Names that say exactly this; German and other compounds are met as parts of a word.
+# Names that match as whole words; German and other compounds match as parts of a word.
 _EXACT_NAMES: dict[Role, str] = {
     "time": """time zeit gesamtzeit laufzeit prüfzeit messzeit versuchszeit versuchsdauer czas
         godzina temps tiempo tempo tijd tid aika zaman süre čas doba idő timp durata время 时间 時間

@@ -14,7 +14,7 @@ from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
-from dashpot.base.provenance import Caution, Source, cautions_in
+from dashpot.base.provenance import Caution, Source, list_cautions
 from dashpot.base.units import Unit
 from dashpot.reading.columns.file_kinds import FileKind
 from dashpot.reading.columns.kind_detection import (
@@ -446,7 +446,7 @@ def source(file: OpenedFile, columns: Sequence[str], notes: Sequence[str]) -> So
     raw, table = file.raw, file.table
     return Source(
         raw.name, raw.sha256, table.format, tuple(columns), tuple(notes), table.simulated,
-        cautions_in(notes),
+        list_cautions(notes),
     )  # fmt: skip
 
 

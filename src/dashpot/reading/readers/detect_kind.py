@@ -13,7 +13,7 @@ from dashpot.base.arrays import FloatArray, cache_on_record, validate_measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.reading.columns.file_kinds import (
     RAMP_ROLES,
-    Recognised,
+    RecognisedKind,
     identify_json,
 )
 from dashpot.reading.columns.kind_detection import detect_table_kind
@@ -51,7 +51,7 @@ _PART_ROLES: tuple[Role, ...] = ("displacement", "force")
 
 def recognise(
     path: str | Path, options: ReadOptions | None = None, *, kind: str | None = None
-) -> Recognised:
+) -> RecognisedKind:
     """Return the kind of a file or a folder: by its columns and, of a record, by its motion.
 
     The open table is cached: reading the file next with the same options does not parse it again.
@@ -73,14 +73,14 @@ def recognise(
     options = options or ReadOptions()
     options = options if kind is None else replace(options, kind=kind)
     opened_file = open_or_identify(path, options)
-    if isinstance(opened_file, Recognised):
+    if isinstance(opened_file, RecognisedKind):
         return opened_file
     # where the kind is said, only who reads the file next loads its numbers
     file = opened_file if options.kind else channels.read_once(opened_file)
     with add_name_to_errors(file.raw.name):
         kind, reason = recognise_opened(file)
         is_base_excited = kind == "impact" and file.options.base_acceleration is not None
-        detection = Recognised(
+        detection = RecognisedKind(
             kind, reason, simulated=file.table.simulated, on_a_base=is_base_excited
         )
     channels.cache_open_file(path, file)
@@ -105,7 +105,7 @@ def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = N
     empty for fewer than three possible columns, and without a table.
     """
     file = open_or_identify(path, options)
-    if isinstance(file, Recognised):
+    if isinstance(file, RecognisedKind):
         return ""
     free = [
         i for i, column in enumerate(file.table.columns) if column.content in {"number", "clock"}
@@ -193,7 +193,7 @@ def _load_motion(file: OpenedFile, pair: tuple[Role, ...]) -> tuple[FloatArray, 
         return ()
 
 
-def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFile | Recognised:
+def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFile | RecognisedKind:
     """Return the open table of a file; of a document, a TOML file or a folder its kind.
 
     Raises
@@ -212,7 +212,7 @@ def open_or_identify(path: str | Path, options: ReadOptions | None) -> OpenedFil
     return channels.open_table(raw, options) if detection is None else detection
 
 
-def _identify_toml(path: str | Path) -> Recognised | None:
+def _identify_toml(path: str | Path) -> RecognisedKind | None:
     """Return the kind of a file named .toml; None of any other."""
     if Path(path).suffix.casefold() != ".toml":
         return None
@@ -220,17 +220,17 @@ def _identify_toml(path: str | Path) -> Recognised | None:
 
     _, tables = read_tables(path)
     if "door" in tables:
-        return Recognised("door", "it has the table [door]")
+        return RecognisedKind("door", "it has the table [door]")
     if "machine" in tables:
-        return Recognised("machine", "it has the table [machine]")
+        return RecognisedKind("machine", "it has the table [machine]")
     if tables.keys() <= PROFILE:
-        return Recognised("profile", "it is TOML with tables of a profile")
+        return RecognisedKind("profile", "it is TOML with tables of a profile")
     is_limits = call_handler("recognise limits", "file", tables, default=None)
-    return is_limits or Recognised("unclear", "it is TOML of no door, machine or limits")
+    return is_limits or RecognisedKind("unclear", "it is TOML of no door, machine or limits")
 
 
-def _identify_folder(path: Path) -> Recognised:
+def _identify_folder(path: Path) -> RecognisedKind:
     for kind, file_mark, reason in _FOLDER_KINDS:
         if next(path.glob(file_mark), None) is not None:
-            return Recognised(kind, reason)
-    return Recognised("folder", "it is a folder")
+            return RecognisedKind(kind, reason)
+    return RecognisedKind("folder", "it is a folder")

@@ -50,10 +50,10 @@ def read_impact(
         If a file cannot be read or does not determine its columns and units, or if the
         files do not hold the same channels.
     """
-    return hits_in(paths, options or ReadOptions(), HITS)
+    return read_joined_impacts(paths, options or ReadOptions(), HITS)
 
 
-def hits_in(
+def read_joined_impacts(
     paths: str | Path | Sequence[str | Path], options: ReadOptions, wanted_kind: str
 ) -> ImpactTest:
     """Return the hammer test in files; refuse other files, naming the expected kind."""
@@ -158,7 +158,7 @@ def _read_test(path: str | Path, options: ReadOptions, wanted_kind: str) -> Impa
         channels.refuse_summary(file)
         channels.expect(file, ["impact"], wanted_kind, stated_columns=["acceleration", "hammer"])
         channels_chosen, rate = _channels(file), file.options.rate
-        loaded_columns, columns = loaded_whole(file, channels_chosen)
+        loaded_columns, columns = load_complete_columns(file, channels_chosen)
         notes = [
             *file.table.notes,
             *channels.describe_rivals(file, channels_chosen[:-1]),
@@ -286,7 +286,7 @@ def _refuse_swapped(
     )
 
 
-def loaded_whole(
+def load_complete_columns(
     file: OpenedFile, channels_chosen: Sequence[Channel]
 ) -> tuple[LoadedColumns, list[FloatArray]]:
     """Return the rows of some channels, and each in SI units; refuse missing samples."""

@@ -18,7 +18,7 @@ from dashpot.reading.columns.file_kinds import (
     KINDS_OF_FILE,
     RAMP_ROLES,
     SWEEP_KINDS,
-    Recognised,
+    RecognisedKind,
     get_kind_command,
 )
 from dashpot.reading.columns.role_assignment import (
@@ -179,13 +179,13 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
         If the file cannot be opened, or holds no table and is of no known kind.
     """
     file = open_or_identify(path, options)
-    if isinstance(file, Recognised):
+    if isinstance(file, RecognisedKind):
         return inspect_other_path(path, file)
     with add_name_to_errors(file.raw.name):
         return inspect_opened(file)
 
 
-def inspect_other_path(path: str | Path, detection: Recognised) -> Inspection:
+def inspect_other_path(path: str | Path, detection: RecognisedKind) -> Inspection:
     """Return the inspection of a file without a table."""
     resolved_path = Path(path)
     if resolved_path.is_dir():

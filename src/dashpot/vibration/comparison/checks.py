@@ -267,7 +267,7 @@ def operating_point(point: OperatingPoint, *, is_confirmed: bool = False) -> Fin
     compression, depth = point.compression, point.depth
     message = (
         f"The seals are compressed by {format_quantity(compression, 'mm', '.2f')}, as given"
-        if point.given
+        if point.is_stated
         else f"The mass sinks {format_quantity(compression, 'mm', '.2f')} into the seals by its "
         "weight"
     )

@@ -27,7 +27,8 @@ from dashpot.vibration.mass_on_seals import (
 )
 from dashpot.vibration.modal.peaks import Peak, find_mount_band, find_peak
 
-# factor about the measured peak; lines beyond are mass line, tip roll-off and drift
+# Factor of frequency around the measured peak; lines outside are mass line, tip roll-off and
+# drift.
 COMPARED_BAND_FACTOR = 4.0
 # a mode belongs to a peak if their frequencies differ by less than this part
 MAX_MODE_DISTANCE = 0.1
@@ -176,7 +177,7 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
     return mass, float(2 * mass * peak.frequency_se / peak.frequency)
 
 
-# -- same lines, same window -------------------------------------------------------------------
+# -- Common lines and window -------------------------------------------------------------------
 
 
 def _get_legend(fit: Fit | None, measured: FRF) -> str:
@@ -296,7 +297,7 @@ def _select_compared_lines(measured: FRF, peak: Peak, *, explicit: bool) -> Bool
     )
 
 
-# -- criteria and modes --------------------------------------------------------------------------
+# -- Criteria and modes --------------------------------------------------------------------------
 
 
 def _compute_frac(predicted: ComplexArray, measured: ComplexArray) -> float:

@@ -35,7 +35,7 @@ class RegressionLine(Serialisable):
         Per doubling.
     critical_slope : float
         Slope that is exceeded by chance in 1 % of the records without a trend.
-    found : float
+    detectable_change : float
         Slope that four of five records detect at the 5 % level.
     middle, value : float
         Mean of the logarithms, and of the quantity.
@@ -44,11 +44,11 @@ class RegressionLine(Serialisable):
     dof : int
     """
 
-    _keys = (Key("change", "slope"), "se", "found")
+    _keys = (Key("change", "slope"), "se", "detectable_change")
 
     slope: float
     critical_slope: float
-    found: float
+    detectable_change: float
     middle: float
     value: float
     se: float
@@ -92,7 +92,7 @@ class Trend:
     @property
     def detectable_stiffness_change(self) -> float:
         """Change that four of five such tests find."""
-        return self.stiffness_line.found
+        return self.stiffness_line.detectable_change
 
     @property
     def damping(self) -> float:
@@ -107,7 +107,7 @@ class Trend:
     @property
     def detectable_damping_change(self) -> float:
         """Change of damping that the test would detect, as `detectable_stiffness_change`."""
-        return self.damping_line.found
+        return self.damping_line.detectable_change
 
 
 def add_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:

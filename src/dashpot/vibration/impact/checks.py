@@ -318,11 +318,11 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
 )
 def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Finding:
     """The time constant of an exponential window in the record is known."""
-    if window.is_known and not (window.stated or window.evident):
+    if window.is_determined and not (window.stated or window.evident):
         return Finding(
             "No noise is seen behind the pulse, so that an exponential window would not be"
         )
-    if not (window.is_known or window.evident):
+    if not (window.is_determined or window.evident):
         return Finding(
             "The file states an exponential window and not its decay, and the noise shows none"
             if window.stated
@@ -332,7 +332,7 @@ def window_decay_determined(window: ExponentialWindow, main: Mode | None) -> Fin
             remedy=Remedy("Give its time constant, or 0s if there is none.", "window-decay"),
             always_fails=True,
         )
-    if not window.is_known:
+    if not window.is_determined:
         decay_text = f"of {1 / window.rate:.3g} s" if window.rate > 0 else "that is none"
         return Finding(
             f"The noise decays as under an exponential window of {1 / window.seen_rate:.3g} s, and "

@@ -92,7 +92,7 @@ class ExponentialWindow(NamedTuple):
         The noise of the responses is seen.
     seen_rate : float
         a by the scatter, 1/s; nan where it shows none.
-    is_known : bool
+    is_determined : bool
         a is known: stated and not contradicted, or seen; else the step of the numbers hides it.
     from_start : bool
         It begins with the record, not with the pulse: of a window that the force lacks.
@@ -105,7 +105,7 @@ class ExponentialWindow(NamedTuple):
     on_force: bool = True
     has_noise: bool = True
     seen_rate: float = float("nan")
-    is_known: bool = True
+    is_determined: bool = True
     from_start: bool = False
 
     def compute_response_only_window(self, hit: HitBlock) -> FloatArray:
@@ -232,7 +232,9 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
         is_known = not rates and (has_steady_noise or any(
             _find_number_step([*rows]) < _COARSE_SHARE * np.abs(rows).max() for rows in channels
         ))  # fmt: skip
-        return ExponentialWindow(stated=bool(rates), has_noise=has_steady_noise, is_known=is_known)
+        return ExponentialWindow(
+            stated=bool(rates), has_noise=has_steady_noise, is_determined=is_known
+        )
     window = ExponentialWindow(
         rate, sd, bool(rates), True, _is_on_force(hits, rate), seen_rate=rate,
         from_start=_begins_with_record(channels, hits, rate),
@@ -240,7 +242,7 @@ def find_window(tests: Sequence[ImpactTest], hits: Sequence[HitBlock]) -> Expone
     if stated_rate is None:
         return window
     separate = abs(stated_rate - rate) > _CONTRADICTION_SE * sd + 0.1 * rate
-    return window._replace(rate=stated_rate, sd=0.0, stated=True, is_known=not separate)
+    return window._replace(rate=stated_rate, sd=0.0, stated=True, is_determined=not separate)
 
 
 def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
@@ -262,7 +264,7 @@ def without_offset(hit: HitBlock, window: ExponentialWindow) -> HitBlock:
     )
 
 
-# -- what noise shows ------------------------------------------------------------------------------
+# -- Decay of the noise ----------------------------------------------------------------------------
 
 
 def estimate_scatter_decay(

@@ -411,7 +411,12 @@ def estimate_frf(
         mass=mass,
         band=resonance_band,
     )
-    if recorded.rate > 0 or not recorded.is_known or recorded.evident or not recorded.has_noise:
+    if (
+        recorded.rate > 0
+        or not recorded.is_determined
+        or recorded.evident
+        or not recorded.has_noise
+    ):
         checks = (*checks, window_decay_determined(recorded, main_mode))
     return replace_notes(frf, checks=(*checks, *caution_checks(frf.source)))
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import BoolArray, ComplexArray, EqualByValue, FloatArray, frozen
+from dashpot.base.arrays import (
+    BoolArray,
+    ComplexArray,
+    EqualByValue,
+    FloatArray,
+    make_readonly_copy,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, convert_to_si, si_range
@@ -219,7 +225,7 @@ def dynamic_stiffness(
         "by_phase": by_phase,
     }
     stiffness = DynamicStiffness(
-        **{name: frozen(values) for name, values in arrays.items()},
+        **{name: make_readonly_copy(values) for name, values in arrays.items()},
         over_base=over_base,
         mass=float(mass),
         mass_sd=float(mass_sd),

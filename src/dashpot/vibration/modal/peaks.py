@@ -9,7 +9,7 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.datamodel.frf import FRF, Kind
 
-# the parabola is laid through at least this many and at most that many lines
+# Smallest and largest number of lines of the parabola.
 MIN_LINES, MAX_LINES = 5, 31
 
 

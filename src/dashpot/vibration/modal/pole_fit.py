@@ -14,15 +14,15 @@ from dashpot.numerics.least_squares import Objective, descend
 # Modal assurance criterion: similarity of two mode shapes.
 
 
-def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
-    r"""Modal assurance criterion of every shape of `one` with every shape of `other`.
+def mac(shapes: ComplexArray, other_shapes: ComplexArray) -> FloatArray:
+    r"""Modal assurance criterion of every one of `shapes` with every one of `other_shapes`.
 
     .. math:: \mathrm{MAC}_{ij} = \frac{|\varphi_i^H \psi_j|^2}
               {(\varphi_i^H \varphi_i)(\psi_j^H \psi_j)}
 
     Parameters
     ----------
-    one, other : complex array, shape (n, r)
+    shapes, other_shapes : complex array, shape (n, r)
         Residues or shapes at n points; their lengths and phases do not matter.
 
     Returns
@@ -34,8 +34,10 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
     -----
     Allemang and Brown, *A correlation coefficient for modal vector analysis*, IMAC 1982.
     """
-    cross_power = np.abs(one.conj().T @ other) ** 2
-    norm_product = np.outer((np.abs(one) ** 2).sum(axis=0), (np.abs(other) ** 2).sum(axis=0))
+    cross_power = np.abs(shapes.conj().T @ other_shapes) ** 2
+    norm_product = np.outer(
+        (np.abs(shapes) ** 2).sum(axis=0), (np.abs(other_shapes) ** 2).sum(axis=0)
+    )
     return np.asarray(
         np.divide(
             cross_power, norm_product, out=np.zeros_like(norm_product), where=norm_product > 0
@@ -46,7 +48,7 @@ def mac(one: ComplexArray, other: ComplexArray) -> FloatArray:
 # FRF lines to be fitted, and the shape of a pole on them.
 
 
-# no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
+# Smallest relative error of a line of a measured FRF: leakage and aliasing.
 MIN_LINE_ERROR = 1e-3
 MIN_ERROR_OF_PEAK = 3e-4  # and of the highest line: leakage is modelled that well
 

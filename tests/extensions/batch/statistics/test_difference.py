@@ -26,7 +26,7 @@ def test_the_example_of_the_handbook():
     assert result.interval == pytest.approx(
         (10.33643 - 1.97751 * error, 10.33643 + 1.97751 * error), abs=1e-4
     )
-    assert result.alike_within == pytest.approx(10.33643 + 1.65609 * error, abs=1e-4)
+    assert result.equivalence_margin == pytest.approx(10.33643 + 1.65609 * error, abs=1e-4)
     assert result.different
 
 
@@ -44,7 +44,7 @@ def test_it_says_how_often_it_finds_what_is_there(sizes, sds):
     held = np.mean([item.interval[0] <= exact <= item.interval[1] for item in there])
     assert held == pytest.approx(0.95, abs=four * 0.22)
     # equal within a margin that the truth just passes is said in no more than 5 %
-    assert np.mean([item.alike_within < exact for item in there]) < 0.05 + four * 0.22
+    assert np.mean([item.equivalence_margin < exact for item in there]) < 0.05 + four * 0.22
 
 
 def test_repeats_for_seals_would_find_what_is_not_there():
@@ -61,7 +61,7 @@ def test_repeats_for_seals_would_find_what_is_not_there():
 def test_lots_without_scatter_and_lots_too_small():
     assert difference(np.ones(3), np.ones(2)).p_value == 1
     separate = difference(np.ones(3), np.full(3, 2.0))
-    assert (separate.p_value, separate.interval, separate.alike_within) == (0, (1, 1), 1)
+    assert (separate.p_value, separate.interval, separate.equivalence_margin) == (0, (1, 1), 1)
     with pytest.raises(DataError, match="lots of 5 and 1 seals cannot be compared"):
         difference(np.arange(5.0), np.ones(1))
 

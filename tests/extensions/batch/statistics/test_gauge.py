@@ -27,7 +27,7 @@ PART = np.tile(np.arange(10).astype(str), 9)
 
 def test_the_study_of_the_manual():
     result = gauge(STUDY, PART, WHO)
-    assert (result.parts, result.operators, result.tests, result.left_out) == (10, 3, 90, 0)
+    assert (result.parts, result.operators, result.tests, result.omitted_tests) == (10, 3, 90, 0)
     assert result.interaction_p == pytest.approx(0.974, abs=5e-4)  # F = 0.434, so it is pooled
     for name, deviation, share in (
         ("repeatability", 0.199933, 18.4), ("operator", 0.226838, 20.9), ("gauge", 0.302373, 27.9),
@@ -103,7 +103,7 @@ def test_a_design_with_holes_is_cut_to_what_is_whole():
     retained = np.full(90, True)
     retained[[0, 10, 20, 31]] = False  # part 0 of A is gone, part 1 of B has two trials
     result = gauge(STUDY[retained], PART[retained], WHO[retained])
-    assert (result.parts, result.tests, result.left_out) == (9, 9 * 3 * 2, 86 - 54)
+    assert (result.parts, result.tests, result.omitted_tests) == (9, 9 * 3 * 2, 86 - 54)
 
 
 def test_gauge_refuses_designs_without_repeats():

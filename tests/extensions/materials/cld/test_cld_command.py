@@ -76,7 +76,7 @@ def test_pieces_scatter_as_they_were_made(folder):
 def test_fit_reports_forces_per_piece_without_a_length(folder):
     stdout = ran(folder, "unclocked.csv", "--compression", "6mm", "-v").stdout
     assert "loading, N " in stdout
-    assert "length_given" in stdout
+    assert "length_stated" in stdout
     assert "N per 100 mm" not in stdout.split("checks")[0]
     assert read_result(folder, "unclocked.csv")["specimens"][0]["cycles"][0]["speed"] is None
 
@@ -167,7 +167,7 @@ def test_fit_of_several_speeds_is_one_model(folder, tmp_path):
     assert {
         "speeds_spread",
         "slowest_stroke_quasi_static",
-        "one_relaxation_explains_speeds",
+        "single_relaxation_explains_speeds",
     } <= names
     assert len(result["rate"]["damping"]) == len(result["rate"]["knots"])
     stdout = ran(folder, *words).stdout

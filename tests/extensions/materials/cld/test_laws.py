@@ -47,7 +47,7 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
     # first contact is known to some 10 um where a force begins to rise between two samples
     assert (np.abs(relaxed.law.force(AT) - law(AT)) <= 1e-3 * law(AT) + 1e-5 * slope).all()
     assert relaxed.law.tangent(AT) == pytest.approx(slope, rel=0.02)
-    assert abs(relaxed.left) < 2e-4
+    assert abs(relaxed.residual_hysteresis) < 2e-4
     assert relaxed.hysteresis > 0.05
     loading = np.interp(AT, outcome.loading.compression, outcome.loading.force)
     assert np.abs(loading / law(AT) - 1).max() > 0.06
@@ -192,10 +192,10 @@ def test_relaxed_law_propagates_the_error_of_the_relaxation():
     outcome, sure = evaluate_record(press_cycles(softening=0.0), at=6e-3), fit_of(stiffening)
     fit, at = with_relative_error(sure), 6e-3
     relaxed = fit_relaxed_law(outcome, fit)
-    assert len(relaxed.others) == 8  # six axes of the relaxation or zeros, and the clock
+    assert len(relaxed.perturbed_laws) == 8  # six axes of the relaxation or zeros, and the clock
     in_step = replace(outcome, delay_sd=0.0)
     exact = fit_relaxed_law(in_step, with_relative_error(sure, 1e-9))
-    assert len(exact.others) == 7
+    assert len(exact.perturbed_laws) == 7
     # the zeros alone
     zeros = exact.law.tangent(at) * outcome.contact_se, outcome.zero_se
     assert exact.force_se(at) == pytest.approx(np.linalg.norm(zeros), rel=0.1)
@@ -268,7 +268,7 @@ def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
     assert rate.bic < -10
     assert rate.model_at(4e-3).b == rate.c(4e-3)[0]
     assert {check.name for check in rate.checks if check.failed} == {
-        "one_relaxation_explains_speeds"
+        "single_relaxation_explains_speeds"
     }
 
 
@@ -276,6 +276,6 @@ def test_fit_rate_distinguishes_relaxation_from_a_dashpot():
     tests = record_at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.0)
     rate = fit_rate(tests, fit_speeds(tests))
     assert rate.bic > 10
-    assert "one_relaxation_explains_speeds" not in {
+    assert "single_relaxation_explains_speeds" not in {
         check.name for check in rate.checks if check.failed
     }

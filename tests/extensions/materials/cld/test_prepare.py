@@ -59,7 +59,7 @@ def test_cld_stores_the_work_of_a_spring():
 def test_figures_are_those_of_the_truth_whatever_the_signs(law, turn):
     truth = press_cycles(law, drift=2e-4)
     turned = replace(truth, displacement=turn[0] * truth.displacement, force=turn[1] * truth.force)
-    outcome = evaluate_record(turned, at=6e-3, between=(4e-3, 7.5e-3))
+    outcome = evaluate_record(turned, at=6e-3, compression_limits=(4e-3, 7.5e-3))
     assert len(outcome.cycles) == 4
     assert outcome.cycle.number == 4
     assert outcome.cycle.speed == pytest.approx(5e-3, rel=1e-3)
@@ -147,7 +147,7 @@ def test_cld_selects_the_requested_or_last_reaching_cycle():
     assert evaluate_record(truth, at=4e-3).cycle.number == 3
     assert evaluate_record(truth, at=6e-3).cycle.number == 2
     assert evaluate_record(truth, at=6e-3, cycle=1).cycle.number == 1
-    outcome = evaluate_record(truth, at=6e-3, between=(4e-3, 9e-3))
+    outcome = evaluate_record(truth, at=6e-3, compression_limits=(4e-3, 9e-3))
     assert outcome.most is None
     assert "compressions_reached" in list_failed_checks(outcome)
     for how, message in (
@@ -166,7 +166,7 @@ def test_cld_without_a_clock_has_the_same_curve_and_no_speed():
     assert quantity.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
     assert quantity.cycle.speed is None
     assert (quantity.unit, quantity.per) == ("N", 1)
-    assert list_failed_checks(quantity) == {"length_given"} | list_failed_checks(timed)
+    assert list_failed_checks(quantity) == {"length_stated"} | list_failed_checks(timed)
 
 
 @pytest.mark.parametrize("still", ["displacement", "force"])
@@ -221,7 +221,7 @@ def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     assert list_failed_checks(item) == {
         "specimen_conditioned",
         "unloading_recorded",
-        "length_given",
+        "length_stated",
     }
     up = np.concatenate((x, x[-2::-1]))
     assert cld(dp.CLDTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(

@@ -173,7 +173,7 @@ def lower_limits(seeds, **how):
     for seed in seeds:
         fit = fit_lot(rubber, seed, **how)
         assert "chemical_aging_resolved" in list_failed_checks(fit)
-        assert [item.name for item in fit.found] == ["physical_loss", "chemical_time"]
+        assert [item.name for item in fit.reported_values] == ["physical_loss", "chemical_time"]
         life, retention = predict_aging(fit, temperature="70degC", until=["50%", "1000h"]).answers
         assert np.isnan(life.value)
         assert np.isnan(retention.value)
@@ -262,7 +262,7 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     force = np.where(hot, record.force * slow.left(record.hours, 150)
                      / TRUE.left(record.hours, 150), record.force)  # fmt: skip
     test = CSRTest(record.hours, force, record.celsius, record.specimen_number, units="h, N, degC")
-    assert "one_activation_energy_explains_ovens" in list_failed_checks(fit_aging([test]))
+    assert "single_activation_energy_explains_ovens" in list_failed_checks(fit_aging([test]))
 
 
 def test_aging_check_compares_cell_drift_with_the_coldest_oven():
@@ -365,7 +365,7 @@ def test_f0_is_not_read_before_ten_minutes(minutes, fine):
     hours = np.array([minutes / 60, *HOURS[1:]])
     tests = [make_test(lot(TRUE, hours=hours))]
     if fine:
-        assert fit_aging(tests).found
+        assert fit_aging(tests).reported_values
         return
     with pytest.raises(DataError, match="F0 is the force at 30 min"):
         fit_aging(tests)
@@ -405,7 +405,7 @@ def test_a_fit_ages_as_the_force_does():
 
 def test_a_fit_is_not_scaled_by_a_limit():
     limit = fit_lot(Rubber(hours=1e8))
-    assert limit.law.bound_alone
+    assert limit.law.is_lower_bound
     with pytest.raises(DataError, match="scaled by a number that is known"):
         limit.age_fit(a_fit(PAPER), temperature="70degC", time="1000h")
 

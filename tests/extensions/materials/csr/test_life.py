@@ -168,7 +168,7 @@ def test_ovens_exchanged_give_no_life_to_use():
 
 def test_a_life_without_size_is_not_used():
     life = fit_life([make_test()], machine=Machine(oven=30.0), use_at="85degC")
-    assert "aging_answer_known" in list_failed_checks(life)
+    assert "aging_prediction_determined" in list_failed_checks(life)
     assert life.verdict.use == "use with care"
 
 

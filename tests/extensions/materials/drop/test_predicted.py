@@ -71,7 +71,7 @@ def numbers(drop_prediction: DropPrediction) -> list[float]:
     ms, mm = 1e3, 1e3
     return [
         named["peak_force"], ms * named["peak_time"], mm * named["compression"],
-        ms * named["compression_time"], ms * named["contact"], mm * named["compression_left"],
+        ms * named["compression_time"], ms * named["contact"], mm * named["residual_compression"],
         named["rebound"], named["lost_part"], named["force_ratio"], named["energy_ratio"],
     ]  # fmt: skip
 
@@ -162,7 +162,7 @@ def test_predict_drop_marks_conditions_outside_the_test() -> None:
     fit = seal(LAWS["stiff"])
     deep = predict_drop(fit, drop=2.0, mass="200g")
     marked = {check.name for check in deep.checks if check.failed}
-    assert {"impact_within_measured_depth", "air_escapes", "specimen_length_given"} <= marked
+    assert {"impact_within_measured_depth", "air_escapes", "specimen_length_stated"} <= marked
     assert "20 mm" in next(
         check.message for check in deep.checks if check.name == "impact_within_measured_depth"
     )

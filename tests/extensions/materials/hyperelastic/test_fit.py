@@ -173,7 +173,7 @@ def test_intervals_hold_the_truth_nineteen_times_in_twenty():
         ]
         fit = fit_hyperelastic(tests, law="mooney-rivlin", terms=1)
         for j, truth in enumerate(RUBBER.constants):
-            inside[j] += fit.found[j].low < truth < fit.found[j].high
+            inside[j] += fit.reported_values[j].low < truth < fit.reported_values[j].high
     # binomial: .95 of 24 is 22.8 +- 1.1
     assert (inside >= 20).all(), inside
 

@@ -57,7 +57,7 @@ def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
     t, y = hit[of]
     path = save_table(tmp_path / "a.csv", header, 1e3 * t, scale * y)
     document = json.loads(ran(path, *BALL, "--impact-velocity", "1m/s", "--json").stdout)
-    assert document["of"] == of
+    assert document["quantity"] == of
     assert document["modulus"] == pytest.approx(4e6, rel=2e-3)
 
 

@@ -206,10 +206,10 @@ def test_a_rocking_mode_is_no_solid(rocking):
     for seed in range(5):
         fit, _, _ = noisy_rod(seed, rocking=rocking)
         checks = {check.name: check for check in fit.checks}
-        assert checks["one_solid_explains_lines"].failed
+        assert checks["single_solid_explains_lines"].failed
         assert use_of(fit) != "use"
     intact, _, _ = noisy_rod(0)
-    (check,) = [check for check in intact.checks if check.name == "one_solid_explains_lines"]
+    (check,) = [check for check in intact.checks if check.name == "single_solid_explains_lines"]
     assert check.passed
     assert check.value is not None
     assert 0.7 < check.value < 1.4

@@ -129,7 +129,7 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
         (lambda T: T * np.exp(-2j * np.pi * HZ * 2e-4), {"kramers_kronig"}),
         (
             lambda T: T + 0.03 / (1 - (HZ / 140) ** 2 + 0.06j * HZ / 140),
-            {"one_solid_explains_lines"},
+            {"single_solid_explains_lines"},
         ),
     ],
     ids=["sign", "polarity", "swapped", "relative", "gain", "delay", "rocking"],
@@ -159,7 +159,7 @@ def test_masses_far_off_are_named(tmp_path):
         words = (*WORDS[:2], "--density", density, "--mass", mass)
         assert read_result(path, *words)["verdict"]["verdict_grade"] == "do not use"
         stiff_glue = read_result(path, *words, "--glue-error", "0%")
-        assert {"waves_plane", "one_solid_explains_lines"} & list_failed_checks(stiff_glue)
+        assert {"waves_plane", "single_solid_explains_lines"} & list_failed_checks(stiff_glue)
 
 
 def test_what_no_line_shows_is_a_scale(tmp_path):

@@ -10,7 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import FloatArray, FrozenArrays, convert_numbers_to_si, increasing, samples
+from dashpot.base.arrays import (
+    FloatArray,
+    FrozenArrays,
+    convert_numbers_to_si,
+    require_increasing,
+    validate_samples,
+)
 from dashpot.base.checks import select_fit_status
 from dashpot.base.errors import DataError, Status
 from dashpot.base.option_fields import Method
@@ -143,7 +149,7 @@ def fit_many(
     >>> bool(np.all(abs(many.k_inf - 200) < 1))
     True
     """
-    clock = increasing("time", samples("time", time, minimum=8))
+    clock = require_increasing("time", validate_samples("time", time, minimum=8))
     records = np.atleast_2d(convert_numbers_to_si("forces", forces))
     if records.ndim != 2 or records.shape[1] != len(clock):
         raise DataError(
@@ -157,7 +163,7 @@ def fit_many(
     if ramp is not None:
         history = _make_ideal_family(clock, ramp, method=method)
     else:
-        x = samples("displacement", displacement if displacement is not None else ())
+        x = validate_samples("displacement", displacement if displacement is not None else ())
         history = _build_recorded_motion(clock, x, method=method)
     solutions = history.solve_records(records, arms)
     return BatchFit(

@@ -11,8 +11,8 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.extensions.batch.arrays.shared_sampling import ReducedRecords, SharedSampling
 
-#: grid points by number of arms: every set of them is tried; more arms have too many sets, and go
-#: one by one
+#: grid points by number of arms, of which all sets are tried; larger numbers of arms are added
+#: one at a time
 POINTS = {1: 72, 2: 40, 3: 24}
 
 

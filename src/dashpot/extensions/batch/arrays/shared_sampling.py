@@ -28,7 +28,7 @@ from dashpot.numerics.design_matrices.displacement_correlation import (
 )
 from dashpot.numerics.design_matrices.recorded_motion import build_hold_block, build_recorded_block
 
-#: samples compressed together
+#: number of samples that are compressed together
 BATCH_SIZE = 400_000
 TIMES_PER_FOLD = 9.5
 RANK = 1e-14

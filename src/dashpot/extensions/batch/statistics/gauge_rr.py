@@ -58,7 +58,7 @@ class Gauge:
     ----------
     parts, operators, tests : int
         How many; one operator where none was named.
-    left_out : int
+    omitted_tests : int
         Tests beyond a design in which every operator tests every part equally often.
     variations : tuple of Variation
     categories : int
@@ -72,7 +72,7 @@ class Gauge:
     parts: int
     operators: int
     tests: int
-    left_out: int
+    omitted_tests: int
     variations: tuple[Variation, ...]
     categories: float
     categories_interval: tuple[float, float]

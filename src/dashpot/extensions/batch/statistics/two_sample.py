@@ -33,7 +33,7 @@ class Difference:
         Degrees of freedom, by Welch and Satterthwaite.
     detectable : float
         The difference that such a test detects with a power of 80 %.
-    alike_within : float
+    equivalence_margin : float
         The smallest margin within which two one-sided tests, 5 % each, show the means equal.
     """
 
@@ -45,7 +45,7 @@ class Difference:
     p_value: float
     freedom: float
     detectable: float
-    alike_within: float
+    equivalence_margin: float
 
     @property
     def different(self) -> bool:

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
 
 
-# largest motion before the load, relative to the travel; k_inf is off by about half of it
+# Largest motion before the load, relative to the travel; the relative error of k_inf is about
+# half of it.
 MAX_STIR = 0.01
 # largest relative change of a held load
 MAX_LOAD_CHANGE = 0.02

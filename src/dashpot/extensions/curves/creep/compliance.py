@@ -16,7 +16,7 @@ from dashpot.extensions.curves.datamodel.creep import (
     LoadHold,
 )
 
-# values per decade of time, each the mean of what was recorded between two of them
+# Values per decade of time, each the mean of the recorded samples in its interval.
 _PER_DECADE = 10
 # a value is the mean of so many samples at least, and a curve has so many values
 _MIN_SAMPLES, _MIN_COUNT = 4, 5

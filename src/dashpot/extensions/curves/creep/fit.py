@@ -37,7 +37,7 @@ from dashpot.extensions.curves.creep.preprocess import OF_A_COUNT, load_hold
 from dashpot.extensions.curves.creep.retardation_spectrum import (
     FLOW,
     GLASS,
-    Retarded,
+    SelectedCreepModel,
     get_spectrum,
     make_retardation_block,
 )
@@ -94,7 +94,7 @@ from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# retardations of the first solution, which gives the velocity
+# Number of retardation times of the first solution, which gives the velocity.
 _FIRST_ORDER = 2
 _MIN_COUNT = 5
 # smallest retardation time over the time resolution of the load
@@ -166,7 +166,7 @@ def fit_creep(
     return _fit_of_test(record, retardation, arms)
 
 
-def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retarded]:
+def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, SelectedCreepModel]:
     r"""The record with its load shifted by the fitted delay, and the result of the fit.
 
     A delay is a tangent, :math:`\delta\dot x`: of a load that rises in a few samples that is off
@@ -187,7 +187,7 @@ def _align_load(record: LoadHold, options: FitOptions) -> tuple[LoadHold, Retard
     return record, retardation
 
 
-def _fit_recorded_load(record: LoadHold, options: FitOptions) -> Retarded:
+def _fit_recorded_load(record: LoadHold, options: FitOptions) -> SelectedCreepModel:
     """Return the kind of part, and its retardations, with the load where the record has it."""
     selections = [
         select_order(_build_data(record, has_flow=flows), candidate_options)
@@ -204,7 +204,7 @@ def _list_candidates(options: FitOptions) -> list[tuple[bool, FitOptions]]:
     return [(False, options), (True, replace(options, arms=arms if arms == "auto" else arms - 1))]
 
 
-# -- a test ---------------------------------------------------------------------------------------
+# -- Creep tests ----------------------------------------------------------------------------------
 
 
 def _build_data(record: LoadHold, *, has_flow: bool) -> FitData:
@@ -324,10 +324,10 @@ def _compute_delay_column(
     return np.gradient(_compute_response(block, first_solution), time)
 
 
-# -- a kind of part ------------------------------------------------------------------------------
+# -- Part with or without flow -------------------------------------------------------------------
 
 
-def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
+def _choose_by_bic(selections: Sequence[SelectedModel]) -> SelectedCreepModel:
     """Return the kind of part that BIC supports, and by how much."""
     effective = min(selection.estimate.effective for selection in selections)
     scores = []
@@ -350,7 +350,7 @@ def _choose_by_bic(selections: Sequence[SelectedModel]) -> Retarded:
         choice = choice._replace(
             arms=arm_numbers[0], by_bic=arm_numbers[1], by_significance=arm_numbers[2]
         )
-    return Retarded(
+    return SelectedCreepModel(
         model.data, model.estimate, model.scores, choice, model.requested_arms, alternative
     )
 
@@ -363,7 +363,9 @@ def _is_flow_significant(selection: SelectedModel) -> bool:
     return selection.solution.coefficient(FLOW) > MIN_K_OVER_SE * error
 
 
-def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["auto"]) -> Fit:
+def _fit_of_test(
+    record: LoadHold, retardation: SelectedCreepModel, arms: int | Literal["auto"]
+) -> Fit:
     residual = retardation.estimate.residuals[0]
     creep = retardation.spectrum
     final_compliance = creep.compliance(record.hold_time).item()
@@ -417,7 +419,9 @@ def _fit_of_test(record: LoadHold, retardation: Retarded, arms: int | Literal["a
     )
 
 
-def _list_nuisances(record: LoadHold, retardation: Retarded, word: str) -> tuple[Nuisance, ...]:
+def _list_nuisances(
+    record: LoadHold, retardation: SelectedCreepModel, word: str
+) -> tuple[Nuisance, ...]:
     """Offset, drift and delay: the shift of the load plus the fitted rest."""
     lead = {"delay": record.lead}
     return retardation.nuisances(
@@ -475,7 +479,7 @@ def _are_significant(selection: SelectedModel, estimate: SolutionEstimate) -> bo
         np.array([function(f"ln_tau_{i}") for i in numbers]),
     ):
         return False
-    retarded_model = Retarded(
+    retarded_model = SelectedCreepModel(
         selection.data, estimate, selection.scores, selection.choice, selection.requested_arms
     )
     arms, error = retarded_model.model.arms, retarded_model.every_error[1:]
@@ -483,7 +487,11 @@ def _are_significant(selection: SelectedModel, estimate: SolutionEstimate) -> bo
 
 
 def _run_checks(
-    retardation: Retarded, unit: str, window: tuple[float, float], subject: str, left_in: str
+    retardation: SelectedCreepModel,
+    unit: str,
+    window: tuple[float, float],
+    subject: str,
+    left_in: str,
 ) -> tuple[Check, ...]:
     """The checks of the solid, whatever it was fitted to; its residual is `left_in` a unit."""
     model, estimate = retardation.model, retardation.estimate
@@ -515,7 +523,7 @@ def _run_flow_checks(creep: CreepSpectrum, hold: float) -> list[Check]:
     return [checks.flow_exceeds_slow_retardation(creep, hold)] if creep.flow > 0 else []
 
 
-def _run_drift_checks(record: LoadHold, retardation: Retarded) -> list[Check]:
+def _run_drift_checks(record: LoadHold, retardation: SelectedCreepModel) -> list[Check]:
     """Return whether a drift may be a flow, if the solid has none."""
     if retardation.flows:
         return []
@@ -534,7 +542,7 @@ def _run_plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) 
 
 
 def _limit_end_of_test(
-    record: LoadHold, retardation: Retarded, band: tuple[float, float]
+    record: LoadHold, retardation: SelectedCreepModel, band: tuple[float, float]
 ) -> tuple[EndOfHold | None, tuple[float, float], BandError | None]:
     """Return the limits at the end of the hold, and the valid band of the solid.
 
@@ -579,7 +587,7 @@ def _limit_end_and_band(
 
 
 def _measure_departure(
-    record: LoadHold, retardation: Retarded
+    record: LoadHold, retardation: SelectedCreepModel
 ) -> tuple[float | None, float | None]:
     """Return how far the answer departs from proportion at its largest, and the standard error."""
     hold_segments = [
@@ -609,7 +617,7 @@ def _measure_departure(
     return solution.coefficient("bend"), estimate.standard_error("bend")
 
 
-def _make_step(result: Retarded, limit_text: str, arms: int | Literal["auto"]) -> Step:
+def _make_step(result: SelectedCreepModel, limit_text: str, arms: int | Literal["auto"]) -> Step:
     count = len(result.spectrum.d)
     flow = " and a flow" if result.flows else ""
     message = (
@@ -619,7 +627,7 @@ def _make_step(result: Retarded, limit_text: str, arms: int | Literal["auto"]) -
     return Step("fit_creep", (("arms", str(arms)),), message)
 
 
-# -- a curve --------------------------------------------------------------------------------------
+# -- Creep compliance curves ----------------------------------------------------------------------
 
 
 def _fit_curve(

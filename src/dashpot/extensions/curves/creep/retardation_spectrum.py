@@ -120,7 +120,7 @@ def _make_solid(solution: Solution) -> GeneralizedMaxwell:
 
 
 @dataclass(frozen=True, eq=False)
-class Retarded(SelectedModel):
+class SelectedCreepModel(SelectedModel):
     """Optimum in compliances, and the equivalent solid.
 
     Attributes

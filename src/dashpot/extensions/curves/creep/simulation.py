@@ -15,7 +15,7 @@ from dashpot.extensions.curves.datamodel.creep import CreepTest
 from dashpot.simulation.rig_errors import Climate, Rig, RigTruth, prepare_specimen, round_to_quantum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# a loop of more damping does not swing, and follows about as this one
+# Damping ratio of the control loop; higher values do not oscillate and follow equally well.
 _LARGEST_DAMPING = 0.999
 
 

@@ -7,7 +7,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, increasing, same_length, validate_measured
+from dashpot.base.arrays import (
+    BoolArray,
+    FloatArray,
+    require_increasing,
+    require_same_length,
+    validate_measured,
+)
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import describe_record_source
 from dashpot.base.units import celsius, convert_to_unit
@@ -83,14 +89,14 @@ def validate_step_response(curve: Any, value: str) -> None:
     for name in ("time", value):
         object.__setattr__(curve, name, validate_measured(name, getattr(curve, name)))
     if curve.temperature is None:
-        increasing("time", curve.time)
+        require_increasing("time", curve.time)
     else:
         object.__setattr__(
             curve, "temperature", validate_measured("temperature", curve.temperature)
         )
         tested_at("temperature", curve.temperature.min(), curve.temperature.max())
     columns = {name: getattr(curve, name) for name in ("time", value, "temperature")}
-    same_length(**columns)
+    require_same_length(**columns)
     if curve.time.min() < 0:
         raise DataError(
             f"time begins at {curve.time.min():g} s; expected the time since the step, >= 0"

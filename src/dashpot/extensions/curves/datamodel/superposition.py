@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import EqualByValue, FloatArray, same_length, samples
+from dashpot.base.arrays import EqualByValue, FloatArray, require_same_length, validate_samples
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source, Step
 from dashpot.base.result_mixins import Plottable, Series
@@ -57,9 +57,9 @@ class Superposition(EqualByValue, Plottable):
     steps: tuple[Step, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "temperature", samples("temperature", self.temperature))
+        object.__setattr__(self, "temperature", validate_samples("temperature", self.temperature))
         abscissa = self.curve.frequency if isinstance(self.curve, DynamicTest) else self.curve.time
-        same_length(curve=abscissa, temperature=self.temperature)
+        require_same_length(curve=abscissa, temperature=self.temperature)
 
     @property
     def model(self) -> GeneralizedMaxwell:

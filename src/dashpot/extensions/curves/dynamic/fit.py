@@ -350,7 +350,7 @@ def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Resid
     return replace(weighted, n=len(error), sse=sse, rms=rms, unit="1")
 
 
-class _Set(NamedTuple):
+class _WeightedDataSet(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record.
 
     Beside them the degrees of freedom of each after its own fit, and of a record its scatter, N.
@@ -407,13 +407,15 @@ def _build_records(tests: Tests, data: DynamicTest, *, dashpot: bool) -> tuple[R
     return records
 
 
-def _stack_parts(sets: Sequence[_Set]) -> FitData:
+def _stack_parts(sets: Sequence[_WeightedDataSet]) -> FitData:
     return FitData(
         [item.block for item in sets], [row for item in sets for row in item.record_blocks]
     )
 
 
-def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int) -> _Set:
+def _build_sweep(
+    data: DynamicTest, weights: str, *, dashpot: bool, max_arms: int
+) -> _WeightedDataSet:
     _validate_data(data, weights)
     n = len(data.frequency)
     first = _build_sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
@@ -422,7 +424,7 @@ def _build_sweep(data: DynamicTest, weights: str, *, dashpot: bool, max_arms: in
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     block = _build_sweep_block(data, scale, dashpot=dashpot)
-    return _Set(block, _split_storage_and_loss(block, n), best.record_dof)
+    return _WeightedDataSet(block, _split_storage_and_loss(block, n), best.record_dof)
 
 
 def _build_sweep_block(
@@ -470,7 +472,7 @@ def _split_storage_and_loss(block: DataBlock, n: int) -> tuple[DataBlock, DataBl
     )
 
 
-def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
+def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_WeightedDataSet]:
     design = FitSetup("full")
     blocks = compress_tests(records, design)
     sets = []
@@ -478,11 +480,13 @@ def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_Set]:
         fit = fit_single_test([block], [block.exact], max_arms)
         scatter = fit.scatter[0]
         record_blocks = (block.exact.scale_rows(1 / scatter),)
-        sets.append(_Set(block.scale_rows(1 / scatter), record_blocks, fit.record_dof, scatter))
+        sets.append(
+            _WeightedDataSet(block.scale_rows(1 / scatter), record_blocks, fit.record_dof, scatter)
+        )
     return sets
 
 
-def _weight_sweep(data: DynamicTest, sweep: _Set) -> CurveData | None:
+def _weight_sweep(data: DynamicTest, sweep: _WeightedDataSet) -> CurveData | None:
     """Return the lines of a sweep with their errors; None if they are few."""
     window = (
         1 / (_DASHPOT_RATIO * float(data.omega.max())),
@@ -520,7 +524,7 @@ def _limit_with_records(
     data: DynamicTest,
     curve: CurveData | None,
     records: Sequence[RampHold],
-    sets: Sequence[_Set],
+    sets: Sequence[_WeightedDataSet],
     *,
     selection: SelectedModel,
     solid: Solid,
@@ -677,7 +681,7 @@ def _run_checks(
 
 
 def _find_band(
-    data: DynamicTest, records: Sequence[RampHold], sets: Sequence[_Set], k_0: float
+    data: DynamicTest, records: Sequence[RampHold], sets: Sequence[_WeightedDataSet], k_0: float
 ) -> tuple[tuple[float, float], tuple[Check, ...]]:
     """Return the frequencies of the tests' valid bands, and whether there is a gap."""
     sweep = (float(data.frequency.min()), float(data.frequency.max()))

@@ -50,7 +50,7 @@ from dashpot.numerics.design_matrices.recorded_motion import build_hold_block
 from dashpot.preprocessing.checks import check_temperature
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# a dense spectrum needs a curve
+# Smallest number of values for a dense spectrum.
 _MIN_VALUES = 3
 
 

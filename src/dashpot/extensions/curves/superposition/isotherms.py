@@ -39,7 +39,7 @@ _COLUMNS: dict[type, tuple[str, ...]] = {
     CreepCompliance: ("time", "compliance"),
 }
 
-# an isotherm of fewer values has no place of its own along the axis
+# Smallest number of values of an isotherm whose shift is fitted.
 MIN_VALUES = 2
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.option_fields import ShiftLaw, VerticalAsked, require_choice
+from dashpot.base.option_fields import ShiftLaw, VerticalOption, require_choice
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, celsius, convert_to_si
 from dashpot.datamodel.shift_factors import Shift, TemperatureShifts
@@ -63,7 +63,7 @@ def superpose(
     *,
     reference: Quantity | None = None,
     law: ShiftLaw = "auto",
-    vertical: VerticalAsked = "auto",
+    vertical: VerticalOption = "auto",
     shifts: Sequence[Shift] = (),
 ) -> Superposition:
     r"""Shift sweeps, moduli or creep at several temperatures onto one positive spectrum.
@@ -98,7 +98,7 @@ def superpose(
         If there are no several temperatures, none is near the reference, or a modulus is not
         above 0.
     """
-    require_choice("vertical", vertical, VerticalAsked, FitError)
+    require_choice("vertical", vertical, VerticalOption, FitError)
     test, sources = join_tests(data)
     isotherms = split_isotherms(test)
     t = np.array([isotherm.temperature for isotherm in isotherms])
@@ -187,7 +187,7 @@ def _reference(t: FloatArray, target: float | None) -> int:
 
 
 def _search_shifts(
-    isotherms: Sequence[Isotherm], reference_index: int, vertical: VerticalAsked, noise: float
+    isotherms: Sequence[Isotherm], reference_index: int, vertical: VerticalOption, noise: float
 ) -> tuple[ShiftedSpectrum, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was requested, or that BIC takes."""
     t = np.array([isotherm.temperature for isotherm in isotherms])
@@ -243,7 +243,7 @@ def _apply_stated_shifts(
     return fit_spectrum(isotherms, ln_a, ln_b, make_grid(isotherms, ln_a)), vertical_rule, ()
 
 
-# -- what is known of the shifts ------------------------------------------------------------------
+# -- Stated shifts --------------------------------------------------------------------------------
 
 
 def _compute_decadic_covariance(best: ShiftedSpectrum, reference_index: int) -> FloatArray:
@@ -284,7 +284,7 @@ def _compute_overlap(isotherms: Sequence[Isotherm], best: ShiftedSpectrum) -> Fl
     )  # fmt: skip
 
 
-# -- the master curve -----------------------------------------------------------------------------
+# -- Master curve ---------------------------------------------------------------------------------
 
 
 def _solid(

@@ -139,7 +139,7 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
 @criterion(
     "|ln b_T - ln T/T_r|", "<=", MAX_LN_B_DEVIATION, "our choice: three times what rubbers show"
 )
-def stiffness_of_one_seal(shifts: TemperatureShifts) -> Finding:
+def vertical_shift_plausible(shifts: TemperatureShifts) -> Finding:
     """The stiffness is about proportional to absolute temperature, as rubber's is."""
     log_deviations = [
         float(np.log(shift.b_t * shifts.reference / shift.temperature)) for shift in shifts.shifts

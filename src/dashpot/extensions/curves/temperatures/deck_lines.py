@@ -41,7 +41,7 @@ def format_law_lines(shifts: TemperatureShifts) -> list[str]:
     ]
 
 
-def format_stiffness_left_out(shifts: TemperatureShifts) -> list[str]:
+def format_missing_stiffness_lines(shifts: TemperatureShifts) -> list[str]:
     """Return the change of stiffness that a shift of times leaves out, if there is one."""
     if not _format_stiffness_shift(shifts):
         return []

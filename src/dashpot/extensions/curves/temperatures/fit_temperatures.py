@@ -45,7 +45,7 @@ from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import (
     arms_enough,
     loss_factor_determined,
-    optimum_found,
+    optimiser_converged,
     order_agreed,
     valid_band_exists,
 )
@@ -107,7 +107,7 @@ class MultiTemperatureFit(NamedTuple):
     covariance: JointCovariance
 
 
-# most arms of the fit of one test alone, where it is one of several temperatures
+# Largest number of arms in the separate fit of each of the tests.
 _MAX_TEST_ARMS = 6
 
 
@@ -311,7 +311,7 @@ def _end_of_hold(
     )
 
 
-# -- the fit --------------------------------------------------------------------------------------
+# -- Fit ------------------------------------------------------------------------------------------
 
 
 def _build_fit(fit: MultiTemperatureFit, options: FitOptions) -> Fit:
@@ -395,7 +395,7 @@ def _run_checks(
     solids = [point.solid_at(int(i)) for i in fit.best.joint.at]
     low, high = zip(*(block.window for block in _reduce_tests(fit)), strict=True)
     all_checks = [
-        optimum_found(stationary=True),
+        optimiser_converged(stationary=True),
         *check_records(records, method="full", solids=solids),
         *run_solid_checks(
             records,
@@ -454,7 +454,7 @@ def _collect_shift_checks(
             slope=None if slope is None else _compute_data_estimate(slope, fit.best.joint.slope_sd),
             enough_arms=min(more_arms, default=None),
         ),
-        checks.stiffness_of_one_seal(shifts),
+        checks.vertical_shift_plausible(shifts),
         checks.temperature_steady(warming),
         checks.shifts_distinguished(len(temperatures)),
     ]

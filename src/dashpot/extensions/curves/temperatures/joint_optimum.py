@@ -21,7 +21,8 @@ from dashpot.fitting.fit_options import FitOptions
 from dashpot.fitting.input_tests import list_temperatures
 from dashpot.numerics.inference.model_order import DECISIVE_BIC, OrderChoice, select_model_order
 
-# what is known of how arms shift apart: two temperatures hardly determine it, three do
+# Prior of the change of the shift with the relaxation time: two temperatures hardly determine it,
+# three do.
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
 # arms that are tried beside those of one test, for each decade by which the tests are shifted
 _ARMS_PER_DECADE = 3

@@ -31,7 +31,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 # target, columns of k_inf and k, and the derivative by theta
 _Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArray]]
 
-# sizes of ln tau, ln a, ln b and g: a step is at most half as long again
+# Scales of ln tau, ln a, ln b and g: a step is at most 1.5 times as long.
 _STEP_SIZES = {"ln_tau": 0.7, "ln_a": 0.35, "ln_b": 0.2, "slope": 0.07}
 # an arm smaller than this part of the stiffness is none
 _MIN_ARM_SHARE = 1e-8

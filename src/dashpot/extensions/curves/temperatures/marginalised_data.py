@@ -39,7 +39,7 @@ from dashpot.signals.disturbances import compute_warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# relaxation times up to this factor outside a record's window are asked about
+# Factor outside the window of a record up to which relaxation times are in the grid.
 TAU_MARGIN = 1e4
 WARMING_NAME = "warming@0"
 # relaxation times that stand for all, and the weakest direction that their columns know of

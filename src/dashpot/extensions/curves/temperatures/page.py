@@ -1,4 +1,4 @@
-"""Part of the page of a solid that was fitted at several temperatures."""
+"""Section of the page of a model that was fitted at several temperatures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dashpot.report.solid_and_frf_pages import TemperaturePart
 from dashpot.report.tables import TextTable
 
 _MAX_SHIFTS = 3
-"""Shifts that stand beside the stiffnesses; all stand in a fold."""
+"""Largest number of shifts in the main table; all are in a collapsible section."""
 _SHIFTS = frozenset({
     "shifts_determined", "shift_monotone", "law_follows_shifts", "no_temperature_outlier",
     "glass_below_tests", "shifts_distinguished", "shifts_independent_of_vertical_rule",
@@ -31,7 +31,7 @@ _CURVE = frozenset({
 def make_page_part(fit: Fit) -> TemperaturePart:
     """Return the section of the page on shifts and their law."""
     shifts = fit.temperatures
-    assert shifts is not None  # noqa: S101  -- fits at several temperatures alone come here
+    assert shifts is not None  # noqa: S101  -- only for fits at several temperatures
     law = {"wlf": "WLF holds", "arrhenius": "Arrhenius holds"}.get(shifts.law.kind, "each its own")
     temperatures = [shift.temperature for shift in shifts.tested_shifts]
     range_text = " to ".join(
@@ -51,8 +51,8 @@ def make_page_part(fit: Fit) -> TemperaturePart:
 
 
 def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
-    """The constants of the law, and the shifts of the ends."""
-    # an error of the noise alone is no interval, and says so
+    """Yield the constants of the law, and the shifts of selected temperatures."""
+    # an error from noise only is shown as such, not as an interval
     error_label = "" if fit.estimate.noise_covariance is None else f" ({get_error_label(fit)})"
     if shifts.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(shifts.law.kind, "law")
@@ -72,15 +72,15 @@ def _make_groups(fit: Fit, shifts: TemperatureShifts) -> Iterator[Group]:
     yield Group(
         f"Shift, log₁₀ a_T{error_label}",
         tuple(
-            _make_error_row(end.facts[0], f"At {format_quantity(end.temperature, '°C', '.4g')}",
+            _make_error_row(shift.facts[0], f"At {format_quantity(shift.temperature, '°C', '.4g')}",
                       is_noise_error=bool(error_label))
-            for end in selected_shifts
+            for shift in selected_shifts
         ),
     )  # fmt: skip
 
 
 def _make_error_row(reported_value: ReportedValue, name: str = "", *, is_noise_error: bool) -> Row:
-    """A number with its standard error: as its 95 % interval, or beside it where that is more."""
+    """Return the row of a number: with its 95 % interval, or with its error if that is of noise."""
     error = reported_value.error or 0.0
     if is_noise_error or not 0 < error < math.inf:
         return row(reported_value, name)._replace(value=reported_value.cells.with_error)

@@ -17,7 +17,8 @@ from dashpot.numerics.exponential_fit import solve_orders
 from dashpot.numerics.inference.model_order import bic_of_deviance
 from dashpot.numerics.least_squares import Parameter, Problem, Rows
 
-# decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
+# Decades of shift between a colder test and its warmer neighbour, and of a shift with the wrong
+# sign, that are tried.
 _MAX_SHIFT, _MAX_BACKWARD_SHIFT, _SHIFT_STEP = 4.0, 0.5, 0.1
 _PER_DECADE = 8
 # shifts and numbers of arms are sought again from each other

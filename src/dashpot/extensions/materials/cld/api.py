@@ -16,7 +16,7 @@ def fit_load_deflection(
     records: list[Any],
     *,
     compression: Quantity | None = None,
-    between: Range | None = None,
+    compression_limits: Range | None = None,
     force_limits: Range | None = None,
     relaxation: Fit | Sequence[Fit] = (),
     cycle: int | None = None,
@@ -28,7 +28,7 @@ def fit_load_deflection(
     return evaluate_cld(
         records,
         nominal_compression=compression,
-        tolerance_limits=between,
+        tolerance_limits=compression_limits,
         limits=si_range(force_limits, "force"),
         relaxation=[relaxation] if isinstance(relaxation, Fit) else list(relaxation),
         cycle=cycle,

@@ -11,7 +11,9 @@ from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
     FormField("compression", "Compression", "mm", "--compression"),
-    FormField("between", "Asked between", "mm", "--compression-limits", form="range"),
+    FormField(
+        "compression_limits", "Compression limits", "mm", "--compression-limits", form="range"
+    ),
     FormField("length", "Length of one specimen", "mm", "--length"),
 )
 
@@ -22,7 +24,7 @@ def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -
     return cld_files(
         files,
         at=form.number("compression", "length"),
-        between=form.range("between", "length"),
+        compression_limits=form.range("compression_limits", "length"),
         specimen=Specimen(length=length) if length else None,
         options=options,
     )

@@ -174,7 +174,7 @@ def unloading_recorded(*, is_recorded: bool) -> Finding:
 
 
 @criterion(grade="note")
-def length_given(*, is_given: bool) -> Finding:
+def length_stated(*, is_given: bool) -> Finding:
     """The length of the seal is given, so that forces are per 100 mm."""
     return Finding(
         "The length of the seal is known",
@@ -270,7 +270,7 @@ def relaxation_tests_agree(difference: float | None) -> Finding:
 @criterion(
     "BIC over that of a dashpot", "<=", MIN_BIC_GAIN, "Kass and Raftery 1995: very strong beyond"
 )
-def one_relaxation_explains_speeds(bic_difference: float) -> Finding:
+def single_relaxation_explains_speeds(bic_difference: float) -> Finding:
     """Relaxation explains the speeds as well as a dashpot that depends on compression."""
     if bic_difference >= -MIN_BIC_GAIN:
         message = (

@@ -204,7 +204,7 @@ def format_hysteresis(cycle: Cycle) -> str:
 
 
 @dataclass(frozen=True)
-class AtCompression(Serialisable):
+class CompressionValues(Serialisable):
     """Values of a cycle at one compression.
 
     Attributes
@@ -246,23 +246,23 @@ class AtCompression(Serialisable):
 
 
 @dataclass(frozen=True)
-class Quoted(Serialisable):
+class ScaledCompressionValues(Serialisable):
     """Values of a cycle at one compression, also of 100 mm, where the length is known."""
 
-    _keys = (Key("at", flatten=True), Key("per_100mm", optional=True))
+    _keys = (Key("values", flatten=True), Key("per_100mm", optional=True))
 
-    at: AtCompression
-    of: CLD
+    values: CompressionValues
+    cld: CLD
 
     @property
     def per_100mm(self) -> dict[str, float | None] | None:
         """Forces, N, slope, N/m, and energy, J, of 100 mm."""
-        if self.of.specimen.length is None:
+        if self.cld.specimen.length is None:
             return None
         names = ("loading", "loading_se", "unloading", "slope", "energy")
-        entries = {name: getattr(self.at, name) for name in names}
+        entries = {name: getattr(self.values, name) for name in names}
         return {
-            name: None if entry is None else self.of.per * entry for name, entry in entries.items()
+            name: None if entry is None else self.cld.per * entry for name, entry in entries.items()
         }
 
 
@@ -289,8 +289,8 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         Scatter of the force from sample to sample, N.
     common : float
         Compression at which cycles are compared, m.
-    nominal : AtCompression
-    least, most : AtCompression or None
+    nominal : CompressionValues
+    least, most : CompressionValues or None
         At the limits of the tolerance, where requested and reached.
     time : array, shape (n,), or None
         Duration of the whole record, s; None without a clock.
@@ -332,9 +332,9 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
     drift: float
     noise: float
     common: float
-    nominal: AtCompression
-    least: AtCompression | None
-    most: AtCompression | None
+    nominal: CompressionValues
+    least: CompressionValues | None
+    most: CompressionValues | None
     time: FloatArray | None
     compression: FloatArray
     force: FloatArray
@@ -364,24 +364,24 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         return self.delay_sd * (self.cycle.speed or 0.0)
 
     @property
-    def limit_marks(self) -> tuple[AtCompression, ...]:
+    def limit_marks(self) -> tuple[CompressionValues, ...]:
         """Least, nominal and most, as far as they are known."""
         return tuple(point for point in (self.least, self.nominal, self.most) if point is not None)
 
     @property
-    def least_of(self) -> Quoted | None:
+    def least_of(self) -> ScaledCompressionValues | None:
         """`least`, and of 100 mm."""
-        return None if self.least is None else Quoted(self.least, self)
+        return None if self.least is None else ScaledCompressionValues(self.least, self)
 
     @property
-    def nominal_of(self) -> Quoted:
+    def nominal_of(self) -> ScaledCompressionValues:
         """`nominal`, and of 100 mm."""
-        return Quoted(self.nominal, self)
+        return ScaledCompressionValues(self.nominal, self)
 
     @property
-    def most_of(self) -> Quoted | None:
+    def most_of(self) -> ScaledCompressionValues | None:
         """`most`, and of 100 mm."""
-        return None if self.most is None else Quoted(self.most, self)
+        return None if self.most is None else ScaledCompressionValues(self.most, self)
 
     @property
     def per(self) -> float:
@@ -454,12 +454,12 @@ class RelaxedLaw(Serialisable):
         force.
     residual : float
         Rms residual of the relaxed loading and unloading, N.
-    hysteresis, left : float
+    hysteresis, residual_hysteresis : float
         Part of the energy that the cycle lost, and that its relaxed forces still lose: friction.
     softening : float
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
-    others : tuple of ElasticLaw
+    perturbed_laws : tuple of ElasticLaw
         The elastic law with one of its inputs changed by a standard error: the relaxation function,
         along each axis of its covariance, first contact, and the zero of the force.
     """
@@ -469,7 +469,7 @@ class RelaxedLaw(Serialisable):
         Key("force_se", "knot_se"),
         "residual",
         "hysteresis",
-        Key("residual_hysteresis", "left"),
+        "residual_hysteresis",
         "softening",
     )
 
@@ -477,10 +477,10 @@ class RelaxedLaw(Serialisable):
     relaxation: GeneralizedMaxwell
     residual: float
     hysteresis: float | None
-    left: float | None
+    residual_hysteresis: float | None
     softening: float
     checks: tuple[Check, ...] = ()
-    others: tuple[ElasticLaw, ...] = ()
+    perturbed_laws: tuple[ElasticLaw, ...] = ()
 
     @property
     def tangent_table(self) -> TangentTable:
@@ -494,7 +494,9 @@ class RelaxedLaw(Serialisable):
 
     def force_se(self, x: float) -> float:
         """Standard error of the relaxed force at a compression, m, from relaxation and zeros, N."""
-        force_errors = [float(other.force(x)) - float(self.law.force(x)) for other in self.others]
+        force_errors = [
+            float(other.force(x)) - float(self.law.force(x)) for other in self.perturbed_laws
+        ]
         return float(np.linalg.norm(force_errors)) if force_errors else 0.0
 
 

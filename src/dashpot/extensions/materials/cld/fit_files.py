@@ -26,8 +26,8 @@ from dashpot.extensions.materials.cld.checks import specimens_capable, specimens
 from dashpot.extensions.materials.cld.datamodel import (
     CLD,
     SAME_SPEED,
-    AtCompression,
     CLDTest,
+    CompressionValues,
     ProcessCapability,
     RateLaw,
     RelaxedLaw,
@@ -225,7 +225,7 @@ def cld_files(
     files: Sequence[str | Path],
     *,
     at: Quantity | None = None,
-    between: Range | None = None,
+    compression_limits: Range | None = None,
     limits: tuple[float, float] | None = None,
     relaxation: Sequence[Fit] = (),
     specimen: Specimen | None = None,
@@ -241,7 +241,7 @@ def cld_files(
     ----------
     files : sequence of path
         One for each specimen.
-    at, between
+    at, compression_limits
         As in :func:`~dashpot.extensions.materials.cld.preprocess.cld`; without `at` the least depth
         of all.
     limits : (float, float), optional
@@ -265,7 +265,7 @@ def cld_files(
     options = options or ReadOptions()
     tests = [read_cld(path, options=options, specimen=specimen) for path in files]
     return evaluate_cld(
-        tests, nominal_compression=at, tolerance_limits=between, limits=limits,
+        tests, nominal_compression=at, tolerance_limits=compression_limits, limits=limits,
         relaxation=relaxation, cycle=options.cycle, names=[Path(path).name for path in files],
         machine=machine,
     )  # fmt: skip
@@ -324,7 +324,9 @@ def _evaluate_figures(
     _refuse_repeated_records(tests)
 
     def figures(test: CLDTest, nominal: Quantity | None) -> CLD:
-        return cld(test, at=nominal, between=tolerance_limits, cycle=cycle, machine=machine)
+        return cld(
+            test, at=nominal, compression_limits=tolerance_limits, cycle=cycle, machine=machine
+        )
 
     specimens = []
     for name, test in zip(names, tests, strict=True):
@@ -349,7 +351,7 @@ def _add_speed_fit(result: CLDResult) -> CLDResult:
     fit = fit_speeds(result.specimens)
     rate = fit_rate(result.specimens, fit)
     final_check = next(
-        check for check in rate.checks if check.name == "one_relaxation_explains_speeds"
+        check for check in rate.checks if check.name == "single_relaxation_explains_speeds"
     )
     fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, final_check)))
     return replace(result, checks=(*result.checks, *fit.checks), fit=fit, rate=rate)
@@ -429,7 +431,7 @@ def _compute_scatter(specimens: Sequence[CLD]) -> list[SpecimenStatistics]:
     return statistics
 
 
-def _interpolate_force(result: CLD, nominal_value: AtCompression | None) -> float | None:
+def _interpolate_force(result: CLD, nominal_value: CompressionValues | None) -> float | None:
     return None if nominal_value is None else result.per * nominal_value.loading
 
 

@@ -15,7 +15,7 @@ def run(request: FitRequest) -> CommandResult:
     result = cld_files(
         request.files,
         at=request["compression"],
-        between=request["between"],
+        compression_limits=request["compression_limits"],
         limits=request["force_limits"],
         relaxation=[workflow.read_fit(path) for path in request["relaxation"]],
         specimen=request.specimen,

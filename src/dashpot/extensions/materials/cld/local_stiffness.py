@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.extensions.materials.cld.datamodel import AtCompression, Branch, Cycle
+from dashpot.extensions.materials.cld.datamodel import Branch, CompressionValues, Cycle
 from dashpot.numerics.inference.covariance_estimate import estimate
 from dashpot.numerics.least_squares import solve_ordinary
 
@@ -58,7 +58,7 @@ def fit_local_slope(
 
 def evaluate_cycle(
     cycle: Cycle, compression: float, *, excess: float, contact_se: float, force_se: float
-) -> AtCompression | None:
+) -> CompressionValues | None:
     """Return the stiffness of a cycle at a compression, m; None if it is not reached.
 
     The error of the force includes the errors of the two zeros.
@@ -73,7 +73,7 @@ def evaluate_cycle(
         else fit_local_slope(cycle.unloading, compression, half_width=half_width, excess=excess)
     )
     error = _combine_force_errors(way_in, contact_se=contact_se, force_se=force_se)
-    return AtCompression(
+    return CompressionValues(
         compression,
         way_in.force,
         error,

@@ -19,9 +19,9 @@ from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.materials.cld import checks
 from dashpot.extensions.materials.cld.datamodel import (
     CLD,
-    AtCompression,
     Branch,
     CLDTest,
+    CompressionValues,
     Cycle,
 )
 from dashpot.extensions.materials.cld.local_stiffness import (
@@ -65,7 +65,7 @@ def cld(
     test: CLDTest,
     *,
     at: Quantity | None = None,
-    between: Range | None = None,
+    compression_limits: Range | None = None,
     cycle: int | None = None,
     machine: Machine | None = None,
 ) -> CLD:
@@ -80,7 +80,7 @@ def cld(
     test : CLDTest
     at : float or str, optional
         Nominal compression, m or with its unit; by default the depth of the cycle.
-    between : (float, float) or str, optional
+    compression_limits : (float, float) or str, optional
         Least and greatest compression of the tolerance, m or as ``"4:8mm"``.
     cycle : int, optional
         Which cycle, from 1; by default the last that was unloaded and reaches `at`.
@@ -108,7 +108,7 @@ def cld(
     index = _choose_cycle(cycles, cycle, nominal)
     chosen_cycle = cycles.cycles[index]
     nominal = chosen_cycle.depth if nominal is None else nominal
-    limits = (None, None) if between is None else si_range(between, "length")
+    limits = (None, None) if compression_limits is None else si_range(compression_limits, "length")
     mark_below, middle, mark_above = (
         _evaluate_record_cycle(cycles, chosen_cycle, value)
         for value in (limits[0], nominal, limits[1])
@@ -149,7 +149,7 @@ def cld(
     )
 
 
-_Marks: TypeAlias = tuple[AtCompression | None, AtCompression, AtCompression | None]
+_Marks: TypeAlias = tuple[CompressionValues | None, CompressionValues, CompressionValues | None]
 """Values of a cycle at the smallest, the nominal and the largest compression."""
 
 
@@ -227,7 +227,7 @@ def _compute_hysteresis_error(cycle: Cycle, zero: Zero) -> float:
 
 def _evaluate_record_cycle(
     cycles: _RecordCycles, cycle: Cycle, nominal: float | None
-) -> AtCompression | None:
+) -> CompressionValues | None:
     if nominal is None or not nominal > 0:
         return None
     return evaluate_cycle(
@@ -390,5 +390,5 @@ def _run_checks(
         checks.no_energy_gained(chosen_cycle.hysteresis),
         checks.no_adhesion_on_release(_measure_pull(chosen_cycle, zero)),
         checks.unloading_recorded(is_recorded=chosen_cycle.unloading is not None),
-        checks.length_given(is_given=test.specimen.length is not None),
+        checks.length_stated(is_given=test.specimen.length is not None),
     )

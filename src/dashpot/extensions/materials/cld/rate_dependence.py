@@ -174,7 +174,7 @@ def _build_rate_law(specimens: Sequence[CLD], fit: Fit, data: _Data, best: Optim
         rms,
         value - other_bic,
         (
-            checks.one_relaxation_explains_speeds(other_bic - value),
+            checks.single_relaxation_explains_speeds(other_bic - value),
             checks.speeds_residual_small(
                 rms, data.noise, max(specimen.cycle.peak for specimen in specimens)
             ),

@@ -120,8 +120,11 @@ def _format_relaxed_law(curve: RelaxedLaw, result: CLD) -> list[str]:
             ]
         )
     text = f"  softer than cycle 1 by {100 * curve.softening:.3g} % without relaxation"
-    if curve.left is not None and curve.hysteresis is not None:
-        text += f"; hysteresis {100 * curve.left:.2g} % instead of {100 * curve.hysteresis:.3g} %"
+    if curve.residual_hysteresis is not None and curve.hysteresis is not None:
+        text += (
+            f"; hysteresis {100 * curve.residual_hysteresis:.2g} % instead of "
+            f"{100 * curve.hysteresis:.3g} %"
+        )
     return [*table(rows), text]
 
 

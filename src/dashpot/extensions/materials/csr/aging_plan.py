@@ -240,7 +240,7 @@ def plan_aging(
         hottest = "150degC" if hottest_fitted is None else hottest_fitted
     hottest_oven = _read_temperature("hottest", hottest)
     end = parse_part(part)
-    if law.bound_alone or law.activation <= 0:
+    if law.is_lower_bound or law.activation <= 0:
         raise DataError(
             "this aging law has no activation energy, so no life at another temperature follows. "
             "Give a fit of several ovens that showed aging, or none"

@@ -9,7 +9,7 @@ from dashpot.base.option_fields import FormData, FormField
 from dashpot.datamodel.machine import Machine
 from dashpot.extensions.materials.csr.datamodel import Aging
 from dashpot.extensions.materials.csr.fit_files import csr_files
-from dashpot.extensions.materials.csr.lifetime_prediction import Aged
+from dashpot.extensions.materials.csr.lifetime_prediction import AgingPrediction
 from dashpot.reading.read_options import ReadOptions
 
 ASKS = (
@@ -18,7 +18,9 @@ ASKS = (
 )
 
 
-def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> Aging | Aged:
+def fit_form_files(
+    files: Sequence[str], form: FormData, options: ReadOptions
+) -> Aging | AgingPrediction:
     """Return the aging law of the files, or the life at the temperature of use."""
     oven: Any = form.get_option_value("oven").removeprefix("oven=")
     return csr_files(

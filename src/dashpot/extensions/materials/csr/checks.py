@@ -44,9 +44,9 @@ def run_checks(
         chemical_aging_resolved(hottest.significance, hottest.temperature),
         ovens_enough(len(aging.ovens)),
         activation_energy_plausible(aging.law.activation or None),
-        one_activation_energy_explains_ovens(strain),
+        single_activation_energy_explains_ovens(strain),
         load_cell_zero_stable(*_estimate_drift(estimate, drift)),
-        aging_exceeds_cell_drift(None if aging.law.bound_alone else coldest.rate, drift),
+        aging_exceeds_cell_drift(None if aging.law.is_lower_bound else coldest.rate, drift),
     )
 
 
@@ -145,7 +145,7 @@ def activation_energy_plausible(energy: float | None) -> Finding:
 
 
 @criterion("chi square / degrees of freedom", "<=", 9.0, "our choice: chance, once in 370")
-def one_activation_energy_explains_ovens(strain: float | None) -> Finding:
+def single_activation_energy_explains_ovens(strain: float | None) -> Finding:
     """One activation energy fits all ovens within the error of their temperatures."""
     if strain is None:
         return Finding("Two ovens always lie on one line of 1/T, so this check does not apply")
@@ -229,7 +229,7 @@ def end_point_reached(oven_index: int | None, part: float) -> Finding:
 
 
 @criterion("standard error / value", "<=", 1.0, "our choice: else not even its size is known")
-def aging_answer_known(error: float | None) -> Finding:
+def aging_prediction_determined(error: float | None) -> Finding:
     """The result is known to its order of magnitude."""
     if error is None:
         return Finding("The answer has no standard error, so this check does not apply")

@@ -13,7 +13,7 @@ from dashpot.base.arrays import (
     IndexArray,
     convert_arrays_to_si,
     make_units_field,
-    same_length,
+    require_same_length,
     validate_measured,
 )
 from dashpot.base.checks import Check
@@ -77,7 +77,7 @@ class CSRTest(EqualByValue, HasSummary):
             self.specimen_number if len(self.specimen_number) else np.ones(len(self.time))
         )
         object.__setattr__(self, "specimen_number", np.asarray(specimen_number, dtype=np.intp))
-        same_length(
+        require_same_length(
             time=self.time,
             force=self.force,
             temperature=self.temperature,
@@ -158,7 +158,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     """
 
     schema = "dashpot/csr@2"
-    _keys = ("verdict", Key("values", "found"), EVERY_FIELD)
+    _keys = ("verdict", Key("values", "reported_values"), EVERY_FIELD)
 
     law: AgingLaw
     ovens: tuple[Oven, ...]
@@ -170,7 +170,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     sources: tuple[Source, ...] = ()
 
     @property
-    def found(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # a field in the base, here computed from the law
+    def reported_values(self) -> tuple[ReportedValue, ...]:  # type: ignore[override]  # a field in the base, here computed from the law
         """Physical and chemical relaxation: loss in a decade, time, activation, exponent."""
         law = self.law
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
@@ -181,7 +181,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
                 words="physical relaxation per decade of time",
             ),
             ReportedValue("chemical_time", math.nan, tau, math.inf, "s", None, "h", tau_name)
-            if law.bound_alone
+            if law.is_lower_bound
             else ReportedValue.from_error(
                 "chemical_time", tau, chemical, law.quantile, of_log=True, unit="s", read="h",
                 words=tau_name,
@@ -226,7 +226,7 @@ class Aging(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     @property
     def _headline(self) -> str:
         """The activation energy, or the chemical relaxation time, and the number of ovens."""
-        last = self.found[-1 if self.law.activation else 1]
+        last = self.reported_values[-1 if self.law.activation else 1]
         hours = format_quantity(self.longest, "h", ".4g")
         return (
             f"{format_fact_clause(last)}, from {format_count(len(self.ovens), 'oven')} up to "

@@ -21,7 +21,7 @@ from dashpot.extensions.materials.csr.life_table import (
 )
 from dashpot.extensions.materials.csr.lifetime_prediction import (
     LOWER,
-    Aged,
+    AgingPrediction,
     apply_lower_energy,
     format_part,
     predict_aging,
@@ -68,17 +68,17 @@ def csr(aging: Aging, *, stamp: str = "") -> Picture:
     return Picture("csr", caption, tuple((panel,) for panel in panels), 3, stamp or origin)
 
 
-def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
+def draw_aged_force(prediction: AgingPrediction, *, stamp: str = "") -> Picture:
     """Return the predicted force at a temperature over time, with its 95 % interval.
 
     Parameters
     ----------
-    prediction : Aged
+    prediction : AgingPrediction
     stamp : str
         Origin of the data, printed below the figure; by default the files.
     """
     law, kelvin = prediction.aging.law, prediction.temperature
-    law = law.lower_limit() if law.bound_alone else law
+    law = law.lower_limit() if law.is_lower_bound else law
     time = np.geomspace(F0_TIME, prediction.furthest, 200)
     values = np.array([law.compute_retention(kelvin, item) for item in time])
     errors = np.array([
@@ -95,19 +95,19 @@ def draw_aged_force(prediction: Aged, *, stamp: str = "") -> Picture:
     )
     horizontal = Scale("time, h", (float(hours[0]), float(hours[-1])), log=True)
     up = Scale("F/F0, %", (max(100 * float(values.min()) - 10, 0.0), 105.0))
-    title = format_quantity(kelvin, "°C") + (", at least" if law.bound_alone else "")
+    title = format_quantity(kelvin, "°C") + (", at least" if law.is_lower_bound else "")
     caption = "Force that is left over time at one temperature, with its 95 % interval."
     origin = format_stamp(prediction.aging.sources) if prediction.aging.sources else ""
     panel = Panel(horizontal, up, marks, title=title, height=240)
     return Picture("aged", caption, ((panel,),), 1, stamp or origin)
 
 
-def draw_life(prediction: Aged, *, stamp: str = "") -> Picture:
+def draw_life(prediction: AgingPrediction, *, stamp: str = "") -> Picture:
     """Return the life over 1/T above the predicted force over time at the temperature of use.
 
     Parameters
     ----------
-    prediction : Aged
+    prediction : AgingPrediction
         For a prediction of times only, or from one oven, only the second panel is drawn.
     stamp : str
         Origin of the data, printed below the figure; by default the files.

@@ -165,7 +165,7 @@ def _limit_rate(uncertainty: Estimate, hottest: Oven) -> AgingLaw:
     fastest = max(hottest.rate, 0.0) + ONE_SIDED_QUANTILE * hottest.rate_error
     return AgingLaw(
         float(uncertainty.optimum.theta[0]), -float(np.log(fastest)), 0.0, 1.0, hottest.temperature,
-        covariance, uncertainty.quantile(), bound_alone=True,
+        covariance, uncertainty.quantile(), is_lower_bound=True,
     )  # fmt: skip
 
 

@@ -10,7 +10,11 @@ from dashpot.base.units import Quantity
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import make_file_specimens
 from dashpot.extensions.materials.csr.datamodel import Aging
-from dashpot.extensions.materials.csr.lifetime_prediction import Aged, FittedLife, fit_life
+from dashpot.extensions.materials.csr.lifetime_prediction import (
+    AgingPrediction,
+    FittedLife,
+    fit_life,
+)
 from dashpot.extensions.materials.csr.read import read_csr
 from dashpot.reading.read_options import ReadOptions
 
@@ -22,7 +26,7 @@ def csr_files(
     machine: Machine | None = None,
     use_at: Quantity | None = None,
     options: ReadOptions | None = None,
-) -> Aging | Aged:
+) -> Aging | AgingPrediction:
     """Fit the aging law to files.
 
     Parameters
@@ -51,4 +55,4 @@ def csr_files(
         result = fit_life(tests, machine=machine, use_at=use_at)
     except DataError as error:
         raise ReadError(str(error)) from None
-    return FittedLife(**vars(result)) if isinstance(result, Aged) else result
+    return FittedLife(**vars(result)) if isinstance(result, AgingPrediction) else result

@@ -65,7 +65,7 @@ class AgingLaw(EqualByValue):
         Covariance of physical, chemical, activation and ln exponent; infinite if unknown.
     quantile : float
         Standard errors to either end of a 95 % interval.
-    bound_alone : bool
+    is_lower_bound : bool
         No chemical relaxation was detected: tau is a lower limit, valid up to the reference.
     """
 
@@ -76,7 +76,7 @@ class AgingLaw(EqualByValue):
     reference: float
     covariance: FloatArray
     quantile: float
-    bound_alone: bool = False
+    is_lower_bound: bool = False
 
     @property
     def errors(self) -> list[float]:

@@ -43,7 +43,7 @@ class Life(NamedTuple):
 
 def has_arrhenius_line(aging: Aging) -> bool:
     """Return whether several ovens show how a life depends on the temperature."""
-    return len(aging.ovens) > 1 and not aging.law.bound_alone and aging.law.activation > 0
+    return len(aging.ovens) > 1 and not aging.law.is_lower_bound and aging.law.activation > 0
 
 
 def list_lives(aging: Aging, part: float, temperatures: Sequence[float] = ()) -> tuple[Life, ...]:

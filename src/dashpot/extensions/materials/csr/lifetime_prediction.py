@@ -19,7 +19,7 @@ from dashpot.datamodel.fit import Fit, scale_stiffness
 from dashpot.datamodel.machine import Machine
 from dashpot.datamodel.specimen import tested_at
 from dashpot.extensions.materials.csr.checks import (
-    aging_answer_known,
+    aging_prediction_determined,
     end_point_reached,
     robust_to_lower_activation_energy,
     stiffness_follows_force,
@@ -39,7 +39,7 @@ _EXTRAPOLATION = {"temperature_near_ovens", _ROBUST, "time_near_readings"}
 
 
 @dataclass(frozen=True, repr=False)
-class Aged(HasVerdict, Serialisable):
+class AgingPrediction(HasVerdict, Serialisable):
     """Predicted retained force at a temperature over time.
 
     Attributes
@@ -107,7 +107,7 @@ class Aged(HasVerdict, Serialisable):
 
 
 @dataclass(frozen=True, repr=False)
-class FittedLife(Aged):
+class FittedLife(AgingPrediction):
     """Life at the temperature of use, fitted from files: its file keeps the aging law."""
 
     @property
@@ -118,7 +118,7 @@ class FittedLife(Aged):
 
 def predict_aging(
     aging: Aging, *, temperature: Quantity | None = None, until: str | Sequence[str] = ()
-) -> Aged:
+) -> AgingPrediction:
     """Predict lifetimes to parts of F0 at a temperature, or retained forces after times.
 
     Parameters
@@ -142,12 +142,12 @@ def predict_aging(
     tested_at("--temperature", temperature)
     law, coldest, hottest = aging.law, aging.ovens[0].temperature, aging.ovens[-1].temperature
     kelvin_distances = [abs(temperature - oven.temperature) for oven in aging.ovens]
-    if law.bound_alone and temperature > hottest + ONE_OVEN:
+    if law.is_lower_bound and temperature > hottest + ONE_OVEN:
         raise DataError(
             f"no oven up to {celsius(hottest)} showed aging, so nothing is known of "
             f"{celsius(temperature)}. Test a hotter oven"
         )
-    if len(kelvin_distances) == 1 and kelvin_distances[0] > ONE_OVEN and not law.bound_alone:
+    if len(kelvin_distances) == 1 and kelvin_distances[0] > ONE_OVEN and not law.is_lower_bound:
         raise DataError(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
             "more ovens together with it, or ask for the temperature of the oven"
@@ -166,9 +166,9 @@ def predict_aging(
         ),
         time_near_readings(math.log10(latest_time / aging.longest), aging.longest),
         end_point_reached(*count_ovens_at_end_point(aging, questions)),
-        aging_answer_known(_find_widest(aging, temperature, questions)),
+        aging_prediction_determined(_find_widest(aging, temperature, questions)),
     )
-    return Aged(aging, temperature, questions, latest_time, (*checks, *aging.checks))
+    return AgingPrediction(aging, temperature, questions, latest_time, (*checks, *aging.checks))
 
 
 def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> float | None:
@@ -182,7 +182,9 @@ def _find_widest(aging: Aging, temperature: float, questions: Sequence[str]) -> 
     return max(errors, default=None)
 
 
-def make_life_interval(result: Aging | Aged, name: str) -> tuple[ReportedValue, str] | None:
+def make_life_interval(
+    result: Aging | AgingPrediction, name: str
+) -> tuple[ReportedValue, str] | None:
     """Return the life with a lower limit that allows for a lower activation energy, and the remedy.
 
     None for other values, and where the life is robust to the lower energy.
@@ -219,7 +221,7 @@ def fit_life(
     *,
     machine: Machine | None = None,
     use_at: Quantity | None = None,
-) -> Aging | Aged:
+) -> Aging | AgingPrediction:
     """Fit the aging law, and with a temperature of use predict the life there, to half of F0.
 
     Parameters
@@ -248,7 +250,7 @@ def predict_aged(
     temperature: Quantity | None = None,
     until: str | Sequence[str] = (),
     new: Fit | None = None,
-) -> Aged | Fit:
+) -> AgingPrediction | Fit:
     """Return the result of :func:`predict_aging`, or the fit of a new seal after one time.
 
     Raises
@@ -340,7 +342,7 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
     law, coldest = aging.law, aging.ovens[0].temperature
     if math.isnan(part):
         words = f"F/F0 after {format_quantity(time, 'h', '.6g')}"
-        if law.bound_alone:
+        if law.is_lower_bound:
             remainder = law.lower_limit().compute_retention(temperature, time)
             return [ReportedValue("left", math.nan, remainder, math.inf, "1", None, "%", words)]
         remainder = law.compute_retention(temperature, time)
@@ -351,7 +353,7 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
             )
         ]
     words = f"time until F/F0 is {format_quantity(part, '%', 'g')}"
-    if law.bound_alone or math.isinf(law.life(temperature, part)):
+    if law.is_lower_bound or math.isinf(law.life(temperature, part)):
         shortest_life = min(law.lower_limit().life(temperature, part), MAX_LIFETIME)
         return [ReportedValue("life", math.nan, shortest_life, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda aging_law: math.log(aging_law.life(temperature, part)))
@@ -387,7 +389,7 @@ def _report_end(aging: Aging, temperature: float, part: float, time: float) -> l
 def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[int | None, float]:
     """Return how many ovens reached the smallest requested fraction of F0, and the fraction."""
     parts = [part for part, _ in map(_parse_end, questions) if not math.isnan(part)]
-    if not parts or aging.law.bound_alone:
+    if not parts or aging.law.is_lower_bound:
         return None, math.nan
     part = min(parts)
     last_retained = [
@@ -399,7 +401,7 @@ def count_ovens_at_end_point(aging: Aging, questions: Sequence[str]) -> tuple[in
 def apply_lower_energy(aging: Aging, temperature: float) -> AgingLaw | None:
     """Return the law with a lower activation energy below the coldest oven; None without one."""
     law, coldest = aging.law, aging.ovens[0].temperature
-    if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
+    if law.is_lower_bound or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
         return None
     return law.apply_activation(LOWER, coldest)
 

@@ -24,12 +24,12 @@ class AgingPredictionOptions:
         metavar="END",
         multiple=True,
         flag="end",
-        former="until",
+        hidden_alias="until",
     )
     new: str = option(
         "",
         "Fit of an unaged seal: -o writes it aged.",
         metavar="FIT",
         flag="unaged-fit",
-        former="new",
+        hidden_alias="new",
     )

@@ -22,7 +22,7 @@ from dashpot.extensions.materials.csr.life_table import (
     has_arrhenius_line,
     list_lives,
 )
-from dashpot.extensions.materials.csr.lifetime_prediction import LOWER, Aged
+from dashpot.extensions.materials.csr.lifetime_prediction import LOWER, AgingPrediction
 from dashpot.extensions.materials.law_ranking import make_law_ranking
 from dashpot.report.first_screen import Row
 from dashpot.report.result_page import (
@@ -40,7 +40,7 @@ USUAL_RETAINED_FORCE = 0.5
 _ROWS = 20.0
 """Distance of the temperatures in the first table, K: those of every second row."""
 _OVENS = Topic(
-    "Ovens", {"ovens_enough", "one_activation_energy_explains_ovens"}, "on one line"
+    "Ovens", {"ovens_enough", "single_activation_energy_explains_ovens"}, "on one line"
 )  # fmt: skip
 _CHEMISTRY = Topic(
     "Chemistry",
@@ -81,7 +81,7 @@ def page(aging: Aging) -> KindPage:
     )  # fmt: skip
 
 
-def lay_out_aged(prediction: Aged) -> KindPage:
+def lay_out_aged(prediction: AgingPrediction) -> KindPage:
     """Return the page of the life at a temperature of use, or of the force after a time."""
     aging, part = prediction.aging, prediction.first_part
     has_life_chart = part is not None and has_arrhenius_line(aging)

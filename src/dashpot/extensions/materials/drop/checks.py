@@ -59,7 +59,7 @@ def air_escapes(speed: float) -> Finding:
 
 
 @criterion(grade="note")
-def specimen_length_given(*, is_given: bool) -> Finding:
+def specimen_length_stated(*, is_given: bool) -> Finding:
     """The length of the specimen is given."""
     return Finding(
         "The length of the specimen is known",

@@ -142,7 +142,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     ----------
     frequency : float
         Frequency of the loss factor, Hz: a contact is half a cycle.
-    found : tuple of ReportedValue
+    reported_values : tuple of ReportedValue
         The loss factor, and the arm.
     hits : tuple of DropImpact
     mass : float
@@ -157,7 +157,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     _keys = (
         "verdict",
         "frequency",
-        Key("values", "found"),
+        Key("values", "reported_values"),
         "mass",
         "hits",
         "checks",
@@ -167,7 +167,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     _is_loadable = False
 
     frequency: float
-    found: tuple[ReportedValue, ...]
+    reported_values: tuple[ReportedValue, ...]
     hits: tuple[DropImpact, ...]
     mass: float
     fit: Fit
@@ -188,7 +188,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     def facts(self) -> tuple[ReportedValue, ...]:
         """Fitted values, and of every impact its speed, peak force, contact and rebound."""
         return (
-            *self.found,
+            *self.reported_values,
             *(
                 reported_value
                 for hit in self.hits
@@ -199,7 +199,7 @@ class DropFit(EqualByValue, HasReportedValues, HasVerdict, Serialisable):
     @property
     def _headline(self) -> str:
         """The loss factor, and the number of impacts."""
-        loss = self.found[0].cells
+        loss = self.reported_values[0].cells
         interval_text = f" ({loss.interval})" if loss.interval else ""
         return (
             f"the loss factor at {self.frequency:.3g} Hz is {loss.with_error}{interval_text}, from "

@@ -62,7 +62,7 @@ def draw_drop_prediction(prediction: DropPrediction, *, stamp: str = "") -> Pict
         up,
         (
             Line(mm, np.maximum(motion.force, 0.0), PREDICTED, "predicted"),
-            Line(mm[loading], motion.relaxed[loading], FIT, "relaxed"),
+            Line(mm[loading], motion.elastic_force[loading], FIT, "relaxed"),
         ),
     )
     caption = "Force of a mass dropped on the specimen, over time and over compression."

@@ -228,7 +228,7 @@ class _FittedImpacts:
     @property
     def depth(self) -> float:
         """Largest compression of the specimen, m."""
-        return max(motion.deepest.compression for motion in self.motions)
+        return max(motion.max_compression.compression for motion in self.motions)
 
     def _compute_loss_factor(self, values: FloatArray, *, with_arm: bool = True) -> FloatArray:
         """Return the loss factor of the relaxation function, which holds at any compression."""
@@ -257,7 +257,7 @@ class _FittedImpacts:
             )
             time = impact.time - self.theta[index + 1]
             fitted_impact = DropImpact(
-                impact.name, reported_speed, motion.peak.force, motion.deepest.compression,
+                impact.name, reported_speed, motion.peak.force, motion.max_compression.compression,
                 motion.release.time, motion.rebound, motion.absorbed_energy / motion.energy, time,
                 impact.force - zeros[i], modelled[i],
             )  # fmt: skip
@@ -311,7 +311,7 @@ class _FittedImpacts:
                 else [checks.impact_within_measured_depth(self.depth, elastic_law.depth)]
             ),
             checks.air_escapes(float(speeds.max())),
-            checks.specimen_length_given(is_given=self.records[0].specimen.length is not None),
+            checks.specimen_length_stated(is_given=self.records[0].specimen.length is not None),
             *caution_checks(list_sources(self.records)),
         )
 

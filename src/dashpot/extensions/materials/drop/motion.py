@@ -24,12 +24,12 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.moving_plate import EvenStep
 
-_FINE_STEPS, _ROUGH_STEPS = 4000, 60
-"""Steps of a contact for results to 1e-7, or for its length to a few per cent."""
+_FINE_STEPS, _COARSE_STEPS = 4000, 60
+"""Number of steps of a contact: for an accuracy of 1e-7, or of a few per cent of its duration."""
 _RELEASE_TEST_STEPS = 8
 """Number of steps between tests of the release."""
 _LONGEST_CONTACT = 40.0
-"""Longest contact, in lengths of an elastic one: beyond it the mass stays on the specimen."""
+"""Longest contact, in durations of an elastic one; after it the mass does not rebound."""
 
 
 class Masses(NamedTuple):
@@ -42,7 +42,7 @@ class Masses(NamedTuple):
     gravity_acceleration : array, shape (n,) or (steps + 1, n)
         m/s^2.
     compute_path : callable
-        The path u, m, of compressions x, m, both of shape (n,).
+        Elastic path u, m, at compressions x, m, both of shape (n,).
     k_inf, b : array, shape (n,)
         N/m and N s/m.
     compute_path_derivative : callable
@@ -63,7 +63,7 @@ class Masses(NamedTuple):
 
 
 class MotionHistory(NamedTuple):
-    """Motion from touch on, step by step, shape (steps + 1, n): m, m/s, N, and the path, m."""
+    """Motion from first contact, shape (steps + 1, n): m, m/s, N, and the elastic path, m."""
 
     x: FloatArray
     v: FloatArray
@@ -71,7 +71,7 @@ class MotionHistory(NamedTuple):
     path: FloatArray
 
 
-def integrate_impact(masses: Masses, step: float, most_steps: int) -> MotionHistory:
+def integrate_impact(masses: Masses, step: float, max_steps: int) -> MotionHistory:
     """Return the motion until every mass has left its specimen, or a number of steps.
 
     Parameters
@@ -79,18 +79,19 @@ def integrate_impact(masses: Masses, step: float, most_steps: int) -> MotionHist
     masses : Masses
     step : float
         s.
-    most_steps : int
+    max_steps : int
+        Largest number of steps.
     """
     m, v, free_acceleration, path, k_inf, k, tau, b, factor = masses
     x, u, arms = np.zeros(len(m)), np.zeros(len(m)), np.zeros(k.shape)
     steps = EvenStep.from_ratio(step / tau)
     viscous = b is not None and factor is not None
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
-    motion = MotionHistory(*np.empty((4, most_steps + 1, len(m))))
+    motion = MotionHistory(*np.empty((4, max_steps + 1, len(m))))
     half_step = 0.5 * step
-    accelerations = np.broadcast_to(free_acceleration, (most_steps + 1, len(m)))
+    accelerations = np.broadcast_to(free_acceleration, (max_steps + 1, len(m)))
     acceleration, i = accelerations[0] - force / m, 0
-    for i in range(most_steps + 1):
+    for i in range(max_steps + 1):
         if i:
             v = v + half_step * acceleration
             x = x + step * v
@@ -116,21 +117,21 @@ class ImpactMotion(EqualByValue):
 
     Attributes
     ----------
-    time, compression, velocity, force, relaxed : array, shape (n,)
-        s, m, m/s, N; the relaxed force is that of the elastic law alone, N.
+    time, compression, velocity, force, elastic_force : array, shape (n,)
+        s, m, m/s, N; the elastic force is that of the elastic law at equilibrium, N.
     mass : float
         kg.
-    pull : float
-        m/s^2.
+    free_acceleration : float
+        Acceleration of the free mass, m/s^2.
     """
 
     time: FloatArray
     compression: FloatArray
     velocity: FloatArray
     force: FloatArray
-    relaxed: FloatArray
+    elastic_force: FloatArray
     mass: float
-    pull: float
+    free_acceleration: float
 
     @property
     def peak(self) -> Instant:
@@ -138,7 +139,7 @@ class ImpactMotion(EqualByValue):
         return self._interpolate_instant(_find_vertex(self.force))
 
     @property
-    def deepest(self) -> Instant:
+    def max_compression(self) -> Instant:
         """Instant of the largest compression."""
         return self._interpolate_instant(_find_vertex(self.compression))
 
@@ -148,7 +149,7 @@ class ImpactMotion(EqualByValue):
         return self._interpolate_instant(_find_zero(self.force))
 
     def _interpolate_instant(self, index_and_offset: tuple[int, float]) -> Instant:
-        histories = (self.time, self.compression, self.velocity, self.force, self.relaxed)
+        histories = (self.time, self.compression, self.velocity, self.force, self.elastic_force)
         return Instant(*(_interpolate_parabola(values, *index_and_offset) for values in histories))
 
     @property
@@ -159,31 +160,31 @@ class ImpactMotion(EqualByValue):
     @property
     def loading_work(self) -> float:
         """Work on the specimen to the largest compression, J."""
-        return self.energy + self.mass * self.pull * self.deepest.compression
+        return self.energy + self.mass * self.free_acceleration * self.max_compression.compression
 
     @property
     def absorbed_energy(self) -> float:
         """Work on the specimen to the release, J: the absorbed energy."""
         release = self.release
         remainder = 0.5 * self.mass * release.velocity**2
-        return self.energy - remainder + self.mass * self.pull * release.compression
+        return self.energy - remainder + self.mass * self.free_acceleration * release.compression
 
     @property
-    def elastic(self) -> float:
+    def elastic_energy(self) -> float:
         """Energy of the elastic law at the largest compression, J."""
-        i, part = _find_vertex(self.compression)
-        max_compression = self.deepest
-        loop_energy = float(np.trapezoid(self.relaxed[: i + 1], self.compression[: i + 1]))
-        equilibrium = 0.5 * (max_compression.relaxed + float(self.relaxed[i]))
+        i, offset = _find_vertex(self.compression)
+        max_compression = self.max_compression
+        loop_energy = float(np.trapezoid(self.elastic_force[: i + 1], self.compression[: i + 1]))
+        equilibrium = 0.5 * (max_compression.elastic_force + float(self.elastic_force[i]))
         return (
             loop_energy + equilibrium * (max_compression.compression - float(self.compression[i]))
-            if part
+            if offset
             else loop_energy
         )
 
     @property
     def frequency(self) -> float:
-        """Frequency of the cycle of which the contact is half, Hz."""
+        """Frequency of a cycle of twice the contact time, Hz."""
         return 0.5 / self.release.time
 
     @property
@@ -199,7 +200,7 @@ class Instant(NamedTuple):
     compression: float
     velocity: float
     force: float
-    relaxed: float
+    elastic_force: float
 
 
 def simulate_impacts(
@@ -217,7 +218,7 @@ def simulate_impacts(
     models : sequence of GeneralizedMaxwell
         Secant models at the depth of the law, close to the first.
     law : ElasticLaw
-        Only its path is used.
+        Its elastic path is used.
     mass : float
         kg.
     speed : float
@@ -232,7 +233,7 @@ def simulate_impacts(
 
     Notes
     -----
-    Accurate to 1e-6 of each number, by independent solutions with DOP853.
+    Relative accuracy 1e-6, verified by the integrator DOP853.
     """
     require_positive(mass=mass, speed=speed, expected="a finite number above 0")
     count, arms = len(models), max(model.arms for model in models)
@@ -246,7 +247,7 @@ def simulate_impacts(
     )  # fmt: skip
     contact_time = _estimate_contact_time(masses, models[0], law)
     coarse_motion = integrate_impact(
-        masses, contact_time / _ROUGH_STEPS, int(_LONGEST_CONTACT * _ROUGH_STEPS)
+        masses, contact_time / _COARSE_STEPS, int(_LONGEST_CONTACT * _COARSE_STEPS)
     )
     is_released = (coarse_motion.force <= 0) & (coarse_motion.v <= 0)
     if not is_released[-1].all():
@@ -254,7 +255,7 @@ def simulate_impacts(
             f"the mass is still on the specimen after {_LONGEST_CONTACT:g} times the time of an "
             "elastic contact: it does not rebound. Expected a lighter mass, or a faster one"
         )
-    step = contact_time * int(is_released[:, 0].argmax()) / _ROUGH_STEPS / _FINE_STEPS
+    step = contact_time * int(is_released[:, 0].argmax()) / _COARSE_STEPS / _FINE_STEPS
     fine_motion = integrate_impact(masses, step, 3 * _FINE_STEPS)
     motions = []
     for i, model in enumerate(models):
@@ -266,7 +267,7 @@ def simulate_impacts(
 
 
 def _estimate_contact_time(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float:
-    """Return the approximate length of an elastic contact, s, by the energy of the law."""
+    """Return the approximate duration of an elastic contact, s, by the energy of the law."""
     energy = 0.5 * float(masses.mass[0] * masses.speed[0] ** 2)
     x = np.linspace(0.0, law.depth, 201)
     path = law.path(x)
@@ -280,16 +281,16 @@ def _estimate_contact_time(masses: Masses, model: GeneralizedMaxwell, law: Elast
 
 
 def _find_vertex(y: FloatArray) -> tuple[int, float]:
-    """Return the largest sample, or the one before, and how far beyond it the parabola peaks."""
+    """Return the index of the largest sample, or the one before, and the offset of the vertex."""
     i = min(max(int(y.argmax()), 1), len(y) - 2)
     left, middle, right = y[i - 1 : i + 2].tolist()
     curvature = left - 2 * middle + right
-    part = 0.5 * (left - right) / curvature if curvature else 0.0
-    return (i, part) if part >= 0 else (i - 1, 1 + part)
+    offset = 0.5 * (left - right) / curvature if curvature else 0.0
+    return (i, offset) if offset >= 0 else (i - 1, 1 + offset)
 
 
 def _find_zero(y: FloatArray) -> tuple[int, float]:
-    """Return the last sample above zero, and how far beyond it the parabola is zero."""
+    """Return the index of the last sample above zero, and the offset of the parabola's zero."""
     i = len(y) - 2
     left, middle, right = y[i - 1 : i + 2].tolist()
     curvature, slope = 0.5 * (left - 2 * middle + right), 0.5 * (right - left)
@@ -297,8 +298,8 @@ def _find_zero(y: FloatArray) -> tuple[int, float]:
     return i, min(max(-2 * middle / (slope - root), 0.0), 1.0)
 
 
-def _interpolate_parabola(y: FloatArray, i: int, part: float) -> float:
-    """Return a value beyond a sample, by the parabola through it and its neighbours."""
-    i, part = (i, part) if i else (1, part - 1)
+def _interpolate_parabola(y: FloatArray, i: int, offset: float) -> float:
+    """Return the value at an offset from a sample, by the parabola through its neighbours."""
+    i, offset = (i, offset) if i else (1, offset - 1)
     left, middle, right = map(float, y[i - 1 : i + 2])
-    return middle + part * (0.5 * (right - left) + 0.5 * part * (left - 2 * middle + right))
+    return middle + offset * (0.5 * (right - left) + 0.5 * offset * (left - 2 * middle + right))

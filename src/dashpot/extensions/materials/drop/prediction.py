@@ -153,11 +153,11 @@ def predict_drop(
     motion = motions[0]
     checked = (
         checks.impact_within_measured_depth(
-            motion.deepest.compression, None if elastic_law is None else elastic_law.depth
+            motion.max_compression.compression, None if elastic_law is None else elastic_law.depth
         ),
         checks.impact_in_valid_band(motion.frequency, fit.band[1]),
         checks.air_escapes(approach.speed),
-        checks.specimen_length_given(is_given=parallel_fit.specimen.length is not None),
+        checks.specimen_length_stated(is_given=parallel_fit.specimen.length is not None),
     )
     return DropPrediction(
         approach, kg, seals, _collect_answers(motions), motion,
@@ -180,7 +180,7 @@ _NAMED = (
     ("compression", "m", "mm", "largest compression"),
     ("compression_time", "s", "ms", "time to the largest compression"),
     ("contact", "s", "ms", "contact"),
-    ("compression_left", "m", "mm", "compression when it is let go"),
+    ("residual_compression", "m", "mm", "compression when it is let go"),
     ("rebound", "1", "%", "rebound speed"),
     ("taken", "J", "mJ", "energy to the largest compression"),
     ("lost", "J", "mJ", "energy absorbed"),
@@ -206,7 +206,7 @@ def _collect_answers(motions: Sequence[ImpactMotion]) -> tuple[ReportedValue, ..
 
 def _list_numbers(item: ImpactMotion) -> list[float]:
     """Return the numbers in the order of ``_NAMED``."""
-    peak, max_compression, release = item.peak, item.deepest, item.release
+    peak, max_compression, release = item.peak, item.max_compression, item.release
     return [
         peak.force,
         peak.time,
@@ -218,6 +218,6 @@ def _list_numbers(item: ImpactMotion) -> list[float]:
         item.loading_work,
         item.absorbed_energy,
         item.absorbed_energy / item.energy,
-        peak.force / max_compression.relaxed,
-        item.loading_work / item.elastic,
+        peak.force / max_compression.elastic_force,
+        item.loading_work / item.elastic_energy,
     ]

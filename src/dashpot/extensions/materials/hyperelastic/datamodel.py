@@ -179,7 +179,7 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     Attributes
     ----------
     law : Hyperelastic
-    found : tuple of ReportedValue
+    reported_values : tuple of ReportedValue
         Its constants and derived values, with their 95 % intervals.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
@@ -218,11 +218,11 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         Key("memory", "relaxation"),
         "checks",
         "temperature",
-        Key("values", "found"),
+        Key("values", "reported_values"),
     )
 
     law: Hyperelastic
-    found: tuple[ReportedValue, ...]
+    reported_values: tuple[ReportedValue, ...]
     orders: tuple[tuple[str, float], ...]
     curves: tuple[ElasticCurve, ...]
     residuals: tuple[float, ...]
@@ -278,5 +278,5 @@ class HyperelasticFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return (
             str(self.verdict),
             f"law: {self.law.kind}",
-            *(reported_value.text for reported_value in self.found),
+            *(reported_value.text for reported_value in self.reported_values),
         )

@@ -241,7 +241,7 @@ def _find_poisson(
     return ratio, law == "hyperfoam" or (law == "auto" and (poisson is not None or is_compressible))
 
 
-# -- how well it is known ---------------------------------------------------------------------
+# -- Uncertainty ------------------------------------------------------------------------------
 
 
 def _make_law_facts(
@@ -292,7 +292,7 @@ def _compute_relative_residual(optimum: HyperelasticOptimum, curve: ElasticCurve
     return float(np.sqrt(np.mean(residual**2))) / curve.size
 
 
-# -- stretches of use ---------------------------------------------------------------------------
+# -- Range of stretches in use ------------------------------------------------------------------
 
 
 def get_stretch_range(

@@ -53,7 +53,7 @@ def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
         figure_title="Stress over stretch",
         picture=hyperelastic_fit.plot(),
         table_title=f"The {hyperelastic_fit.law.kind} law",
-        groups=(group("", hyperelastic_fit.found),),
+        groups=(group("", hyperelastic_fit.reported_values),),
         sources=hyperelastic_fit.sources,
         collapsible_sections=(
             CollapsibleSection(

@@ -15,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.materials.hyperelastic.datamodel import StressStrainTest
 from dashpot.extensions.materials.hyperelastic.size_checks import strain_of_a_rubber
 from dashpot.extensions.materials.hyperelastic.strain_energy import poisson_of
-from dashpot.extensions.materials.options import MODES, FilesOfMode, Measures, Mode
+from dashpot.extensions.materials.options import MODES, Measures, Mode, ModeFiles
 from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.role_assignment import format_column, handle, score_columns
 from dashpot.reading.columns.vocabulary import Role
@@ -117,7 +117,7 @@ def read_stress_strain(
         )
 
 
-def _find_mode(header: Sequence[str]) -> tuple[FilesOfMode, list[str]]:
+def _find_mode(header: Sequence[str]) -> tuple[ModeFiles, list[str]]:
     """Return the mode that the lines above a table name, and a note; uniaxial if not just one."""
     named_modes = {
         word: f"the test is {word}, as its header says: '{line.strip()}'"

@@ -20,7 +20,7 @@ def hyperelastic(hyperelastic_fit: dp.HyperelasticFit) -> Text:
     ]  # fmt: skip
     lines = [
         f"  law: {hyperelastic_fit.law.kind}, {hyperelastic_fit.loading_rate}",
-        *format_values(hyperelastic_fit.found),
+        *format_values(hyperelastic_fit.reported_values),
         *table(tests),
         format_bic_differences(hyperelastic_fit.orders),
     ]

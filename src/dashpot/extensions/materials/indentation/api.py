@@ -8,11 +8,11 @@ from typing import Any
 
 from dashpot.base.errors import FitError, ReadError
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
-from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
+from dashpot.extensions.materials.indentation.indenter import ImpactLawOption
 from dashpot.registry import KINDS, load_object
 
 
-def fit_hit(records: list[Any], *, model: ImpactLawAsked = "auto") -> IndentationFit:
+def fit_hit(records: list[Any], *, model: ImpactLawOption = "auto") -> IndentationFit:
     """Fit the law of one hit of an indenter."""
     from dashpot.extensions.materials.indentation.fit import fit_indentation
 

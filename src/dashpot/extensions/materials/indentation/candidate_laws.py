@@ -151,7 +151,7 @@ LAWS = MappingProxyType(
 )  # fmt: skip
 
 
-class Recorded(NamedTuple):
+class SensorSignal(NamedTuple):
     """Simulated sensor signal and its derivatives, each of shape (n,).
 
     Attributes
@@ -171,7 +171,7 @@ class Recorded(NamedTuple):
 
 def simulate_sensor_signal(
     hit: Collision, motion: Motion, time_since_touch: FloatArray, step: float
-) -> Recorded:
+) -> SensorSignal:
     """Return the signal of a sensor, positive for a push, at times since first contact, s.
 
     An acceleration is the specific force F/m, zero in free fall. A force that jumps at the touch is
@@ -206,7 +206,7 @@ def simulate_sensor_signal(
             value, rate, stretched = (
                 np.diff(values, axis=0)[0] / step for values in (value, force, -edge * force)
             )
-        return Recorded(value * scale, rate * scale, stretched * scale)
+        return SensorSignal(value * scale, rate * scale, stretched * scale)
     time_before, time_after = (
         np.minimum(time_since_touch, 0.0),
         np.maximum(time_since_touch - end, 0.0),
@@ -217,9 +217,9 @@ def simulate_sensor_signal(
         speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
             time_before + time_after
         )
-        return Recorded(-speed, acceleration, -time_since_touch * acceleration)
+        return SensorSignal(-speed, acceleration, -time_since_touch * acceleration)
     displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
     speed += hit.pull * (time_before + time_after)
     displacement += hit.velocity[0] * time_before + hit.velocity[-1] * time_after
     displacement += hit.pull * (time_before**2 + time_after**2) / 2
-    return Recorded(-displacement, -speed, time_since_touch * speed - displacement)
+    return SensorSignal(-displacement, -speed, time_since_touch * speed - displacement)

@@ -50,7 +50,7 @@ def run_checks(
     stated_velocity = test.indenter.stated_velocity
     names = [
         reported_value
-        for reported_value in fit.found
+        for reported_value in fit.reported_values
         if reported_value.name in {"k", "c", "viscous_time", "g", "tau"}
     ]
     bounded_values = [name for name in names if name.low > 0] or names
@@ -86,7 +86,7 @@ def run_checks(
 
 def _compute_undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
     """Return the mean record after release over the push, and its noise; None where it ends."""
-    if fit.of not in {"acceleration", "force"}:
+    if fit.quantity not in {"acceleration", "force"}:
         return None, 0.0
     is_after_contact = (fit.time > 1.02 * fit.duration) & (fit.time < 1.25 * fit.duration)
     count = int(np.count_nonzero(is_after_contact))
@@ -99,7 +99,7 @@ def _compute_undershoot(fit: IndentationFit, size: float) -> tuple[float | None,
 
 def _compute_force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
     """Return the impulse of a recorded force over mass times the change of speed."""
-    if test.force is None or test.of == "force" or test.indenter.mass is None:
+    if test.force is None or test.quantity == "force" or test.indenter.mass is None:
         return None
     time_since_touch = test.time - fit.touch
     in_contact = (time_since_touch > -0.05 * fit.duration) & (
@@ -264,7 +264,7 @@ def _get_widest_interval(fit: IndentationFit) -> float:
     """The widest interval, as a factor, of the main results of a contact."""
     return max(
         reported_value.high / reported_value.value
-        for reported_value in fit.found
+        for reported_value in fit.reported_values
         if reported_value.name in {"k", *_COMPARED}
     )
 
@@ -281,7 +281,7 @@ def laws_agree(
         other_values = {
             reported_value.name: reported_value.value for reported_value in reported_values
         }
-        for reported_value in fit.found:
+        for reported_value in fit.reported_values:
             if reported_value.name in _COMPARED and reported_value.name in other_values:
                 separate.append(
                     (

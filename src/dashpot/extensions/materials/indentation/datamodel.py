@@ -44,8 +44,8 @@ class IndentationTest(EqualByValue, HasSummary):
     time : array, shape (n,)
         s, evenly spaced.
     signal : array, shape (n,)
-        In the unit of `of`; its sign as recorded.
-    of : str
+        In the unit of `quantity`; its sign as recorded.
+    quantity : str
         ``"acceleration"``, ``"velocity"``, ``"displacement"`` or ``"force"``.
     indenter : Indenter
     force : array, shape (n,), or None
@@ -72,16 +72,16 @@ class IndentationTest(EqualByValue, HasSummary):
 
     time: FloatArray
     signal: FloatArray
-    of: Motion
+    quantity: Motion
     indenter: Indenter
     force: FloatArray | None = None
     source: Source | None = None
     units: str = make_units_field()
 
     def __post_init__(self) -> None:
-        if self.of not in UNITS:
-            raise DataError(f"of = '{self.of}'; expected one of {', '.join(UNITS)}")
-        convert_arrays_to_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
+        if self.quantity not in UNITS:
+            raise DataError(f"quantity = '{self.quantity}'; expected one of {', '.join(UNITS)}")
+        convert_arrays_to_si(self, time="time", signal=_DIMENSIONS[self.quantity], force="force")
         hold_measured(self, "time", "signal", "force", minimum=16)
         steps = np.diff(self.time)
         index = int(np.argmax(np.abs(steps - self.step)))
@@ -99,7 +99,10 @@ class IndentationTest(EqualByValue, HasSummary):
     @property
     def _table_columns(self) -> Series:
         """The motion, and the force recorded beside it, over time."""
-        return {**collect_arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
+        return {
+            **collect_arrays(self, time="s", force="N"),
+            self.quantity: (self.signal, UNITS[self.quantity]),
+        }
 
     @property
     def _summary_lines(self) -> tuple[str, ...]:
@@ -107,13 +110,13 @@ class IndentationTest(EqualByValue, HasSummary):
         return (
             describe_record_source(self.source, len(self.time)),
             (
-                f"{self.of} of an indenter at {1 / self.step:.6g} Hz, to "
-                f"{np.abs(self.signal).max():.4g} {UNITS[self.of]}"
+                f"{self.quantity} of an indenter at {1 / self.step:.6g} Hz, to "
+                f"{np.abs(self.signal).max():.4g} {UNITS[self.quantity]}"
             ),
         )
 
 
-# main results, by priority
+# Main results, by priority.
 _CAME_FOR = ("modulus", "k")
 
 
@@ -126,12 +129,12 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     law : str
         ``"kelvin-voigt"``, ``"hertz"``, ``"hertz-kelvin-voigt"`` or ``"hertz-maxwell"``.
     contact : ContactLaw
-    found : tuple of ReportedValue
+    reported_values : tuple of ReportedValue
         The law's parameters, then derived values: modulus, restitution, and the motion of the body.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
     indenter : Indenter
-    of : str
+    quantity : str
         Recorded quantity.
     time, measured, modelled : array, shape (n,)
         Time from first contact, s; the record around the contact, positive for a push from the
@@ -148,15 +151,15 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     Examples
     --------
     >>> import dashpot as dp
-    >>> found = dp.fit(dp.read("hit.csv", mass="5g", radius="2.5mm"))  # doctest: +SKIP
-    >>> found.law  # doctest: +SKIP
+    >>> fit = dp.fit(dp.read("hit.csv", mass="5g", radius="2.5mm"))  # doctest: +SKIP
+    >>> fit.law  # doctest: +SKIP
     'hertz'
     """
 
     schema = "dashpot/indentation@2"
     _keys = (
         "law",
-        "of",
+        "quantity",
         "indenter",
         Key("values", flatten=True),
         "intervals",
@@ -173,10 +176,10 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
 
     law: str
     contact: ContactLaw
-    found: tuple[ReportedValue, ...]
+    reported_values: tuple[ReportedValue, ...]
     orders: tuple[tuple[str, float], ...]
     indenter: Indenter
-    of: str
+    quantity: str
     time: FloatArray
     measured: FloatArray
     modelled: FloatArray
@@ -190,20 +193,22 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def values(self) -> dict[str, float]:
         """Fitted values by name."""
-        return {reported_value.name: reported_value.value for reported_value in self.found}
+        return {
+            reported_value.name: reported_value.value for reported_value in self.reported_values
+        }
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """95 % intervals by name."""
         return {
             reported_value.name: (reported_value.low, reported_value.high)
-            for reported_value in self.found
+            for reported_value in self.reported_values
         }
 
     @property
     def units(self) -> dict[str, str]:
         """Units of the values, by their names."""
-        return {reported_value.name: reported_value.unit for reported_value in self.found}
+        return {reported_value.name: reported_value.unit for reported_value in self.reported_values}
 
     @property
     def scores(self) -> dict[str, float]:
@@ -213,8 +218,10 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
     @property
     def _headline(self) -> str:
         """The modulus or stiffness, and the restitution."""
-        values_by_name = {reported_value.name: reported_value for reported_value in self.found}
-        first = next(filter(None, map(values_by_name.get, _CAME_FOR)), self.found[0])
+        values_by_name = {
+            reported_value.name: reported_value for reported_value in self.reported_values
+        }
+        first = next(filter(None, map(values_by_name.get, _CAME_FOR)), self.reported_values[0])
         bounce = values_by_name.get("restitution")
         restitution_text = f", {bounce.label} {bounce.cells.with_unit}" if bounce else ""
         interval_text = f" ({first.cells.interval})" if first.cells.interval else ""
@@ -226,5 +233,5 @@ class IndentationFit(EqualByValue, Plottable, HasReportedValues, Serialisable):
         return (
             str(self.verdict),
             f"law: {self.law}",
-            *(reported_value.text for reported_value in self.found),
+            *(reported_value.text for reported_value in self.reported_values),
         )

@@ -21,13 +21,16 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     stamp : str
         Origin of the data, printed below the figure; by default the file.
     """
-    t, unit = convert_to_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
+    t, unit = (
+        convert_to_unit(fit.time, "ms"),
+        "mm" if fit.quantity == "displacement" else UNITS[fit.quantity],
+    )
     measured, modelled = convert_to_unit(fit.measured, unit), convert_to_unit(fit.modelled, unit)
     values, word = measured - modelled, unit.replace("^2", "²")
     horizontal = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
     contact = Span(0.0, convert_to_unit(fit.duration, "ms"), "fit", "in contact")
     upper = Panel(
-        horizontal, Scale(f"{fit.of} (push > 0), {word}", compute_padded_limits(measured,
+        horizontal, Scale(f"{fit.quantity} (push > 0), {word}", compute_padded_limits(measured,
         modelled)),
         (
             contact, Dots(t, measured, "measured", "measured", size=2.5),

@@ -32,7 +32,7 @@ from dashpot.extensions.materials.indentation.candidate_laws import (
     LAWS,
     STEP,
     Law,
-    Recorded,
+    SensorSignal,
     simulate_sensor_signal,
 )
 from dashpot.extensions.materials.indentation.collision import Collision
@@ -43,7 +43,7 @@ from dashpot.extensions.materials.indentation.contact_law import (
     reduced_modulus,
 )
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit, IndentationTest
-from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
+from dashpot.extensions.materials.indentation.indenter import ImpactLawOption
 from dashpot.extensions.materials.indentation.preprocess import ContactInterval, largest_contact
 from dashpot.extensions.materials.indentation.profile_likelihood import (
     ProfileSlice,
@@ -101,14 +101,16 @@ class _NearHit:
     fixed: FloatArray
     prior: FloatArray  # inverse standard deviation of each column, over the noise's
 
-    def sample_collision(self, hit: Collision, touch_time: float) -> Recorded:
-        signal = simulate_sensor_signal(hit, self.test.of, self.time - touch_time, self.test.step)
-        return Recorded(*(values[self.is_used] for values in signal))
+    def sample_collision(self, hit: Collision, touch_time: float) -> SensorSignal:
+        signal = simulate_sensor_signal(
+            hit, self.test.quantity, self.time - touch_time, self.test.step
+        )
+        return SensorSignal(*(values[self.is_used] for values in signal))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
 
-    def simulate_signal(self, law: Law, theta: FloatArray, acceleration: float) -> Recorded:
+    def simulate_signal(self, law: Law, theta: FloatArray, acceleration: float) -> SensorSignal:
         return self.sample_collision(
             law.collision(theta, self.mass, acceleration), float(theta[-1])
         )
@@ -174,7 +176,7 @@ class _LawOptimum:
         return self.law.contact(self.optimum.theta, self.collision.mass)
 
 
-def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> IndentationFit:
+def fit_indentation(test: IndentationTest, *, law: ImpactLawOption = "auto") -> IndentationFit:
     """Fit the contact law of a surface to the largest contact of a record.
 
     Parameters
@@ -193,7 +195,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     FitError
         If no law can follow the record.
     """
-    require_choice("law", law, ImpactLawAsked)
+    require_choice("law", law, ImpactLawOption)
     window = _select_window(test, largest_contact(test))
     candidates = []
     for name in [law] if law != "auto" else LAWS:
@@ -233,7 +235,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     indentation_fit = IndentationFit(
         best.name, best.contact, reported_values, tuple((item.name,
         scores[item.name]) for item in candidates),
-        test.indenter, test.of, window.time[window.is_used] - touch_time,
+        test.indenter, test.quantity, window.time[window.is_used] - touch_time,
         best.model + best.residual,
         best.model, noise, remainder / size, touch_time, best.collision.duration, (), test.source,
     )  # fmt: skip
@@ -268,7 +270,7 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
         test.time <= contact.start + contact.duration + margin
     )
     time, signal = test.time[in_window], contact.sign * test.signal[in_window]
-    mask = ~_detect_clipped_samples(signal, test.of)
+    mask = ~_detect_clipped_samples(signal, test.quantity)
     clipped_count = int(np.count_nonzero(~mask))
     centred = (time - time.mean()) / max(float(np.ptp(time)), 1e-300)
     columns = {
@@ -276,9 +278,9 @@ def _select_window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
         "force": np.stack((np.ones(len(time)), centred), axis=1),
         "velocity": np.ones((len(time), 1)),
         "displacement": np.ones((len(time), 1)),
-    }[test.of]
+    }[test.quantity]
     prior = np.zeros(columns.shape[1])
-    if test.of == "velocity":
+    if test.quantity == "velocity":
         scatter = float(np.std(np.diff(signal, 2))) / np.sqrt(6)
         prior[:] = scatter / (_VELOCITY_OFFSET * float(np.ptp(signal)) / 2)
     return _NearHit(test, contact, time, signal, mask, clipped_count, mass, columns[mask], prior)
@@ -297,7 +299,7 @@ def _detect_clipped_samples(signal: FloatArray, signal_name: str) -> BoolArray:
 
 def _estimate_speed_change(window: _NearHit) -> float:
     """Return an estimate of the speed by the contact."""
-    signal, quantity = window.signal, window.test.of
+    signal, quantity = window.signal, window.test.quantity
     if quantity == "velocity":
         return float(np.ptp(signal))
     if quantity == "displacement":
@@ -384,7 +386,7 @@ def _estimate_law_errors(
     count = len(best.residual)
     noise = estimate_noise(best.residual, best.jacobian[:count], rounding=_compute_rounding(model))
     uncertainty = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
-    if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
+    if hit.force[0] > 0 and window.test.quantity in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
         nearest = int(np.argmin(np.abs(window.time[window.is_used] - float(best.theta[-1]))))
         change = np.zeros(len(best.all_residuals))

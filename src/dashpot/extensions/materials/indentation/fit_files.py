@@ -7,7 +7,7 @@ from pathlib import Path
 from dashpot.base.errors import DataError, ReadError
 from dashpot.extensions.materials.indentation.datamodel import IndentationFit
 from dashpot.extensions.materials.indentation.fit import fit_indentation
-from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked, Indenter
+from dashpot.extensions.materials.indentation.indenter import ImpactLawOption, Indenter
 from dashpot.extensions.materials.indentation.read import read_indentation
 from dashpot.reading.raw_file import add_name_to_errors
 from dashpot.reading.read_options import ReadOptions
@@ -17,7 +17,7 @@ def indent_file(
     path: str | Path,
     *,
     indenter: Indenter,
-    law: ImpactLawAsked = "auto",
+    law: ImpactLawOption = "auto",
     options: ReadOptions | None = None,
 ) -> IndentationFit:
     """Fit the contact law of a surface to the largest contact in a file.

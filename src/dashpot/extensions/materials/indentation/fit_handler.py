@@ -9,7 +9,7 @@ import click
 from dashpot.cli._command_result import CommandResult
 from dashpot.cli.fit_handlers import FitRequest
 from dashpot.extensions.materials.indentation.fit_files import indent_file
-from dashpot.extensions.materials.indentation.indenter import ImpactLawAsked
+from dashpot.extensions.materials.indentation.indenter import ImpactLawOption
 
 
 def run(value: FitRequest) -> CommandResult:
@@ -23,7 +23,7 @@ def run(value: FitRequest) -> CommandResult:
     indentation_fit = indent_file(
         value.files[0],
         indenter=replace(value["indenter"], mass=value.mass),
-        law=value.model(ImpactLawAsked),
+        law=value.model(ImpactLawOption),
         options=value.reading,
     )
     return value.write_output(indentation_fit)

@@ -67,4 +67,4 @@ class Indenter:
 
 
 ImpactLaw: TypeAlias = Literal["kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
-ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
+ImpactLawOption: TypeAlias = Literal["auto", ImpactLaw]

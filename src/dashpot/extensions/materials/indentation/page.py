@@ -16,7 +16,7 @@ def page(indentation_fit: IndentationFit) -> KindPage:
         subject="contact of an indenter",
         summary_line=(
             ("Law", indentation_fit.law),
-            ("Recorded", indentation_fit.of),
+            ("Recorded", indentation_fit.quantity),
             ("Contact", duration(indentation_fit.duration)),
             (
                 "Indenter",
@@ -31,7 +31,7 @@ def page(indentation_fit: IndentationFit) -> KindPage:
         figure_title="The contact, recorded and fitted",
         picture=indentation_fit.plot(),
         table_title=f"The {indentation_fit.law} law",
-        groups=(group("", indentation_fit.found),),
+        groups=(group("", indentation_fit.reported_values),),
         sources=get_sources(indentation_fit),
         collapsible_sections=(make_law_ranking(indentation_fit.orders),),
     )

@@ -61,7 +61,7 @@ def largest_contact(test: IndentationTest) -> ContactInterval:
     scatter = 1.4826 * median(np.abs(push))
     if not push[peak_index] > 5 * scatter:
         raise DataError(
-            f"no contact stands out of the scatter of the {test.of}: its largest change is "
+            f"no contact stands out of the scatter of the {test.quantity}: its largest change is "
             f"{push[peak_index]:.3g}, its scatter {scatter:.3g}; cut the record about the contact, "
             "or record it with less noise"
         )
@@ -92,11 +92,11 @@ def _compute_push(test: IndentationTest) -> tuple[FloatArray, int]:
     for power in range(max(int(np.log2(len(test.time) / 8)), 1)):
         width = 2**power
         push = test.signal.astype(float)
-        for _ in range(_DERIVATIVES[test.of]):
+        for _ in range(_DERIVATIVES[test.quantity]):
             push = np.gradient(_apply_moving_average(push, width))
         push = _apply_moving_average(push, width)
         # beyond its ends a record is not known
-        edge = min(width * (_DERIVATIVES[test.of] + 1), len(push) // 4) if width > 1 else 0
+        edge = min(width * (_DERIVATIVES[test.quantity] + 1), len(push) // 4) if width > 1 else 0
         push[:edge], push[len(push) - edge :] = push[edge], push[-edge - 1]
         deviation = np.abs(push - median(push))
         peak_over_noise = float(deviation.max()) / max(

@@ -16,7 +16,7 @@ def indentation(indentation_fit: IndentationFit) -> Text:
     return Text(
         [
             f"  law: {indentation_fit.law}",
-            *format_values(indentation_fit.found),
+            *format_values(indentation_fit.reported_values),
             format_bic_differences(indentation_fit.orders),
         ]
     )

@@ -48,7 +48,7 @@ def mass_ratio_suitable(ratio: float) -> Finding:
     "chi square / degrees of freedom", "<=", 1.5,
     "simulation: at most 1.42 in 360 rods of one material", other_grade="stop beyond 10",
 )  # fmt: skip
-def one_solid_explains_lines(misfit: float | None) -> Finding:
+def single_solid_explains_lines(misfit: float | None) -> Finding:
     """One passive model fits the lines within their scatter and their common errors."""
     if misfit is None:
         return Finding("The lines are too few, or their scatter is not known, to test one model")

@@ -50,7 +50,7 @@ class Rod(HasVerdict, Serialisable):
         Line by line.
     part : Disc or Block
     bonded : bool
-    mass, own_mass : float
+    mass, rod_mass : float
         On the rod, and of the rod, kg.
     errors : RodErrors
     fit : Fit or None
@@ -65,7 +65,7 @@ class Rod(HasVerdict, Serialisable):
         "part.shape_factor",
         "bonded",
         "mass",
-        Key("rod_mass", "own_mass"),
+        Key("rod_mass", "rod_mass"),
         "errors",
         "modulus.frequency",
         "modulus.storage",
@@ -84,7 +84,7 @@ class Rod(HasVerdict, Serialisable):
     part: Disc | Block
     bonded: bool
     mass: float
-    own_mass: float
+    rod_mass: float
     errors: RodErrors
     fit: Fit | None
     reason: str = ""

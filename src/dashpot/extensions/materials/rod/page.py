@@ -23,7 +23,7 @@ def page(rod: Rod) -> KindPage:
         f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "",
     )  # fmt: skip
     model_checks = STIFFNESS_CHECKS | LOSS_CHECKS | {
-        "one_solid_explains_lines", "residuals_white", "optimum_found", "storage_rises",
+        "single_solid_explains_lines", "residuals_white", "optimiser_converged", "storage_rises",
     }  # fmt: skip
     groups: list[Group] = []
     if usable:
@@ -57,7 +57,7 @@ def page(rod: Rod) -> KindPage:
         subject="rod under a mass",
         summary_line=(
             ("Mass", format_with_error(rod.mass, "g", digits=4)),
-            ("Rod", format_with_error(rod.own_mass, "g")),
+            ("Rod", format_with_error(rod.rod_mass, "g")),
             ("Ends", "bonded" if rod.bonded else "sliding"),
             ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere"),
         ),

@@ -23,9 +23,9 @@ def rod(rod: Rod) -> Text:
     )
     lines = [
         (
-            f"a rod of {format_quantity(rod.own_mass, 'g')} under "
+            f"a rod of {format_quantity(rod.rod_mass, 'g')} under "
             f"{format_quantity(rod.mass, 'g')} "
-            f"({rod.mass / rod.own_mass:.3g} times its own), shape factor "
+            f"({rod.mass / rod.rod_mass:.3g} times its own), shape factor "
             f"{rod.part.shape_factor:.3g}: its ends are {ends_text}"
         )
     ]

@@ -33,8 +33,8 @@ from dashpot.extensions.materials.rod.checks import (
     ROD_LINES,
     mass_ratio_suitable,
     modulus_determined_near_resonance,
-    one_solid_explains_lines,
     sensors_agree,
+    single_solid_explains_lines,
     waves_plane,
 )
 from dashpot.extensions.materials.rod.datamodel import RodErrors, RodModulus
@@ -249,7 +249,7 @@ def _invert_lines(
     # a model in series with a spring is one model again
     without_glue = replace(modulus.only(usable), errors=replace(errors, glue=0.0))
     misfit = compute_single_model_misfit(without_glue, scatter[usable])
-    return replace(modulus, checks=(*modulus.checks, one_solid_explains_lines(misfit)))
+    return replace(modulus, checks=(*modulus.checks, single_solid_explains_lines(misfit)))
 
 
 def _compute_glue_sensitivity(

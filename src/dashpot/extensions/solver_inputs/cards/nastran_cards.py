@@ -19,7 +19,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part_geometry import RUBBER_POISSON_RATIO
 
 Entry = tuple[str, list[str]]
-"""Name of a bulk data entry, and its fields in eights, a line after another."""
+"""Name of a bulk data entry, and its fields, eight for each line."""
 
 
 def parse_bulk_data(text: str) -> Iterator[Entry]:
@@ -78,8 +78,8 @@ def read_nastran_cards(
     Raises
     ------
     ReadError
-        If a property has structural damping alone, a table is logarithmic, or a material is of
-        another model than a Prony series.
+        If a property has only structural damping, a table is logarithmic, or a material has no
+        Prony series.
     """
     entries = list(parse_bulk_data(text))
     tables = {fields[0]: _read_table(fields) for name, fields in entries if name == "TABLED1"}
@@ -95,23 +95,25 @@ def read_nastran_cards(
         for name, fields in entries
         if name in {"MATVE", "MATFVE"}
     ]
-    # springs beside a card are of the structure that it is in
+    # next to a card, single springs belong to the surrounding structure
     return tuple(cards or _read_network(entries, component))
 
 
 def _read_network(entries: Sequence[Entry], component: int | None) -> Iterator[ViscoelasticCard]:
     """Yield the model of springs and dashpots (CELAS2, CDAMP2) with an SPOINT in each arm."""
-    inner = {word for name, fields in entries if name == "SPOINT" for word in fields if word}
+    inner_points = {word for name, fields in entries if name == "SPOINT" for word in fields if word}
     elements: dict[str, list[Element]] = {"CELAS2": [], "CDAMP2": []}
     for name, fields in entries:
         if name not in elements:
             continue
         number, value, *words = [*fields, *[""] * 8][:8]
         pairs = [(grid, direction or "0") for grid, direction in (words[:2], words[2:4])]
-        directions = {int(direction) for grid, direction in pairs if grid and grid not in inner}
+        directions = {
+            int(direction) for grid, direction in pairs if grid and grid not in inner_points
+        }
         if component is None or directions <= {component}:
             first, second = (
-                grid if grid in inner else f"{grid or 'ground'} (component {direction})"
+                grid if grid in inner_points else f"{grid or 'ground'} (component {direction})"
                 for grid, direction in pairs
             )
             elements[name].append(Element((first, second), parse_number(value, f"{name} {number}")))
@@ -120,12 +122,12 @@ def _read_network(entries: Sequence[Entry], component: int | None) -> Iterator[V
         return
     points = {point for element in (*springs, *dashpots) for point in element.points}
     keyword = "CELAS2 and CDAMP2"
-    spring = convert_network(springs, dashpots, points - inner, keyword)
+    spring = convert_network(springs, dashpots, points - inner_points, keyword)
     yield ViscoelasticCard("arms", keyword, spring=spring)
 
 
 def _read_table(fields: Sequence[str]) -> tuple[FloatArray, FloatArray] | str:
-    """Return abscissae and ordinates of a TABLED1, or why it is not read."""
+    """Return abscissae and ordinates of a TABLED1, or the reason why it is not read."""
     axes = [word.upper() for word in fields[1:3] if word]
     if any(axis != "LINEAR" for axis in axes):
         return f"TABLED1 {fields[0]} has axes {', '.join(axes)}; expected LINEAR"
@@ -153,7 +155,7 @@ def _split_rows(fields: Sequence[str]) -> dict[str, list[str]]:
 def _read_bush(
     pid: str,
     rows: dict[str, list[str]],
-    tabled: dict[str, list[str]],
+    table_ids: dict[str, list[str]],
     tables: dict[str, tuple[FloatArray, FloatArray] | str],
     *,
     units: UnitSystem,
@@ -162,20 +164,20 @@ def _read_bush(
     entry_text = f"PBUSH {pid}"
     stiffness_fields = rows.get("K", [""] * 6)
     stiffness_components = [i for i, word in enumerate(stiffness_fields, start=1) if word]
-    at = (component or (stiffness_components or [1])[0]) - 1
-    notes = [f"{entry_text}: component {at + 1} alone is read, of {stiffness_components}"] * (
+    index = (component or (stiffness_components or [1])[0]) - 1
+    notes = [f"{entry_text}: only component {index + 1} is read, of {stiffness_components}"] * (
         len(stiffness_components) > 1
     )
-    notes += [f"PBUSHT {pid}: the force over deflection (KN) is not read"] * ("KN" in tabled)
+    notes += [f"PBUSHT {pid}: the force over deflection (KN) is not read"] * ("KN" in table_ids)
 
     def constant(flag: str) -> float:
-        word = rows.get(flag, [""] * 6)[at] or (rows.get(flag, [""])[0] if flag == "GE" else "")
+        word = rows.get(flag, [""] * 6)[index] or (rows.get(flag, [""])[0] if flag == "GE" else "")
         return parse_number(word or "0", entry_text)
 
     used_tables = {
         flag: tables.get(tid, f"TABLED1 {tid} is missing")
         for flag in ("K", "B", "GE")
-        if (tid := tabled.get(flag, [""] * 6)[at])
+        if (tid := table_ids.get(flag, [""] * 6)[index])
     }
     for table in used_tables.values():
         if isinstance(table, str):
@@ -184,8 +186,8 @@ def _read_bush(
     if not used_tables:
         if GE:
             raise ReadError(
-                f"{entry_text} has structural damping GE = {GE:g} at all frequencies, which no "
-                "springs and dashpots have; expected tables (PBUSHT), or B"
+                f"{entry_text} has structural damping GE = {GE:g} at all frequencies, which "
+                "springs and dashpots cannot represent; expected tables (PBUSHT), or B"
             )
         return ViscoelasticCard(pid, "PBUSH", spring=GeneralizedMaxwell(K, b=B), notes=tuple(notes))
     f = np.unique(np.concatenate([table[0] for table in used_tables.values() if table[0].size]))  # type: ignore[union-attr]
@@ -215,7 +217,7 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
         words = [fields[2:6], *[fields[i : i + 2] for i in range(8, len(fields), 2)]]
         pairs = [words[0][:2], *words[1:5]], [words[0][2:4], *words[5:9]]
         shear, bulk = (_list_pairs(group, entry_text) for group in pairs)
-        ratio_note = f"{entry_text}: its ratios are taken as parts of the instantaneous modulus"
+        ratio_note = f"{entry_text}: its ratios are relative to the instantaneous modulus"
         card = ViscoelasticCard(
             material_id, f"{name}, PRONY", shear, bulk, E, poisson, notes=(ratio_note,)
         )
@@ -228,12 +230,12 @@ def _read_material(name: str, fields: list[str], elastic: dict[str, list[str]]) 
         groups = [fields[4:6], *pairs_of_line[:4]], [fields[6:8], *pairs_of_line[4:8]]
     else:
         raise ReadError(
-            f"{entry_text} of the model {model} is not read; expected PRONY (OptiStruct), ISO or "
-            "ISO1"
+            f"{entry_text} has the model {model}, which is not read; expected PRONY (OptiStruct), "
+            "ISO or ISO1"
         )
     if E is None:
         raise ReadError(
-            f"{entry_text} holds moduli, and MAT1 {material_id} with the instantaneous one is "
+            f"{entry_text} holds moduli, but MAT1 {material_id} with the instantaneous modulus is "
             "missing"
         )
     G_0, K_0 = E / (2 * (1 + poisson)), E / (3 * (1 - 2 * poisson)) if poisson < 0.5 else 0.0
@@ -251,9 +253,11 @@ def _list_pairs(
         value, time = ([*group, "", ""])[:2]
         if value:
             pairs.append((parse_number(value, entry_text), parse_number(time or "0", entry_text)))
-    for share, tau in pairs:
+    for modulus, tau in pairs:
         if not tau > 0:
-            raise ReadError(f"{entry_text}: the time of {share:g} is {tau:g}; expected one > 0")
+            raise ReadError(
+                f"{entry_text}: the relaxation time of {modulus:g} is {tau:g}; expected > 0"
+            )
     return tuple(pairs)
 
 

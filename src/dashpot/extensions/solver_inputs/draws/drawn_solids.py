@@ -1,16 +1,17 @@
 r"""Solids drawn from the covariance of a fit, with arms that its test does not resolve.
 
-An arm faster than the ramp is not in the fit, for the test hardly shows it. In each draw its
-relaxation time lies between what matters at the peak and the end of the valid band, or the fastest
-arm of the fit, evenly in ln tau. With :math:`a` its whitened column, J those of the fit
-and y what the fit leaves,
+The test hardly determines an arm faster than its ramp, so that the fit has none. Each draw has one:
+ln tau is uniform from the shortest time that affects the peak to the end of the valid band or the
+fastest arm of the fit. With :math:`a` its whitened column, J the columns of the fit and y the
+residual,
 
 .. math::
 
     r = a - J J^+ a, \qquad k = \frac{r'y}{|r|^2} \pm \frac{1}{|r|}, \quad k \ge 0, \qquad
     \theta(k) = \hat\theta - J^+ a\, k
 
-so the other parameters follow it as the test demands, and their own covariance is added.
+where :math:`\theta(k)` minimises the residual for the stiffness k; the covariance of the other
+parameters is added.
 """
 
 from __future__ import annotations
@@ -45,10 +46,10 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 _MIN_SHARE = 0.02
 """Smallest fraction of a stiffness in a draw."""
 _FASTEST_ARM_RATIO = 3.0
-"""The fastest unresolved arm has its loss at so many times the frequency of the peak."""
+"""Frequency of the loss maximum of the fastest unresolved arm over that of the peak."""
 _MAX_ITERATIONS = 40
 _MIN_COLUMN_SHARE = 1e-9
-"""A column with no more than this fraction left is invisible."""
+"""Smallest remainder of a column after projection, relative, that data can determine."""
 
 
 @dataclass(frozen=True)
@@ -69,10 +70,10 @@ class DrawnSolid:
         From 1 on.
     solid : Solid
     arm : UnresolvedArm or None
-        Which of its arms is the unresolved one.
+        The unresolved arm among its arms.
     deviance : float or None
-        By how much it leaves a larger sum of squares of the record than the fit, in units of the
-        noise variance; None where no record was given.
+        Sum of squares of its residuals less that of the fit, in units of the noise variance; None
+        without a record.
     """
 
     number: int
@@ -99,23 +100,23 @@ def draw_solids(
     records : sequence of RampHold
         The relaxation tests behind the fit.
     times : (float, float), optional
-        Between which the unresolved arm has its relaxation time, s; none is drawn without.
+        Range of the relaxation time of the unresolved arm, s; without it no such arm is drawn.
 
     Raises
     ------
     DataError
-        If no covariance is known, or the records are not those of a relaxation fit.
+        If the fit has no covariance, or the records are not those of a relaxation fit.
     """
     names, mean, covariance = get_solid_parameters(fit)
     if not fit.estimate.parameters:
         raise DataError(
             "the fit has no covariance, so nothing can be drawn from it; fit with fewer arms"
         )
-    widest = UNKNOWN_SD * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
+    max_sd = UNKNOWN_SD * np.where([name.startswith("ln") for name in names], 1.0, np.abs(mean))
     variance = np.diag(covariance)
-    is_undetermined = ~np.isfinite(variance) | (variance > widest**2)
+    is_undetermined = ~np.isfinite(variance) | (variance > max_sd**2)
     covariance[is_undetermined, :] = covariance[:, is_undetermined] = 0.0
-    covariance[is_undetermined, is_undetermined] = widest[is_undetermined] ** 2
+    covariance[is_undetermined, is_undetermined] = max_sd[is_undetermined] ** 2
     normal = draw_standard_normal(count, len(names) + 2, seed)
     values = mean + normal[:, :-2] @ compute_covariance_root(covariance)
     if times is None or not records:
@@ -132,8 +133,8 @@ def draw_solids(
     shares = convert_to_uniform(normal[:, -2:])
     low, high = np.log(times)
     return tuple(
-        test.add_arm(number, mean, row, float(np.exp(low + (high - low) * at)), float(share))
-        for number, (row, (at, share)) in enumerate(zip(values, shares, strict=True), start=1)
+        test.add_arm(number, mean, row, float(np.exp(low + (high - low) * position)), float(share))
+        for number, (row, (position, share)) in enumerate(zip(values, shares, strict=True), start=1)
     )
 
 
@@ -155,7 +156,7 @@ def compute_deviance_quantile(dof: int) -> float:
 
 
 class _Sensitivities:
-    """Whitened columns of some records in the parameters of a fit."""
+    """Whitened derivatives of some records by the parameters of a fit."""
 
     def __init__(self, data: Sequence[RelaxationData], fit: Fit, names: Sequence[str]) -> None:
         self.data, self.fit, self.names = data, fit, names
@@ -165,7 +166,7 @@ class _Sensitivities:
     def _list_columns(
         self, model: GeneralizedMaxwell, tau: Sequence[float]
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the target, the columns of the fit's parameters, and of arms at other times."""
+        """Return the target, the columns of the parameters, and those of arms at other times."""
         log_tau, n = np.log([*model.tau, *tau]), model.arms
         targets, columns, other_columns = [], [], []
         for data in self.data:
@@ -181,16 +182,16 @@ class _Sensitivities:
     def add_arm(
         self, number: int, mean: FloatArray, values: FloatArray, tau: float, share: float
     ) -> DrawnSolid:
-        """Return the draw of these values with an unresolved arm, its k at a share of what may be.
+        """Return the draw of these values with an unresolved arm, whose k is a quantile at `share`.
 
-        No stiffness of the fit falls below 2 % of it. A draw that the record rejects at 99 % is
-        brought nearer to the fit.
+        No stiffness falls below 2 % of its value in the fit. A draw that the record rejects at
+        99 % is moved towards the fit.
         """
         model = self.fit.model
         target, columns, other_columns = self._list_columns(model, [tau])
         J, a = columns[:, self.fitted], other_columns[:, 0]
-        scale = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
-        coefficients = np.linalg.lstsq(J / scale, a, rcond=1e-12)[0] / scale
+        norms = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+        coefficients = np.linalg.lstsq(J / norms, a, rcond=1e-12)[0] / norms
         remainder = a - J @ coefficients
         magnitude = float(np.linalg.norm(remainder))
         linear = [i for i in range(len(mean)) if not self.names[i].startswith("ln")]
@@ -207,22 +208,22 @@ class _Sensitivities:
         else:
             k = truncated_normal(share, float(remainder @ residual) / magnitude**2, 1 / magnitude)
         k = min(k, max_stiffness, 10 * model.k_0)
-        step, part = values - mean + parameter_changes * k, 1.0
+        step, scale = values - mean + parameter_changes * k, 1.0
         for _ in range(_MAX_ITERATIONS):
-            solid = _build_solid(self.fit, self.names, mean, mean + part * step)
-            combined = solid.maxwell + GeneralizedMaxwell(0.0, (part * k,), (tau,))
+            solid = _build_solid(self.fit, self.names, mean, mean + scale * step)
+            combined = solid.maxwell + GeneralizedMaxwell(0.0, (scale * k,), (tau,))
             deviance = self._compute_deviance(model, combined)
             if deviance <= self.limit:
                 break
-            part *= min(0.9, float(np.sqrt(self.limit / deviance)))
-        return DrawnSolid(number, combined, UnresolvedArm(part * k, tau), deviance)
+            scale *= min(0.9, float(np.sqrt(self.limit / deviance)))
+        return DrawnSolid(number, combined, UnresolvedArm(scale * k, tau), deviance)
 
     def _compute_deviance(self, fitted: GeneralizedMaxwell, model: GeneralizedMaxwell) -> float:
         log_tau = np.log([*fitted.tau, *model.tau])
         total = 0.0
         for data in self.data:
             rows = data.rows(log_tau, with_slopes=False)
-            for sign, solid, at in (
+            for sign, solid, arm_slice in (
                 (-1, fitted, slice(fitted.arms)),
                 (1, model, slice(fitted.arms, None)),
             ):
@@ -230,7 +231,7 @@ class _Sensitivities:
                     rows.target
                     - solid.k_inf * rows.spring
                     - solid.b * rows.dashpot
-                    - rows.arms[:, at] @ np.asarray(solid.k)
+                    - rows.arms[:, arm_slice] @ np.asarray(solid.k)
                 )
                 total += sign * float(residual @ residual)
         return total
@@ -253,7 +254,7 @@ def _build_solid(fit: Fit, names: Sequence[str], mean: FloatArray, values: Float
 
 
 def replace_solid(fit: Fit, solid_drawn: DrawnSolid, *, count: int, seed: int) -> Fit:
-    """Return the fit with a drawn solid, whose parameters are exact: they have no errors."""
+    """Return the fit with a drawn solid, whose parameters have no errors."""
     step = Step(
         "draw",
         (("number", str(solid_drawn.number)), ("of", fit._identity), ("seed", str(seed))),

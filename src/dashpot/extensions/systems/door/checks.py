@@ -248,7 +248,7 @@ def faster_closings_latch(closes: bool) -> Finding:
 
 
 @criterion("half width of the interval over the speed", "<=", 0.2, "our choice: 40 % of the load")
-def leak_speed_known(width: float, *, state: str) -> Finding:
+def leak_speed_determined(width: float, *, state: str) -> Finding:
     """The leak speed is known to 20 % in every state."""
     if not math.isfinite(width):
         return Finding(

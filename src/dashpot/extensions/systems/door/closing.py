@@ -81,7 +81,7 @@ class ClosingDoor:
     def latch_angle(self) -> float:
         """The angle at which the door is latched, rad: below 0 where the latch wants more."""
         latch = self.setup.latch
-        return 0.0 if latch is None else -latch.beyond / latch.lever
+        return 0.0 if latch is None else -latch.overtravel / latch.lever
 
     @property
     def touching(self) -> float:

@@ -35,7 +35,7 @@ class ClosingResult(HasChecks, HasVerdict, Serialisable):
         "closing.door.inertia",
         Key("latched", "closing.is_latched"),
         "closing.energy",
-        Key("energy_left", "closing.remaining_energy"),
+        "closing.remaining_energy",
         Key("stopped", "closing.stopped_gap"),
         "closing.rebound",
         Key("time", "closing.seconds"),

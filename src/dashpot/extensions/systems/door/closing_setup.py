@@ -107,7 +107,7 @@ class Vents(Air):
 
 
 @dataclass(frozen=True)
-class Between(Air):
+class InterSealAir(Air):
     """Air between two seals, which escapes past the one that is not yet in contact.
 
     Attributes
@@ -179,18 +179,18 @@ class Latch:
         m left to fully latched, rising from 0, and N against closing.
     lever : float
         m about the hinges.
-    beyond : float
+    overtravel : float
         How far the door must go beyond closed for the pawl to drop, m.
     """
 
     travel: tuple[float, ...]
     force: tuple[float, ...]
     lever: float
-    beyond: float = 0.0
+    overtravel: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive("the latch: ", lever=self.lever)
-        require_nonnegative("the latch: ", beyond=self.beyond)
+        require_nonnegative("the latch: ", overtravel=self.overtravel)
         _validate_table("the latch", self.travel, self.force, from_zero=True)
 
     def moment(self, angle: FloatArray) -> FloatArray:
@@ -273,7 +273,7 @@ class ClosingSetup:
         Moment of the hinges, N m.
     gravity : (float, float, float) or None
         Direction in which weight pulls.
-    check, latch, vents, between, cabin : the terms
+    check, latch, vents, inter_seal_air, cabin : the terms
     variation : Tolerances or None
     """
 
@@ -286,7 +286,7 @@ class ClosingSetup:
     check: CheckStrap | None = None
     latch: Latch | None = None
     vents: Vents | None = None
-    between: Between | None = None
+    inter_seal_air: InterSealAir | None = None
     cabin: Cabin | None = None
     variation: Tolerances | None = None
     airs: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
@@ -297,7 +297,8 @@ class ClosingSetup:
             "closing: ", **select_fields(self, "edge", "inertia", "start"), optional=True
         )
         named_parts = (
-            ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
+            ("vents", self.vents), ("air between seals", self.inter_seal_air),
+            ("cabin air", self.cabin),
         )  # fmt: skip
         named_air_parts = tuple((name, air) for name, air in named_parts if air is not None)
         object.__setattr__(self, "airs", named_air_parts)

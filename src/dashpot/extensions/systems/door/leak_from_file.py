@@ -144,7 +144,7 @@ def _run_checks(result: LeakResult, states: list[tuple[LeakState, Fit]]) -> Iter
                 else check.with_location(f"in state '{state.name}'")
             )
     widest = max(result.states, key=lambda state: _compute_relative_width(state.least))
-    yield checks.leak_speed_known(_compute_relative_width(widest.least), state=widest.name)
+    yield checks.leak_speed_determined(_compute_relative_width(widest.least), state=widest.name)
     yield from fit.checks
 
 

@@ -67,7 +67,7 @@ def _make_lights(result: LeakResult) -> list[Light]:
         make_indicators(
             result.checks,
             Topic("Seal"),
-            Topic("Leak speed", {"leak_speed_known"}, format_speed(result.states[0].least)),
+            Topic("Leak speed", {"leak_speed_determined"}, format_speed(result.states[0].least)),
         )
     )
     verdicts = result.limit_verdicts

@@ -116,7 +116,7 @@ def build_page_contents(
         **make_verdict_contents("door", verdict, checks, sources),
         "title": next(iter(names), "door"),
         "about": format_door_summary(results[0]),
-        "beside": " ".join(sentence(result._headline) for result in results),
+        "verdict_note": " ".join(sentence(result._headline) for result in results),
         "lights": tuple(make_door_indicators(result, closing_result, checks, verdict)),
         "figures": dict(_make_figures(result, closing_result))
         | {f"fold{i}": render_figure(fold.picture) for i, fold in enumerate(folds) if fold.picture},
@@ -261,7 +261,7 @@ def _list_closing_notes(closing_result: ClosingResult) -> tuple[str, str]:
     )
 
 
-# -- the table of modes ---------------------------------------------------------------------------
+# -- Table of modes -------------------------------------------------------------------------------
 
 
 def _choose_colours(modes: Sequence[DoorMode]) -> dict[str, str]:

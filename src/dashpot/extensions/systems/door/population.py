@@ -174,7 +174,7 @@ class DoorQuantity(Serialisable):
         Share of the seal in the energy of the mode.
     limit : float or None
     limit_is_most : bool
-    share_beyond : float or None
+    nonconforming_share : float or None
         Share of the cars, for the median draw of mean and scatter.
     share_low, share_high : float or None
         Its 95 % interval.
@@ -196,7 +196,7 @@ class DoorQuantity(Serialisable):
     values: tuple[float, ...]
     limit: float | None = None
     limit_is_most: bool = False
-    share_beyond: float | None = None
+    nonconforming_share: float | None = None
     share_low: float | None = None
     share_high: float | None = None
 
@@ -250,11 +250,11 @@ class DoorPopulation(HasVerdict, Serialisable):
                     f"{quantity.label}, 95 % of the cars",
                 )
             )
-            if quantity.share_beyond is not None:
+            if quantity.nonconforming_share is not None:
                 reported_values.append(
                     ReportedValue(
                         f"{quantity.name.replace(' ', '_')}_beyond",
-                        quantity.share_beyond,
+                        quantity.nonconforming_share,
                         *_compute_share_limits(quantity),
                         "1",
                         None,
@@ -267,11 +267,14 @@ class DoorPopulation(HasVerdict, Serialisable):
     @property
     def verdict(self) -> Verdict:
         """Verdict, with the share of cars beyond the first limit, or the scatter of a mode."""
-        limited = [quantity for quantity in self.quantities if quantity.share_beyond is not None]
+        limited = [
+            quantity for quantity in self.quantities if quantity.nonconforming_share is not None
+        ]
         if limited:
             quantity = limited[0]
             low, share, high = map(
-                format_share, (quantity.share_low, quantity.share_beyond, quantity.share_high)
+                format_share,
+                (quantity.share_low, quantity.nonconforming_share, quantity.share_high),
             )
             interval = low if low == high else f"{low} to {high}"
             words = f"{share} % of the cars (95 % interval {interval}) have the {quantity.label} "
@@ -589,8 +592,8 @@ def describe_quantity(
     nominal = share(np.array([specimen_spread.mean]), np.array([specimen_spread.between_sd]))
     low, high = np.quantile(share_drawn, INTERVAL_LEVELS).tolist()
     return replace(
-        quantity, limit=limit.value, limit_is_most=limit.is_upper, share_beyond=float(nominal[0]),
-        share_low=low, share_high=high,
+        quantity, limit=limit.value, limit_is_most=limit.is_upper,
+        nonconforming_share=float(nominal[0]), share_low=low, share_high=high,
     )  # fmt: skip
 
 

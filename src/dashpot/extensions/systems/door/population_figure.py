@@ -56,7 +56,7 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
     limited = tuple(
         _make_share_row(quantity)
         for quantity in population.quantities
-        if quantity.share_beyond is not None
+        if quantity.nonconforming_share is not None
     )
     scattered = {
         quantity.name.replace(" ", "_")
@@ -96,7 +96,9 @@ def _make_share_row(quantity: DoorQuantity) -> Row:
     low, high = format_share(quantity.share_low), format_share(quantity.share_high)
     range_texts = ("", "") if low == high else (low, high)
     name = f"cars with {quantity.label} {format_limit(quantity)}"
-    return Row(name, format_share(quantity.share_beyond), *range_texts, "%", "", is_limit=False)
+    return Row(
+        name, format_share(quantity.nonconforming_share), *range_texts, "%", "", is_limit=False
+    )
 
 
 def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
@@ -118,7 +120,7 @@ def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
         Line(x, density, FIT, "cars"),
     ]
     note = ""
-    if limit is not None and quantity.share_beyond is not None:
+    if limit is not None and quantity.nonconforming_share is not None:
         is_beyond = x > limit if quantity.limit_is_most else x < limit
         if is_beyond.sum() > 1:
             marks.append(
@@ -132,7 +134,7 @@ def _draw_quantity(quantity: DoorQuantity, mean: float) -> Panel:
                 )
             )
         marks.append(Rule(limit, REJECTED, "limit"))
-        note = f"{format_share(quantity.share_beyond)} % beyond"
+        note = f"{format_share(quantity.nonconforming_share)} % beyond"
         if quantity.share_low != quantity.share_high:
             low, high = format_share(quantity.share_low), format_share(quantity.share_high)
             note += f" ({low} to {high})"

@@ -30,7 +30,9 @@ def render_population(population: DoorPopulation) -> Text:
             for quantity in constant_quantities
         )
         lines.append(f"  not on the seal: {names}")
-    limited = [quantity for quantity in population.quantities if quantity.share_beyond is not None]
+    limited = [
+        quantity for quantity in population.quantities if quantity.nonconforming_share is not None
+    ]
     if limited:
         lines += table([_SHARES, *map(_format_share_row, limited)])
     return Text(lines)
@@ -48,6 +50,6 @@ def _format_share_row(quantity: DoorQuantity) -> tuple[str, ...]:
     low, high = format_share(quantity.share_low), format_share(quantity.share_high)
     return (
         f"{quantity.label} {format_limit(quantity)}",
-        f"{format_share(quantity.share_beyond)} %",
+        f"{format_share(quantity.nonconforming_share)} %",
         low if low == high else f"{low} to {high}",
     )

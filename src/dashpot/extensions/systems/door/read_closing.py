@@ -13,10 +13,10 @@ from dashpot.extensions.systems.door.closing_setup import (
     ADIABATIC,
     DISCHARGE,
     ISOTHERMAL,
-    Between,
     Cabin,
     CheckStrap,
     ClosingSetup,
+    InterSealAir,
     Latch,
     Tolerances,
     Vents,
@@ -71,7 +71,7 @@ def read_closing(
         section.quantity("friction", "torque") or 0.0,
         section.direction("gravity"),
         sub(_check, "check", "angle", "moment"),
-        sub(partial(_read_latch, width), "latch", "travel", "force", "lever", "beyond"),
+        sub(partial(_read_latch, width), "latch", "travel", "force", "lever", "overtravel"),
         sub(_read_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR_KEYS),
         sub(_read_inter_seal_air, "between", "width", "depth", "leak", *_AIR_KEYS),
         sub(
@@ -100,7 +100,7 @@ def _read_latch(width: float | None, table: DoorSection) -> Latch:
         table.quantities("travel", "length") or (),
         table.quantities("force", "force") or (),
         _read_or_default(table, "lever", "length", width),
-        table.quantity("beyond", "length") or 0.0,
+        table.quantity("overtravel", "length") or 0.0,
     )
 
 
@@ -114,12 +114,12 @@ def _read_vents(table: DoorSection) -> Vents:
     return Vents(*_read_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
 
 
-def _read_inter_seal_air(table: DoorSection) -> Between:
+def _read_inter_seal_air(table: DoorSection) -> InterSealAir:
     table.require_keys("width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
     )
-    return Between(*_read_air(table), width, depth, leak)
+    return InterSealAir(*_read_air(table), width, depth, leak)
 
 
 def _read_cabin(width: float | None, area: float | None, table: DoorSection) -> Cabin:

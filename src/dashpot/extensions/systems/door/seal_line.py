@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import EqualByValue, FloatArray, IndexArray, frozen
+from dashpot.base.arrays import EqualByValue, FloatArray, IndexArray, make_readonly_copy
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_nonnegative
@@ -72,8 +72,10 @@ class SealLine(EqualByValue):
 
     def __post_init__(self) -> None:
         points = _validate_points(self.points)
-        object.__setattr__(self, "points", frozen(points))
-        object.__setattr__(self, "normal", frozen(_validate_normals(self.normal, points)))
+        object.__setattr__(self, "points", make_readonly_copy(points))
+        object.__setattr__(
+            self, "normal", make_readonly_copy(_validate_normals(self.normal, points))
+        )
         if self.compression is not None:
             compressions = np.array(self.compression, dtype=float)
             if (
@@ -85,7 +87,7 @@ class SealLine(EqualByValue):
                     f"{len(points)} points; found shape {compressions.shape}"
                 )
             compressions = np.broadcast_to(compressions, len(points))
-            object.__setattr__(self, "compression", frozen(compressions.copy()))
+            object.__setattr__(self, "compression", make_readonly_copy(compressions.copy()))
         section: Any = self.section
         if section is not None and not isinstance(section, SealSection):
             object.__setattr__(self, "section", SealSection(section))
