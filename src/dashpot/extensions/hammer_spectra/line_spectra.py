@@ -55,7 +55,9 @@ class SpectralLines:
         slope = -data.seals * (response.accelerance / s)[:, None] ** 2 * stiffness
         slope = data.slopes(response, *point.channel, slope)[0] / data.sd[:, None]
         columns = stack_real_rows(slope) / problem.scale
-        known, mean, sd = problem.rig
+        indices, mean, sd = problem.rig
+        has_prior = np.isfinite(sd)
+        known, mean, sd = np.array(indices, dtype=int)[has_prior], mean[has_prior], sd[has_prior]
         free = [i for name, i in problem.index.items() if name != "b" and i not in known]
         first = sum(map(len, prediction.tests))
         jacobian = prediction.slope[first : first + len(columns)]
