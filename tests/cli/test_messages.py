@@ -54,6 +54,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "extensions/curves/fit_records.py": ("fit",),
     "extensions/modes/": ("fit",),
     "export/": ("export",),
+    "registry/plugins.py:format_plugin_hint": READING,
     "report/page_frame.py": ("export",),
     "workflow/bench_tests.py": ("fit",),
     "workflow/bench_tests.py:refuse_unfitted_tests": ("predict", "compare"),
@@ -148,6 +149,8 @@ OURS = {
 }
 """Words that look like options and reach no user."""
 PYTHON_ONLY = {
+    ("datamodel/frf.py", "quantity"),
+    *(("solids/maxwell.py", word) for word in ("k_inf", "k", "tau", "b")),
     ("base/value_ranges.py", "units"),
     ("base/arrays.py", "units"),
     ("datamodel/frf.py", "units"),
@@ -167,6 +170,7 @@ PYTHON_ONLY = {
 _SPEAK_PYTHON = (
     "api/",
     "extensions/formats/frames.py",
+    "extensions/guidance/read_call.py",
     *(f"extensions/{name}/api.py" for name in ("batch", "door", "modes", "amplitude")),
     *(
         f"extensions/materials/{name}/api.py"

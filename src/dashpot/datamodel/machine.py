@@ -223,7 +223,7 @@ class Machine(Serialisable):
     )  # fmt: skip
     high_pass: float | None = option(
         None, "Corner of the accelerometer's high-pass alone, e.g. 0.16Hz.", unit="frequency",
-        under="machine",
+        keyed_flag="machine",
     )  # fmt: skip
     calibration: MachineCalibration | None = None
 
