@@ -448,7 +448,7 @@ def measure_loss_errors(fit, seal, omega):
 
 @pytest.mark.parametrize("corner", [0.1, 0.16])
 @pytest.mark.parametrize("seed", [1, 7, 9])
-def test_limits_of_a_hammer_alone_allow_for_a_high_pass_of_one_channel(seed, corner, tmp_path):
+def test_limits_of_a_hammer_test_cover_a_high_pass_of_one_channel(seed, corner, tmp_path):
     record = strike_block(seed, replace(QUIET, corner=corner))
     hits = dp.read(write_record(record, tmp_path))
     omega = record.truth["omega"] * np.array([0.5, 0.7, 1.0, 1.4])
