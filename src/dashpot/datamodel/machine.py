@@ -185,7 +185,7 @@ class Machine(Serialisable):
     0.0002
     """
 
-    _keys = (EVERY_FIELD, Key("calibration", optional=True))
+    _keys = (EVERY_FIELD, Key("high_pass", optional=True), Key("calibration", optional=True))
 
     sync: float | None = option(
         None, "Uncertainty of the delay between force and displacement.", unit="time",

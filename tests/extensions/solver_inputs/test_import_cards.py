@@ -226,7 +226,7 @@ REFUSED = {
         "axes LOG, LOG",
     ),
     "missing table": ("PBUSH,4,K,.2\nPBUSHT,4,K,9\n", "TABLED1 9 is missing"),
-    "other MATVE": ("MATVE,2,BBOYCE,2.0,0.1,-0.7,5.,.01\n", "model BBOYCE is not read"),
+    "other MATVE": ("MATVE,2,BBOYCE,2.0,0.1,-0.7,5.,.01\n", "model BBOYCE, which is not read"),
     "radioss": ("/VISC/PRONY/1\n         1\n", "/VISC/PRONY of Radioss is not read"),
     "nothing": ("*NODE\n1, 0., 0.\n", "no viscoelastic card"),
     "no modulus": (ABAQUS.replace("*Elastic, moduli=INSTANTANEOUS\n3., 0.4995\n", ""), "--modulus"),
@@ -566,5 +566,5 @@ def test_material_deck_without_a_shear_modulus_says_which_follow_from_the_fit(ta
     with pytest.raises(dp.ExportError, match=message) as found:
         TARGETS[target](a_fit(MATERIAL, unit="Pa"), **choices)
     assert "part" not in str(found.value)
-    with pytest.raises(dp.ExportError, match="from the stiffness of a part"):
+    with pytest.raises(dp.ExportError, match="which the stiffness of a part"):
         TARGETS[target](a_fit(TABLE_1), **choices)

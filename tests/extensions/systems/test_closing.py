@@ -252,7 +252,7 @@ def test_more_leaks_take_less():
     assert cabin(0.0) > cabin(0.01) > cabin(0.1) > cabin(10.0) > 0
 
     def compute_air_work(leak):
-        setup = {"between": InterSealAir(width=0.02, depth=0.01, opening=leak), "start": 0.1}
+        setup = {"inter_seal_air": InterSealAir(width=0.02, depth=0.01, opening=leak), "start": 0.1}
         return sum_work(simulate_closing(a_door(**setup), np.array([1.0])), "air between seals")
 
     assert compute_air_work(0.0) > compute_air_work(1e-3) > compute_air_work(1e-2) > 0
@@ -282,7 +282,7 @@ def test_friction_check_latch_and_weight():
 
 EVERYTHING = {
     "start": 0.2, "friction": 1.0, "vents": VENTS, "check": CheckStrap((0.0, 0.3), (1.0, 2.0)),
-    "between": InterSealAir(width=0.01, depth=0.01, opening=1e-3),
+    "inter_seal_air": InterSealAir(width=0.01, depth=0.01, opening=1e-3),
     "cabin": Cabin(volume=2.5, area=1.2, lever=0.55, opening=0.05),
     "latch": Latch((0.0, 0.005), (100.0, 0.0), 1.05),
 }  # fmt: skip

@@ -268,7 +268,7 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
 def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """Return the score of a name for a role, one more where the unit fits; 0 if it does not."""
     message = vocabulary.matches(column.name)
-    if role == "magnitude" and message.keys() & {"phase", "real", "imaginary"}:
+    if role == "magnitude" and "phase" in message:
         return 0.0  # a part of it
     value = message.get(role, 0.0)
     is_named = value >= vocabulary.MIN_SCORE
