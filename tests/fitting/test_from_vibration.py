@@ -53,9 +53,9 @@ def test_the_benchmark_has_its_frequency_and_damping() -> None:
 @pytest.mark.parametrize(
     ("options", "rms", "largest"),
     [
-        ({"arms": 0, "known": replace(VOIGT, static_stiffness=1e5)}, 3.20, 9.84),
-        ({"arms": 0, "known": VOIGT}, 0.585, 2.10),
-        ({"arms": 1, "known": SolidPrior(static_stiffness=1e5)}, 0.236, 0.851),
+        ({"arms": 0, "solid_prior": replace(VOIGT, static_stiffness=1e5)}, 3.20, 9.84),
+        ({"arms": 0, "solid_prior": VOIGT}, 0.585, 2.10),
+        ({"arms": 1, "solid_prior": SolidPrior(static_stiffness=1e5)}, 0.236, 0.851),
         ({"arms": 2}, 0.027, 0.112),
         ({"arms": 3}, 0.0, 0.0),
     ],
@@ -143,7 +143,7 @@ def test_identify_selects_a_dashpot_only_if_present() -> None:
     voigt = noisy(predict_frf(GeneralizedMaxwell(4e4, b=40.0), mass=2.0, frequency=lines), 0.01, 2)
     maxwell = GeneralizedMaxwell(4e4, (2e4,), (0.008,))
     zener = noisy(predict_frf(maxwell, mass=2.0, frequency=lines), 0.01, 3)
-    options = {"mass": 2.0, "known": SolidPrior("auto"), "band": (3, 60), "rig": EXACT_RIG}
+    options = {"mass": 2.0, "solid_prior": SolidPrior("auto"), "band": (3, 60), "rig": EXACT_RIG}
     fit = identify(voigt, **options)  # type: ignore[arg-type]
     assert (fit.model.arms, fit.model.b > 0) == (0, True)
     fit = identify(zener, **options)  # type: ignore[arg-type]

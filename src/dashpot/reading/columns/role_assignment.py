@@ -348,7 +348,7 @@ def _ask_missing_role(table: FileTable, role: Role) -> Question:
     option = flag(option_of(role))
     answer = f"{option}=NAME"
     for column in _unlike(table):
-        if _is_mislabelled(column, role):
+        if role in DIMENSION and _is_mislabelled(column, role):
             return Question(format_wrong_unit(column, role), answer)
         worded = column.content == "text" and column.unit
         fits = worded and units.find_unit(column.unit or "", DIMENSION.get(role))
