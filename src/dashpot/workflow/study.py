@@ -103,7 +103,7 @@ STIFFNESS_LINES = np.geomspace(1e-3, 100.0, 61)
 
 
 BAND_LINES, PEAK_LINES = 61, 121
-"""Number of lines of the limits of the predicted FRF: in the whole band, and near the peak."""
+"""Number of lines of the limits of the predicted FRF, in the whole band, and near the peak."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -114,7 +114,7 @@ class FRFData:
 
     def _compute_line_gain(self, gain: float, delay: float, high_pass: float) -> ComplexArray:
         s = self.lines.s
-        return np.asarray(gain * np.exp(-s * delay) * s / (s + 2 * np.pi * high_pass))
+        return np.asarray(gain * np.exp(-s * delay) / (1 + 2 * np.pi * high_pass / s))
 
     def _over_base(self, mass: float) -> tuple[float, float]:
         """Return the factor on the accelerance, and its value where the mass does not move."""
