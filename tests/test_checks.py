@@ -1010,7 +1010,7 @@ IDENTIFICATION = [
     Case(
         "cables_described",
         lambda x: identification.cables_described(
-            BandError((5.0, 20.0), (0.1, 0.1), (x, x)), 10.0, 0.015
+            BandError((5.0, 20.0), (0.1, 0.1), (x, x)), 10.0, 0.015, 0.16
         ),
         0.299,
         0.301,

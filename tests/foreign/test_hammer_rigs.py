@@ -416,6 +416,7 @@ def test_cables_are_named_where_bench_and_hammer_disagree(tmp_path):
     alone = solid_of(hits, record)
     # the hammer alone cannot know: what is assumed is said
     assert "Cables (taken as 1.5 % of the stiffness)" in str(alone)
+    assert "high-pass=0" in str(alone)
     assert "does not separate a stiffer cable from a stiffer seal" in str(alone).replace(
         "\n" + 14 * " ", " "
     )
@@ -433,6 +434,10 @@ def test_cables_are_named_where_bench_and_hammer_disagree(tmp_path):
 # -- a high-pass of one channel -------------------------------------------------------------------
 
 QUIET = Rig(rate=512.0, noise=0.3, length=8.0)
+
+
+def describe_cables(fit) -> str:
+    return next(check.message for check in fit.checks if check.name == "cables_described")
 
 
 def measure_loss_errors(fit, seal, omega):
@@ -462,7 +467,9 @@ def test_limits_of_a_hammer_test_cover_a_high_pass_of_one_channel(seed, corner, 
     assert abs(wrong[2]) < 0.02
     assert np.abs(wrong[:2]).max() > 0.05
     # of the same coupling in both channels there is no such error, and none is allowed for
+    assert "a high-pass of one channel, taken as 0.16 Hz" in describe_cables(fit)
     equal = solid_of(hits, record, machine=dp.Machine(cable=0, high_pass=0))
+    assert "high-pass" not in describe_cables(equal)
     wrong, se = measure_loss_errors(equal, record.truth["seal"], omega)
     assert (np.abs(wrong) > NORMAL * se)[[0, 1, 3]].any()
 

@@ -210,9 +210,10 @@ def _format_undetermined(fit: Fit) -> list[str]:
     paragraphs = [end.format_with_remedy(fit.unit)] if end else []
     cables = next((check for check in fit.checks if check.name == "cables_described"), None)
     if cables is not None and cables.passed and (cables.value or 0.0) > _SMALL_CABLE_ERROR:
-        paragraphs.append(
-            f"{cables.message} Cables that hang free leave less: cable=0 of the machine"
-        )
+        advice = "Cables that hang free leave less: cable=0 of the machine"
+        if fit.method == "frf":
+            advice += ". So do channels with the same coupling: high-pass=0"
+        paragraphs.append(f"{cables.message} {advice}")
     labels = ["not known", *[""] * len(paragraphs)]
     return [
         f"  {label:11} {ascii_only(text)}" for label, text in zip(labels, paragraphs, strict=False)

@@ -97,16 +97,23 @@ def hammer_agrees_with_relaxation_test(
 @criterion(
     "error of the loss factor", "<=", MAX_LOSS_FACTOR_ERROR, "our choice; 95 %", grade="note"
 )
-def cables_described(band_error: BandError, peak: float, cable: float) -> Finding:
+def cables_described(band_error: BandError, peak: float, cable: float, high_pass: float) -> Finding:
     """The loss factor is known at the peak although cables and table were not described.
 
-    `cable` is the stiffness that the cables are taken to have, over that of the seals.
+    `cable` is the stiffness that the cables are taken to have, over that of the seals; `high_pass`
+    the corner that one channel is taken to have, Hz, 0 if another test shows it.
     """
     error = float(np.interp(peak, band_error.frequency, band_error.loss_factor))
+    coupling = ""
+    if high_pass > 0:
+        coupling = (
+            ". Away from the resonance the limits allow for a high-pass of one channel, taken as "
+            f"{high_pass:.2g} Hz"
+        )
     return Finding(
         f"Cables (taken as {100 * cable:.2g} % of the stiffness), table and added mass leave the "
         f"loss factor at {peak:.3g} Hz known to ±{100 * error:.2g} %. A hammer does not separate a "
-        "stiffer cable from a stiffer seal",
+        f"stiffer cable from a stiffer seal{coupling}",
         error,
         "A cable of 3 % of the stiffness of the seals may add a quarter to a small loss",
         Remedy("Let the cables hang free, and say so.", "machine", "cable=0"),

@@ -312,7 +312,10 @@ def build_identified_fit(
     )
     of_noise, estimate = estimate, estimate.with_rig(rig_sensitivity)
     band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
-    cables = checks.cables_described(known_there, best.problem.frf_data.peak_hz, rig.cable_sd)
+    high_pass = rig.high_pass_sd if best.problem.is_hammer_alone else 0.0
+    cables = checks.cables_described(
+        known_there, best.problem.frf_data.peak_hz, rig.cable_sd, high_pass
+    )
     all_checks = (*all_checks, cables)
     end_of_hold = compute_end_of_data(best, earlier_fit, estimate)
     law = None if earlier_fit is None else earlier_fit.elastic_law
