@@ -175,9 +175,10 @@ def find_test_machine(entry: Entry, choices: BatchOptions) -> Machine:
 
 
 def _refuse_unused_rig(machine: Machine, *, is_joint: bool) -> None:
+    if is_joint:
+        return
     for field in iterate_option_fields(machine):
-        is_stated = getattr(machine, field.name) is not None
-        if is_stated and field.name in HAMMER_RIG_FIELDS and not is_joint:
+        if field.name in HAMMER_RIG_FIELDS and getattr(machine, field.name) is not None:
             raise DataError(
                 f"--machine {get_option_key(field)}= is of the hammer's rig, and the row of a test "
                 "takes it with --joint alone. Add --joint, or leave it out"

@@ -267,10 +267,10 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
 
 def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     """Return the score of a name for a role, one more where the unit fits; 0 if it does not."""
-    message = vocabulary.matches(column.name)
-    if role == "magnitude" and "phase" in message:
+    scores = vocabulary.matches(column.name)
+    if role == "magnitude" and "phase" in scores:
         return 0.0  # a part of it
-    value = message.get(role, 0.0)
+    value = scores.get(role, 0.0)
     is_named = value >= vocabulary.MIN_SCORE
     word = _get_stated_unit(column, role, options, by_role=is_named) or column.unit
     fits = word is not None and _fits(word, role)
@@ -280,8 +280,8 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
         return value + fits
     # "Force" in mm is no force; "x" in N may well be one
     if role == "magnitude":
-        return float(max(message.values(), default=0.0) < 2.0)
-    same_dimension_scores = (s for r, s in message.items() if DIMENSION.get(r) == DIMENSION[role])
+        return float(max(scores.values(), default=0.0) < 2.0)
+    same_dimension_scores = (s for r, s in scores.items() if DIMENSION.get(r) == DIMENSION[role])
     return float(max(same_dimension_scores, default=0.0) < 2.0)
 
 
@@ -359,19 +359,19 @@ def _ask_missing_role(table: FileTable, role: Role) -> Question:
             )
             return Question(message, answer)
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
-    of_base, columns = "", table.columns
+    base_advice, columns = "", table.columns
     motions = _likely_accelerations(table, ReadOptions())
     if role == "hammer" and len(motions) > 1:
         base = max(motions, key=lambda i: vocabulary.has_word(columns[i].name, vocabulary.OF_BASE))
-        of_base = ". Where a base was shaken, name its acceleration: "
-        of_base += f'{flag("base_acceleration")}="{handle(columns, base, _names(table))}"'
+        base_advice = ". Where a base was shaken, name its acceleration: "
+        base_advice += f'{flag("base_acceleration")}="{handle(columns, base, _names(table))}"'
     if role not in {"time", "acceleration"} and _all_say_something(table):
         message = (
             f"none of its columns ({_all_columns(table)}) looks like {_word(role)}. Export it "
-            f"beside them, or name the column whose name misleads: {answer}{of_base}"
+            f"beside them, or name the column whose name misleads: {answer}{base_advice}"
         )
-        return Question(message, answer, role=_word(role), example=answer + of_base)
-    example = f'{option}="{_example(table, role)}"{of_base}'
+        return Question(message, answer, role=_word(role), example=answer + base_advice)
+    example = f'{option}="{_example(table, role)}"{base_advice}'
     if role == "time":
         guess = "If none is, give the sampling rate: --rate 1000Hz"
         example += ". " + ". ".join(table.hints or [guess])
