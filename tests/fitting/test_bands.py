@@ -35,7 +35,7 @@ from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
 from dashpot.solids.demo_seals import BROAD, BROAD_MASS, PAPER
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 from dashpot.workflow.json_archive import from_json
 
 DOCUMENTS = Path(__file__).parents[1] / "data" / "documents_1"
@@ -113,6 +113,43 @@ def test_the_measured_frf_lies_in_the_band(
     assert formal.mean() < inside.mean()
     assert (band.unmeasured[0] <= band.magnitude * (1 + 1e-6)).all()
     assert (band.parameter[0] <= band.magnitude).all()
+
+
+@pytest.mark.parametrize("case", ["noisy motion", "low-pass of the force", "few samples", "clean"])
+def test_the_errors_in_the_valid_band_are_those_of_a_prediction(case: str) -> None:
+    """What the ramp leaves unknown of fast arms is in both, so neither is the narrower."""
+    rate, ramp_time, low_pass, noise = {
+        "noisy motion": (500.0, 0.25, 0.0, 5e-6),
+        "low-pass of the force": (500.0, 0.25, 9e-3, 0.0),
+        "few samples": (100.0, 0.1, 0.0, 0.0),
+        "clean": (1000.0, 1.0, 0.0, 0.0),
+    }[case]
+    rng = np.random.default_rng(5)
+    t = np.arange(0, 30.0, 1 / rate)
+    x = 8e-3 * np.clip((t - 2.0) / ramp_time, 0, 1)
+    force = BROAD.force(t, x - arm_response(t, x, low_pass) if low_pass else x)
+    test = prepare(
+        RelaxationTest(
+            time=t,
+            displacement=x + noise * rng.standard_normal(len(t)),
+            force=force + 5e-4 * rng.standard_normal(len(t)),
+            units="SI",
+        )
+    )
+    result = fit(test)
+    error = result.evidence.band_error
+    assert error is not None
+    assert result.band[1] > 2 * result.band[0]
+    lines = np.array([error.frequency[0], error.frequency[-1]])
+    limits = unresolved_arm_band(result, test, lines).loss_factor
+    fitted = result.model.loss_factor(frequency=lines)
+    expected = np.maximum(limits[1] / fitted, fitted / limits[0]) - 1
+    stated = np.array([error.loss_factor[0], error.loss_factor[-1]])
+    # the search for an end of the band is coarse
+    np.testing.assert_allclose(stated, expected, rtol=0.3)
+    lines = np.geomspace(*result.band, 9)
+    truth, fitted = (model.loss_factor(frequency=lines) for model in (BROAD, result.model))
+    assert (np.abs(fitted / truth - 1) <= 1.1 * max(error.loss_factor)).all()
 
 
 def test_a_faster_ramp_tells_the_fast_arms_where_the_clocks_agree() -> None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -64,8 +63,6 @@ def build_record_block(
     index: int | None = None,
     start: int | None = None,
     law: ElasticLaw | None = None,
-    columns: Mapping[str, FloatArray] = MappingProxyType({}),
-    weights: FloatArray | None = None,
     tau_range: tuple[float, float] | None = None,
 ) -> DataBlock:
     """Return the block of one record: columns of the solid and its rig, and the force as target.
@@ -86,10 +83,6 @@ def build_record_block(
         The first sample that is fitted to the recorded motion, in place of that of contact.
     law : ElasticLaw, optional
         The solid answers the path of this law.
-    columns : mapping of str to array, shape (n,)
-        Further terms of the recorded motion, a value at every sample to the end of the hold.
-    weights : array, shape (n,), optional
-        Weights of those samples by the error of the motion; 1 where the motion is known.
     tau_range : (float, float), optional
         Relaxation times of interest, s, if wider than the window of the record.
     """
@@ -108,7 +101,7 @@ def build_record_block(
     window = slice(first_sample(test) if start is None else start, None)
     return build_recorded_block(
         time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
-        columns=columns, weights=weights, tau_range=tau_range,
+        tau_range=tau_range,
     )  # fmt: skip
 
 

@@ -39,7 +39,6 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.data_blocks import (
     NUISANCE_NAMES,
     FitSetup,
-    InitialFit,
     build_fit_data,
     build_solid,
     compress_tests,
@@ -95,9 +94,12 @@ from dashpot.fitting.parameter_errors import (
     compute_clock_sensitivity,
     compute_rig_sensitivity,
 )
-from dashpot.fitting.relaxation_likelihood import build_fitted_data, build_hold_data
+from dashpot.fitting.relaxation_likelihood import (
+    build_fitted_data,
+    build_relaxation_data,
+)
 from dashpot.fitting.valid_band import find_hold_band, find_informed_band
-from dashpot.numerics.exponential_fit import solve
+from dashpot.numerics.exponential_fit import Solution, solve
 from dashpot.preprocessing.signal_conditioning import Filter, filter_record, get_record_filter
 from dashpot.registry import require_handler
 from dashpot.solids.elastic import ElasticLaw
@@ -384,7 +386,8 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
             )
     if options.point is not None:
         initial_fit = initial_fit or fit_all_orders(motion.data, options.point, only_max_arms=True)
-        return build_point_fit(motion, initial_fit, setup, options.point)
+        solution = initial_fit.solutions[: options.point + 1][-1]
+        return build_point_fit(motion, solution, setup, options.point)
     selected = select_order(motion.data, options, first=initial_fit)
     family_selection = select_family(selected, options.family, fractional_fit)
     if setup.method == "hold":
@@ -392,7 +395,7 @@ def _fit_one_temperature(records: Sequence[RampHold], setup: FitSetup, options: 
         family_selection = replace(
             family_selection, best=family_selection.best.add_depth_error(depth_errors)
         )
-    return _build_linear_fit(motion, family_selection, setup, linearity, options)
+    return _build_linear_fit(motion, family_selection, setup, linearity, options, tests=records)
 
 
 def _select_elastic_law(
@@ -405,11 +408,10 @@ def _select_elastic_law(
 
 
 def build_point_fit(
-    motion: DelayedMotion, initial_fit: InitialFit, setup: FitSetup, arms: int
+    motion: DelayedMotion, solution: Solution, setup: FitSetup, requested_arms: int = 0
 ) -> Fit:
     """Return a fit with the optimum alone, without errors or checks."""
     records = motion.hold_blocks.records
-    solution = initial_fit.solutions[: arms + 1][-1]
     model = build_solid(solution)
     terms = list_nuisances(
         solution.fixed_names, motion.coefficients(solution.coefficient), lambda _: np.inf
@@ -418,7 +420,7 @@ def build_point_fit(
         SolidEstimate(
             model,
             estimate_without_errors(model, solution.samples, solution.sse, terms),
-            has_fewer_arms=solution.order < arms,
+            has_fewer_arms=solution.order < requested_arms,
             at_bound=bool(solution.at_bound.any()),
         ),
         NO_EVIDENCE,
@@ -433,6 +435,8 @@ def _build_linear_fit(
     setup: FitSetup,
     linearity: LinearityResult | None,
     options: FitOptions,
+    *,
+    tests: Sequence[RampHold],
 ) -> Fit:
     """Return the fit of a linear model, with errors, limits, band and checks."""
     records, selection = motion.hold_blocks.records, family_selection.best
@@ -443,13 +447,14 @@ def _build_linear_fit(
         noise=max(selection.estimate.residual_sd, 1e-6 * selection.data.peak, 1e-300),
     )
     # the limits hold for any spectrum, so the few arms of the fit suffice for the weights
-    data = _build_limit_data(records, family_selection.arms, setup)
-    hold = _collect_hold_arguments(records, family_selection.arms)
-    spectra = spectra_of_holds(data, **hold)
-    end_of_hold = compute_end_limits(data, **hold, spectra=spectra).widen_to_contain(
-        selection.model
-    )
-    band, band_error = find_hold_band(spectra, selection.solid, band)
+    arms = family_selection.arms
+    arms_fit = build_point_fit(motion, arms.solution, setup)
+    relaxations = [build_relaxation_data(test, arms_fit) for test in tests]
+    data = relaxations if setup.method == "hold" else _build_limit_data(records, arms)
+    hold = _collect_hold_arguments(records, arms)
+    end_of_hold = compute_end_limits(data, **hold).widen_to_contain(selection.model)
+    # the loss factor depends on fast arms, and so on all errors of the motion
+    band, band_error = find_hold_band(spectra_of_holds(relaxations, **hold), selection.solid, band)
     sensitivity = compute_rig_sensitivity(data, selection.solid)
     if setup.method == "hold" and "delay" in setup.nuisance and selection.solid is selection.model:
         sensitivity = np.hstack((sensitivity, compute_clock_sensitivity(records, selection.model)))
@@ -517,15 +522,14 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
 
 
 def _build_limit_data(
-    records: Sequence[RampHold], selection: SelectedModel, setup: FitSetup
+    records: Sequence[RampHold], selection: SelectedModel
 ) -> list[RelaxationData]:
     """Return the data of each record for the limits, weighted by its residuals."""
-    model, residuals = selection.model, selection.estimate.residuals
-    if setup.method == "hold":
-        tests = zip(records, residuals, strict=True)
-        return [build_hold_data(record, model, residual) for record, residual in tests]
-    blocks = zip(records, selection.data.blocks, residuals, strict=True)
-    return [build_fitted_data(record, block, model, values) for record, block, values in blocks]
+    blocks = zip(records, selection.data.blocks, selection.estimate.residuals, strict=True)
+    return [
+        build_fitted_data(record, block, selection.model, values)
+        for record, block, values in blocks
+    ]
 
 
 def _collect_hold_arguments(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -35,7 +35,11 @@ from dashpot.fitting.nuisance_priors import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.design_matrices.data_compression import uniform_step
-from dashpot.numerics.design_matrices.recorded_motion import MAX_SLOWNESS, window_of
+from dashpot.numerics.design_matrices.recorded_motion import (
+    MAX_SLOWNESS,
+    build_recorded_block,
+    window_of,
+)
 from dashpot.preprocessing.denoising import (
     denoise_displacement,
     estimate_interpolation_noise,
@@ -63,6 +67,8 @@ FILTER_SD = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
 DOUBT_SAMPLES, DOUBT_TIMES = 100, 16
+# rows of a long hold whose samples differ in weight
+MAX_HOLD_ROWS = 10_000
 # samples of earlier loadings
 MAX_HISTORY_SAMPLES = 4000
 # cycles per record between which noise limits the detection of an arm
@@ -155,17 +161,21 @@ def build_relaxation_data(
     )
     residual = _compute_arm_residual(solid, data_block)
     power = max(estimate_noise_power(residual), data_block.rounding_floor)
-    sample_weights = 1 / np.sqrt(1 + (model.k_0 * magnitude) ** 2 / power)
+    variance = 1 + (model.k_0 * magnitude) ** 2 / power
+    average, size = _group_samples(test, time, variance)
+    offset, drift = _LOAD_CELL_TERMS
+    block = build_recorded_block(
+        *map(average, (time, x, motion(test)[2])),
+        window=slice(first_sample(test), None),
+        offset=offset,
+        drift=drift,
+        columns={name: average(column) for name, column in columns.items()},
+        weights=np.sqrt(size / average(variance)),
+        tau_range=_get_tau_range(test, shift.a_t if shift else 1.0),
+    )
     relaxation_data = _weight_block(
         test,
-        build_record_block(
-            test,
-            terms=_LOAD_CELL_TERMS,
-            law=law,
-            columns=columns,
-            weights=sample_weights,
-            tau_range=_get_tau_range(test, shift.a_t if shift else 1.0),
-        ),
+        replace(block, samples=data_block.samples),
         data_block,
         model,
         residual,
@@ -187,6 +197,22 @@ def build_relaxation_data(
     )
 
 
+def _group_samples(
+    test: RampHold, time: FloatArray, variance: FloatArray
+) -> tuple[Callable[[FloatArray], FloatArray], FloatArray]:
+    """Return a function that averages values over groups of samples, and their sizes.
+
+    A long hold whose samples differ in weight is averaged to :data:`MAX_HOLD_ROWS` rows.
+    """
+    corner = int(np.searchsorted(time, test.ramp_end + test.ramp_time - test.time[0]))
+    stride = max((len(time) - corner) // MAX_HOLD_ROWS, 1)
+    if np.all(variance[corner:] == 1.0):
+        stride = 1
+    starts = np.append(np.arange(corner), np.arange(corner, len(time), stride))
+    size = np.diff(np.append(starts, len(time))).astype(float)
+    return lambda values: np.add.reduceat(values, starts) / size, size
+
+
 def _build_delay_columns(
     test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, delay: float
 ) -> dict[str, tuple[FloatArray, float]]:
@@ -200,8 +226,15 @@ def _build_delay_columns(
     sd = max(build_delay_prior(test).sd, delay)
     entries = {"delay": ((displacement - slow_model.force(time, x)) / delay, sd)}
     if delay > 0:
-        low_passed = x - arm_response(time, x, delay)
-        entries["filter"] = slow_model.force(time, low_passed) - displacement, FILTER_SD
+        # all are as late, in the mean: one low-pass, two alike, and one behind a delay
+        half_passed = x - arm_response(time, x, delay / 2)
+        motions = (
+            x - arm_response(time, x, delay),
+            half_passed - arm_response(time, half_passed, delay / 2),
+            np.interp(time - delay / 2, time, half_passed, left=0.0),
+        )
+        for i, low_passed in enumerate(motions):
+            entries[f"filter@{i}"] = slow_model.force(time, low_passed) - displacement, FILTER_SD
     return entries
 
 

@@ -35,4 +35,4 @@ def refit_nearby(test: RampHold, fit: Fit) -> Fit:
     setup = build_setup([test], FitOptions(arms, method, max_arms=arms))
     motion = DelayedMotion(HoldBlocks([test]), build_fit_data([test], setup, log_tau), (0.0,))
     initial_fit = fit_all_orders(motion.data, arms, only_max_arms=True, log_tau_start=log_tau)
-    return build_point_fit(motion, initial_fit, setup, arms)
+    return build_point_fit(motion, initial_fit.solutions[: arms + 1][-1], setup, arms)
