@@ -28,6 +28,7 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import (
     explain_missing_ramp,
     integrate_hats,
 )
+from dashpot.fitting.relaxation import fit
 from dashpot.numerics.least_squares import require_optimum
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -378,6 +379,32 @@ def test_select_elastic_law_refuses_a_record_without_a_single_ramp() -> None:
 
 
 # -- look-alikes and real records -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("step", "wait"), [(4e-3, 0.6), (-2e-3, 0.3), (8e-4, 1.0)])
+def test_a_plate_that_moves_in_the_hold_of_a_nonlinear_seal_leaves_its_limits(
+    step: float, wait: float
+) -> None:
+    """Its force is in the record and in the fit, so in the limits, too."""
+    t = np.arange(0, 43.0, 0.005)
+    noise = 5e-4 * np.random.default_rng(3).standard_normal(len(t))
+    limits = []
+    for moved in (0.0, step):
+        x = DEPTH * (np.clip(t - 2.0, 0, 1) + moved * np.clip((t - 3.0 - wait) / 0.02, 0, 1))
+        force = cubic(x) + noise
+        for weight, tau in zip(ramps.PAPER_K, ramps.PAPER_TAU, strict=True):
+            force = force + weight * ramps.memory(t, cubic(x), tau)
+        record = RelaxationTest(time=t, displacement=x, force=force, units="SI")
+        limits.append(fit(prepare(record)))
+    still, stepped = limits
+    assert stepped.elastic_law is not None
+    assert stepped.elastic_law.kind != "linear"
+    assert still.stiffness_limits is not None
+    assert stepped.stiffness_limits is not None
+    np.testing.assert_allclose(
+        stepped.stiffness_limits["k_end"], still.stiffness_limits["k_end"], rtol=0.01
+    )
+    np.testing.assert_allclose(stepped.band, still.band, rtol=0.15)
 
 
 @pytest.mark.parametrize("stretch", [0.04, 0.16, 0.4])

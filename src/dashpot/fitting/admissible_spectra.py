@@ -210,14 +210,14 @@ class AdmissibleSpectra:
         Raises
         ------
         FitError
-            If rounding has spoilt the rows.
+            If the rows hold what no spectrum explains, and the fit does.
         """
         times = (self.total + fixed_misfit) / max(misfit, 1e-300)
         if times > MAX_RESIDUAL_RATIO:
             raise FitError(
                 f"the best spectrum leaves {times:.3g} times what the fit does, though the fit is "
-                "one of them: rounding has spoilt the limits of this record; thin its rows, or "
-                "give it in fewer digits"
+                "one of them: the record holds a delay or a motion that its limits leave out, or "
+                "rounding has spoilt its rows; correct the delay of the force, or thin the rows"
             )
 
     def compute_misfit(self, s: FloatArray) -> float:

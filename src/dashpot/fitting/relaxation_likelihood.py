@@ -311,10 +311,14 @@ def build_hold_data(
     for_limits: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
-    block = build_record_block(test, method="hold", terms=_LOAD_CELL_TERMS, law=law)
     reference_time = float(test.ramp_end - test.time[0])
     depth = test.depth if law is None else float(law.path(test.depth))
-    time = test.time[: test.hold.stop] - test.time[0]
+    time, x, force = motion(test)
+    # eq. 5 has no motion of the plate in the hold: its force is taken off
+    moved = np.where(time < reference_time, 0.0, (x if law is None else law.path(x)) - depth)
+    force = np.append(force - model.force(time, moved), test.force[len(force) :])
+    at_rest = replace(test, force=force)
+    block = build_record_block(at_rest, method="hold", terms=_LOAD_CELL_TERMS, law=law)
     ramp = depth * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
     relaxation_data = _weight_block(
         test,

@@ -37,8 +37,8 @@ from dashpot.numerics.least_squares import Optimum
 MAX_ARMS = 5
 _MAX_ITERATIONS = 10
 _CONVERGENCE_TOLERANCE = 0.005
-# motion of a plate at rest, as a fraction of the depth
-REST_TOLERANCE = 1e-3
+# force by the motion of a plate at rest, as a fraction of the noise of a sample
+REST_NOISE_SHARE = 0.1
 # least degrees of freedom of a ramp, as a fraction of its rows
 _MIN_DOF_SHARE = 0.2
 # residual by rounding, as a fraction of the largest force
@@ -159,7 +159,8 @@ def _build_hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBloc
     root = np.sqrt(rows.sample_counts[hold_rows])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
     displacement = rows.displacement[hold_rows] - rows.depths[i]
-    if float(np.ptp(displacement)) > REST_TOLERANCE * rows.depths[i]:
+    force_change = float(np.ptp(displacement)) * rows.peak(i) / rows.depths[i]
+    if force_change > REST_NOISE_SHARE * rows.noise[i]:
         fixed[f"settling@{i}"] = displacement
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
