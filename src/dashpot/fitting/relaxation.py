@@ -76,7 +76,6 @@ from dashpot.fitting.input_tests import (
     ramp_holds,
     refuse_copies,
 )
-from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.linearity import (
     DelayedMotion,
@@ -450,7 +449,10 @@ def _build_linear_fit(
     arms = family_selection.arms
     arms_fit = build_point_fit(motion, arms.solution, setup)
     relaxations = [build_relaxation_data(test, arms_fit) for test in tests]
-    data = relaxations if setup.method == "hold" else _build_limit_data(records, arms)
+    data = relaxations
+    if setup.method == "full":
+        models = [arms.model] * len(records)
+        data = [*map(build_fitted_data, records, arms.data.blocks, models, arms.estimate.residuals)]
     hold = _collect_hold_arguments(records, arms)
     end_of_hold = compute_end_limits(data, **hold).widen_to_contain(selection.model)
     # the loss factor depends on fast arms, and so on all errors of the motion
@@ -519,17 +521,6 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
         unmeasured=sensitivity,
         spectra=spectra,
     )
-
-
-def _build_limit_data(
-    records: Sequence[RampHold], selection: SelectedModel
-) -> list[RelaxationData]:
-    """Return the data of each record for the limits, weighted by its residuals."""
-    blocks = zip(records, selection.data.blocks, selection.estimate.residuals, strict=True)
-    return [
-        build_fitted_data(record, block, selection.model, values)
-        for record, block, values in blocks
-    ]
 
 
 def _collect_hold_arguments(

@@ -135,7 +135,7 @@ def build_relaxation_data(
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
-    (time, x, _), magnitude = motion(test), denoise_displacement(test)[1]
+    (time, x, force), magnitude = motion(test), denoise_displacement(test)[1]
     magnitude = np.hypot(magnitude, estimate_interpolation_noise(test, time, x, magnitude))
     if law is not None:
         x, magnitude = law.path(x), magnitude * law.factor(x)
@@ -163,12 +163,11 @@ def build_relaxation_data(
     power = max(estimate_noise_power(residual), data_block.rounding_floor)
     variance = 1 + (model.k_0 * magnitude) ** 2 / power
     average, size = _group_samples(test, time, variance)
-    offset, drift = _LOAD_CELL_TERMS
     block = build_recorded_block(
-        *map(average, (time, x, motion(test)[2])),
+        *map(average, (time, x, force)),
         window=slice(first_sample(test), None),
-        offset=offset,
-        drift=drift,
+        offset="offset",
+        drift="drift",
         columns={name: average(column) for name, column in columns.items()},
         weights=np.sqrt(size / average(variance)),
         tau_range=_get_tau_range(test, shift.a_t if shift else 1.0),
@@ -205,9 +204,8 @@ def _group_samples(
     A long hold whose samples differ in weight is averaged to :data:`MAX_HOLD_ROWS` rows.
     """
     corner = int(np.searchsorted(time, test.ramp_end + test.ramp_time - test.time[0]))
-    stride = max((len(time) - corner) // MAX_HOLD_ROWS, 1)
-    if np.all(variance[corner:] == 1.0):
-        stride = 1
+    is_weighted = bool((variance[corner:] > 1).any())
+    stride = max(is_weighted * (len(time) - corner) // MAX_HOLD_ROWS, 1)
     starts = np.append(np.arange(corner), np.arange(corner, len(time), stride))
     size = np.diff(np.append(starts, len(time))).astype(float)
     return lambda values: np.add.reduceat(values, starts) / size, size
@@ -240,8 +238,8 @@ def _build_delay_columns(
 
 def _find_fitted_delay(fit: Fit) -> float:
     """The delay of the force of one test, s, where it is too large for a linearisation; else 0."""
-    delays = [nuisance.value for nuisance in fit.estimate.nuisance if nuisance.name == "delay"]
-    delay = delays[0] if fit.method == "full" and delays else 0.0
+    nuisances = fit.estimate.nuisance if fit.method == "full" else ()
+    delay = next((nuisance.value for nuisance in nuisances if nuisance.name == "delay"), 0.0)
     return delay if abs(delay) > LINEAR_DELAY else 0.0
 
 
@@ -317,8 +315,9 @@ def build_hold_data(
     # eq. 5 has no motion of the plate in the hold: its force is taken off
     moved = np.where(time < reference_time, 0.0, (x if law is None else law.path(x)) - depth)
     force = np.append(force - model.force(time, moved), test.force[len(force) :])
-    at_rest = replace(test, force=force)
-    block = build_record_block(at_rest, method="hold", terms=_LOAD_CELL_TERMS, law=law)
+    block = build_record_block(
+        replace(test, force=force), method="hold", terms=_LOAD_CELL_TERMS, law=law
+    )
     ramp = depth * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
     relaxation_data = _weight_block(
         test,
@@ -408,16 +407,12 @@ def estimate_noise_power(residual: FloatArray) -> float:
     autocovariances; an arm does not see it.
     """
     cycles, power = slow_periodogram(residual, FASTEST_NOISE)
-    medium = _drop_hum_lines(power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)])
+    medium = power[(cycles >= SLOWEST_NOISE) & (cycles <= FASTEST_NOISE)]
     if not len(medium):
         return float(np.mean(residual**2))
     powers = power[(cycles >= SLOWEST_NOISE / 3) & (cycles <= 2 * SLOWEST_NOISE)]
-    level = float(medium.mean())
+    level = float(medium[medium <= HUM_RATIO * median(medium)].mean())
     return max(level, float(powers.mean())) if powers.mean() > SLOW_NOISE_RATIO * level else level
-
-
-def _drop_hum_lines(power: FloatArray) -> FloatArray:
-    return power[power <= HUM_RATIO * median(power)] if len(power) else power
 
 
 def _weight_block(

@@ -43,11 +43,6 @@ MIN_SHARP_BEND = 2.0
 FLICKER_SAMPLES = 7
 # and by less than so many counts
 MAX_FLICKER_COUNTS = 1.5
-# exchanges that bring the median of so many to the middle
-MEDIAN_EXCHANGES = (
-    (0, 5), (0, 3), (1, 6), (2, 4), (0, 1), (3, 5), (2, 6), (2, 3), (3, 6), (4, 5), (1, 4), (1, 3),
-    (3, 4),
-)  # fmt: skip
 
 
 @cache_on_record
@@ -267,11 +262,10 @@ def _remove_flicker(values: FloatArray, count: float) -> FloatArray:
 
     It does not change a rising staircase.
     """
-    padded_values = np.pad(values, FLICKER_SAMPLES // 2, mode="edge")
-    ranked = list(np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER_SAMPLES).T)
-    for i, j in MEDIAN_EXCHANGES:
-        ranked[i], ranked[j] = np.minimum(ranked[i], ranked[j]), np.maximum(ranked[i], ranked[j])
-    running_median = ranked[FLICKER_SAMPLES // 2]
+    middle = FLICKER_SAMPLES // 2
+    padded_values = np.pad(values, middle, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded_values, FLICKER_SAMPLES)
+    running_median = np.partition(windows, middle, axis=1)[:, middle]
     return np.where(
         np.abs(running_median - values) < MAX_FLICKER_COUNTS * count, running_median, values
     )

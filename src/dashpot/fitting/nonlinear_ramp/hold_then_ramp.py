@@ -159,8 +159,8 @@ def _build_hold_block(rows: DownsampledRows, i: int, bounds: Bounds) -> DataBloc
     root = np.sqrt(rows.sample_counts[hold_rows])
     fixed = {f"k_inf@{i}": np.ones(len(time))}
     displacement = rows.displacement[hold_rows] - rows.depths[i]
-    force_change = float(np.ptp(displacement)) * rows.peak(i) / rows.depths[i]
-    if force_change > REST_NOISE_SHARE * rows.noise[i]:
+    least_motion = REST_NOISE_SHARE * rows.noise[i] / rows.peak(i) * rows.depths[i]
+    if float(np.ptp(displacement)) > least_motion:
         fixed[f"settling@{i}"] = displacement
 
     def columns(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
