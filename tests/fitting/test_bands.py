@@ -31,6 +31,7 @@ from dashpot.fitting.prediction_bounds import (
 )
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.relaxation_likelihood import build_relaxation_data
+from dashpot.fitting.valid_band import find_loss_factor_band
 from dashpot.preprocessing.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Rig
@@ -113,6 +114,15 @@ def test_the_measured_frf_lies_in_the_band(
     assert formal.mean() < inside.mean()
     assert (band.unmeasured[0] <= band.magnitude * (1 + 1e-6)).all()
     assert (band.parameter[0] <= band.magnitude).all()
+
+
+@pytest.mark.parametrize("known", [1.0, 10.0, 100.0, None])
+def test_a_loss_factor_known_at_one_line_alone_leaves_the_whole_band(known: float | None) -> None:
+    """A band without width would say that the test has none, and less than if it knew nothing."""
+    lines = {line: (0.03, 0.2 if line == known else 0.9) for line in (1.0, 10.0, 100.0)}
+    band, error = find_loss_factor_band(lambda _: (0.03, 0.9), (1.0, 100.0), lines)
+    assert band == (1.0, 100.0)
+    assert error.max_errors == (0.03, 0.9)
 
 
 @pytest.mark.parametrize("case", ["noisy motion", "low-pass of the force", "few samples", "clean"])

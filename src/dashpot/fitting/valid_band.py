@@ -35,7 +35,7 @@ def find_loss_factor_band(
     """Return the widest part of a band in which the loss factor is known, and its errors.
 
     With `included_line` it is the part that contains it. Where the loss factor is known at no
-    line, or not at that one, the whole band is returned with its errors.
+    line, at one alone, or not at that one, the whole band is returned with its errors.
 
     Parameters
     ----------
@@ -50,15 +50,13 @@ def find_loss_factor_band(
     """
     frequencies, all_errors = np.array(list(lines)), dict(lines)
     is_known = np.array([error[1] for error in lines.values()]) <= MAX_LOSS_FACTOR_ERROR
-    if is_known.all() or not is_known.any():
-        return band, _build_band_error(all_errors)
     known_runs = find_true_runs(is_known).tolist()
     if included_line is not None:
         known_runs = [
             run for run in known_runs if frequencies[run[0]] <= included_line <= frequencies[run[1]]
         ]
-        if not known_runs:
-            return band, _build_band_error(all_errors)
+    if is_known.all() or not known_runs:
+        return band, _build_band_error(all_errors)
     first, last = max(known_runs, key=lambda run: frequencies[run[1]] / frequencies[run[0]])
     band_ends = []
     for inside_index, outside_index in ((first, first - 1), (last, last + 1)):
@@ -67,6 +65,8 @@ def find_loss_factor_band(
             end = _find_band_end(errors, all_errors, end, float(frequencies[outside_index]))
         band_ends.append(end)
     low, high = band_ends
+    if low == high:
+        return band, _build_band_error(all_errors)
     return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
 
 
