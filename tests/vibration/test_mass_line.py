@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.impact.checks import estimate_apparent_mass
+from dashpot.vibration.impact.checks import estimate_apparent_mass, high_frequency_mass_agrees
 from dashpot.vibration.mass_on_seals import predict_frf
 
 MASS, NATURAL_FREQUENCY = 0.15, 13.7
@@ -42,3 +42,11 @@ def test_no_mass_line_without_good_lines() -> None:
     unknown = estimate_apparent_mass(LINES, exact, natural_frequency=NATURAL_FREQUENCY, sd=sd)
     assert unknown is None
     assert estimate_apparent_mass(LINES[:100], exact[:100], natural_frequency=20.0) is None
+
+
+@pytest.mark.parametrize(("se", "text"), [(0.0, "within 1.0 %"), (0.02, "within 5.0 %")])
+def test_high_frequency_mass_claims_no_more_than_its_standard_error(se: float, text: str) -> None:
+    """A mass that is 1 ± 2 % off shows a calibration within 5 %, not within 1 %."""
+    check = high_frequency_mass_agrees((0.99 * MASS, se * MASS), MASS)
+    assert check.passed
+    assert text in check.message

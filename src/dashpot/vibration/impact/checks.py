@@ -543,7 +543,7 @@ def high_frequency_mass_agrees(apparent: tuple[float, float] | None, mass: float
         f"{side_word} the {format_quantity(mass, 'g')} given"
     )
     return Finding(
-        f"{message}. The calibration is right within {100 * (factor - 1):+.1f} %",
+        f"{message}. The calibration is right within {100 * (abs(factor - 1) + 2 * se):.1f} %",
         factor - 1,
         failure=message,
         reason=_format_likely_cause(factor),
