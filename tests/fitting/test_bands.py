@@ -117,7 +117,9 @@ def test_the_measured_frf_lies_in_the_band(
 
 
 @pytest.mark.parametrize("known", [1.0, 10.0, 100.0, None])
-def test_a_loss_factor_known_at_one_line_alone_leaves_the_whole_band(known: float | None) -> None:
+def test_find_loss_factor_band_keeps_the_band_if_a_single_line_is_determined(
+    known: float | None,
+) -> None:
     """A band without width would say that the test has none, and less than if it knew nothing."""
     lines = {line: (0.03, 0.2 if line == known else 0.9) for line in (1.0, 10.0, 100.0)}
     band, error = find_loss_factor_band(lambda _: (0.03, 0.9), (1.0, 100.0), lines)
