@@ -329,7 +329,7 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     page.at.mouse.down()
     for step in range(1, 9):
         page.at.mouse.move(box["x"] + box["width"] / 2 - 8 * step, box["y"] + 40)
-    page.at.locator("#beside table").wait_for()
+    page.at.locator("#both-fits table").wait_for()
     verdict = page.at.get_by_role("region", name="Verdict")
     verdict.get_by_text("While you drag", exact=True).wait_for()
     said = r"Hold end [\d.]+ s, was 42\.500 s\. k after [\d.]+ s .*, was k after 40 s [\d.]+ N/mm\."

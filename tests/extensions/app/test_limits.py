@@ -96,14 +96,14 @@ def test_a_limit_of_a_life_is_shown_as_it_was_stated(store, home):
     files = put(store, home, "ovens.csv")
     limits = {"typed": ["life >= 295000 h"]}
     said = {"use_at": "40"}
-    head = ask("judged", store, kind="csr", files=files, said=said, limits=limits)
+    head = ask("standalone", store, kind="csr", files=files, form_values=said, limits=limits)
     html = head["limits"]["html"].replace("\N{NO-BREAK SPACE}", " ")
     assert "at least 295000 h" in html
     (low,) = re.findall(r'"n low">([\d.e]+)<', html)
     # the end is below the limit, and is not rounded to above it
     assert outcomes(html) == ["open"]
     assert float(low) < 295000
-    taken = ask("take-judged", store, kind="csr", files=files, said=said, limits=limits)
+    taken = ask("take-standalone", store, kind="csr", files=files, form_values=said, limits=limits)
     assert json.loads(taken["text"])["acceptance"]["limits"][0]["outcome"] == "open"
 
 
@@ -112,12 +112,14 @@ def test_a_machine_file_is_the_machine_of_the_job_and_names_its_age(store, home)
     files = put(store, home, *blanks)
     for file in files:
         row = ask("inspect", store, file=file, options={"kind": "blank"})
-        assert (row["page"], row["mark"]) == ("judged", "good")
+        assert (row["page"], row["mark"]) == ("standalone", "good")
     said, options = {"spring_stiffness": "1"}, {"kind": "blank"}
-    head = ask("judged", store, kind="blank", files=files, said=said, options=options)
+    head = ask("standalone", store, kind="blank", files=files, form_values=said, options=options)
     assert head["colour"] == "good"
     assert ran(*shlex.split(head["command"])[1:], "-o", "rig.toml").exit_code == 0
-    saved = ask("take-judged", store, kind="blank", files=files, said=said, options=options)
+    saved = ask(
+        "take-standalone", store, kind="blank", files=files, form_values=said, options=options
+    )
     assert saved["text"] == (home / "rig.toml").read_text()
     (rig,) = put(store, home, saved["name"], text=saved["text"])
     row = ask("inspect", store, file=rig)

@@ -78,5 +78,5 @@ def test_only_an_empty_server_offers_it(store, tmp_path):
         await desk.close()
         return found
 
-    assert asyncio.run(open_session())["left"]["files"] == ["seal.csv"]
+    assert asyncio.run(open_session())["last_session"]["files"] == ["seal.csv"]
     assert "left" not in asyncio.run(open_session(tmp_path / "own.csv"))

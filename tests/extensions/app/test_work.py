@@ -214,7 +214,7 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
     assert len(whole) < 30_000
     found = ask("live", store, job=page_job)
     assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(found["arrays"])
-    assert "eq. (5)" in found["beside"]
+    assert "eq. (5)" in found["both_fits"]
     later = ask("live", store, job=page_job | {"time_limits": {"hold_end": 20.0}})
     assert later["time_limits"]["hold_end"] == 20.0
     # what it is called and how large it is: the solid's own, after the hold of the cut
@@ -226,7 +226,7 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
         after
     )
     assert float(size.removesuffix(" N/mm")) == pytest.approx(own / 1e3, rel=1e-3)
-    assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
+    assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["residual_note"])
     assert found["time_limits"]["hold_end"] > 40.0
     # on the axis that is there, which counts from where the ramp ended when it was drawn
     moved = page_job | {"time_limits": {"ramp_end": 2.6}}
@@ -410,7 +410,7 @@ def test_fractional_model_lists_four_parameters(store, page_job):
     head = ask("settle", store, job=page_job | {"arms": "auto", "family": "fractional"})
     assert head["solid"].count('scope="row"') == 5  # its four, and the end of the hold
     assert "--model fractional" in head["command"]
-    assert ask("live", store, job=page_job | {"arms": "auto", "family": "fractional"})["beside"]
+    assert ask("live", store, job=page_job | {"arms": "auto", "family": "fractional"})["both_fits"]
 
 
 def test_hit_can_be_rejected_on_the_page(store, page_job):
@@ -479,7 +479,7 @@ def test_a_file_without_units_asks_and_shows_what_each_would_mean(store):
     identity = store.put("bare.csv", text.encode())
     found = ask("inspect", store, file=identity)
     assert found["mark"] == "care"
-    assert "With this unit the seal would be" in found["asked"]
+    assert "With this unit the seal would be" in found["question"]
     answered = ask("inspect", store, file=identity, options={"units": {"force": "N"}})
     assert answered["mark"] == "good"
     profile = ask("profile", store, options={"units": {"force": "N"}})

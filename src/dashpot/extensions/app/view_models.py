@@ -84,7 +84,7 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """Roles of the columns of a relaxation test or hammer test."""
-_SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
+_SEPARATE_SECTIONS = ("response", "base", "bench", "level", "standalone", "part")
 """Sections of the page with files that belong to no job, or to several."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """Dimensions of the units that a column may have."""
