@@ -145,14 +145,14 @@ def simple(
 
 def test_misfit_of_too_few_arms_is_named_before_shifts_of_single_arms() -> None:
     """Ten arms of a wide spectrum for seven: a loss factor 1 % off, not 31 %."""
-    few, apart = simple(1e-4, 8e-6, (0.13, 0.02), 8), simple(1e-4, 8e-6, None)
+    few, separate = simple(1e-4, 8e-6, (0.13, 0.02), 8), simple(1e-4, 8e-6, None)
     assert "It has too few arms (8 do), they do not shift together" in few.message
     assert few.remedy is not None
     assert few.remedy.command_option == "--arms 8"
     # where no number of arms explains the tests, none is advised
-    assert "too few arms" not in apart.message
-    assert apart.remedy is not None
-    assert not apart.remedy.option
+    assert "too few arms" not in separate.message
+    assert separate.remedy is not None
+    assert not separate.remedy.option
     # nor where one model explains them and its arms shift apart
     assert "too few arms" not in simple(0.5, 0.0, (-0.062, 0.01), 8).message
 

@@ -43,9 +43,9 @@ def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
     live._thread.join()
     seen = live.describe_state(1e9, -1)
     assert (seen["running"], seen["rows"], seen["failed"]) == (False, 42501, "")
-    (kept,) = tmp_path.glob("record-*.csv")
-    assert seen["message"].endswith(f"kept in {kept}")
-    assert [one["name"] for one in seen["drawn"]] == ["displacement [mm]", "force [N]"]
+    (selected,) = tmp_path.glob("record-*.csv")
+    assert seen["message"].endswith(f"kept in {selected}")
+    assert [item["name"] for item in seen["drawn"]] == ["displacement [mm]", "force [N]"]
     assert "2000" in seen["drawn"][0]["svg"][:80]  # as wide as a page may ask
     again = {"driver": "replay", "file": seen["saved_file"]["id"], "speed": 1e9}
     live.start(again)
@@ -69,7 +69,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
     (tmp_path / "secret.csv").write_text("1,2,3\n")
     there = {"folder": str(tmp_path)}
     columns = "time [s], force [N]"
-    for asked, error, message in [
+    for requested, error, message in [
         ({"driver": "serial", "port": str(tmp_path / "secret.csv"), "columns": columns} | there,
          ReadError, "is no serial line"),
         ({"driver": "serial", "port": os.devnull, "columns": columns} | there,
@@ -84,7 +84,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
         ({}, DataError, "driver = ''; expected one of simulated"),
     ]:  # fmt: skip
         with pytest.raises(error, match=message):
-            live.start(asked)
+            live.start(requested)
     assert not live.running
     assert live.describe_state(0, 0)["rows"] == 0
 

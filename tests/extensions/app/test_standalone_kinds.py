@@ -17,7 +17,7 @@ from dashpot.registry import KINDS
 pytestmark = pytest.mark.once
 
 PIECES = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
-ASKED = {
+FORMS = {
     "cld": (PIECES, {"compression": "6", "compression_limits": "4 to 8", "length": "100 mm"}),
     "stress-strain": (("tension.csv", "biaxial.csv"), {"test 1": "biaxial"}),
     "csr": (("ovens.csv",), {"use_at": "85", "oven": "1"}),
@@ -44,10 +44,10 @@ def ask(verb, store, **request):
 
 
 @pytest.mark.parametrize(
-    "kind", [pytest.param(one, marks=[pytest.mark.slow] * (one in DEAR)) for one in ASKED]
+    "kind", [pytest.param(item, marks=[pytest.mark.slow] * (item in DEAR)) for item in FORMS]
 )
 def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkeypatch, kind):
-    names, said = ASKED[kind]
+    names, message = FORMS[kind]
     files = put(store, names)
     monkeypatch.chdir(tmp_path)
     for name in names:
@@ -58,20 +58,20 @@ def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkey
         row["page"] == "standalone"
         and row["form_fields"] == view_models.make_form_fields(get_form(kind))
     )
-    head = ask("standalone", store, kind=kind, files=files, form_values=said)
+    head = ask("standalone", store, kind=kind, files=files, form_values=message)
     assert {"good", "care", "bad"} >= {head["colour"]}
-    assert all(head[one] for one in ("figures", "answers", "checks", "facts"))
+    assert all(head[name] for name in ("figures", "answers", "checks", "facts"))
     assert 'class="lights"' in head["verdict"]
     typed = ran(*shlex.split(head["command"])[1:], "--json")
     assert typed.exit_code == 0, typed.output
     taken = json.loads(
-        ask("take-standalone", store, kind=kind, files=files, form_values=said)["text"]
+        ask("take-standalone", store, kind=kind, files=files, form_values=message)["text"]
     )
     assert taken == json.loads(typed.stdout)
 
 
 def test_every_kind_of_the_register_has_a_place_on_the_page():
-    nowhere = {name for name, one in KINDS.items() if not one.app_section}
+    nowhere = {name for name, kind in KINDS.items() if not kind.app_section}
     # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {
         "temperature-sweep",
