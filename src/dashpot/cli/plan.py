@@ -137,7 +137,7 @@ def _plan_ramp_hold(
     plan = workflow.plan(
         planned_bench,
         at=frequency,
-        seal=workflow.SupposedSeal(assumed_seal.solid, arm, temperature, wlf or assumed_seal.law),
+        seal=workflow.AssumedSeal(assumed_seal.solid, arm, temperature, wlf or assumed_seal.law),
         hammer=hammer,
         cold=cold,
         target_sd=target_sd / 100,

@@ -13,7 +13,7 @@ from typing import Any
 
 from dashpot import plot
 from dashpot.base.errors import ExportError
-from dashpot.base.option_fields import Drawn, get_choice_values
+from dashpot.base.option_fields import FigureFormat, get_choice_values
 from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -58,7 +58,7 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
     outputs = Outputs(replace=overwrite, makes_records=isinstance(result, tuple(_TABLES)))
     suffix = file_path.suffix.lower().lstrip(".")
     writers = {"json": _write_document, "html": _write_page, "csv": _write_table}
-    if suffix in get_choice_values(Drawn):
+    if suffix in get_choice_values(FigureFormat):
         from dashpot.plot.figure_files import save as save_picture
 
         outputs.check_writable([file_path])
@@ -66,7 +66,9 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
     elif suffix in writers:
         outputs.write(file_path, writers[suffix](result, file_path.name))
     else:
-        suffixes = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
+        suffixes = ", ".join(
+            f".{writer}" for writer in (*writers, *get_choice_values(FigureFormat))
+        )
         raise ExportError(f"{file_path.name}: a result is written as {suffixes}. Name the file so")
     return file_path
 

@@ -240,9 +240,9 @@ def _sizes() -> list[Row]:
         Row("millimetres under metres", bench("Time [s];Position [m];Load [N]"), "asked", ("--units displacement=mm",), RAMP, answer={"units": {"displacement": "mm"}}, by_size=True),
         Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, DISPLACEMENT, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
         Row("seconds under milliseconds", bench("Time [ms];Position [mm];Load [N]"), "asked", ("--units time=s",), RAMP, answer={"units": {"time": "s"}}, by_size=True),
-        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, DISPLACEMENT, pressed * FORCE / 1e3).encode(), "noted", ("The force goes over 40 kN",), _make_truth(force=pressed * FORCE)),
+        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, DISPLACEMENT, pressed * FORCE / 1e3).encode(), "noted", ("The force spans 40 kN",), _make_truth(force=pressed * FORCE)),
         Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, DISPLACEMENT, FORCE).encode(), "noted", ("sampled at 0.0286 Hz",), _make_truth(time=slow)),
-        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * DISPLACEMENT, FORCE).encode(), "noted", ("The displacement goes over 401 mm",), _make_truth(displacement=0.401 / 8 * DISPLACEMENT)),
+        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * DISPLACEMENT, FORCE).encode(), "noted", ("The displacement spans 401 mm",), _make_truth(displacement=0.401 / 8 * DISPLACEMENT)),
     ]  # fmt: skip
 
 

@@ -244,7 +244,7 @@ CONTAINERS: list[Row] = [
     Row("XLSX: the table begins at D7", sheet([[]] * 6 + [[None] * 3 + r for r in (_PLAIN, *rows_of(TIME, DISPLACEMENT, FORCE))])),
     Row("XLSX: a summary to the right of the table", sheet([[*_PLAIN, None, "Fmax"], [*rows_of(TIME, DISPLACEMENT, FORCE)[0], None, float(FORCE.max())], *rows_of(TIME, DISPLACEMENT, FORCE)[1:]])),
     Row("XLSX: formulas with their results", formulas(1.0)),
-    Row("XLSX: formulas with results of another factor", formulas(1.3), "noted", ("kept result is not that",), coarse=1.0),
+    Row("XLSX: formulas with results of another factor", formulas(1.3), "noted", ("stored result does not",), coarse=1.0),
     Row("XLSX: formulas that were never calculated", formulas(None), "refused", ("formulas", "without a result")),
     Row("XLSX: #REF! in two cells", errors("#REF!"), "noted", ("2 cells hold the error #REF!",), without=(2, 3)),
     Row("XLSX: #DIV/0! in two cells", errors("#DIV/0!"), "noted", ("#DIV/0!",), without=(2, 3)),

@@ -430,9 +430,9 @@ def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterat
     indices_outside = {index for index, rule in charts.means.signals if rule == OUTSIDE_LIMITS}
     for i, seal in enumerate(charts.seals):
         if is_outlier[i] or i in indices_outside:
-            message = _format_distance(quantity, seal, float(distances[i])) + f", {OUTSIDE_LIMITS}" * (
-                i in indices_outside
-            )
+            message = _format_distance(
+                quantity, seal, float(distances[i])
+            ) + f", {OUTSIDE_LIMITS}" * (i in indices_outside)
             yield Flag(name, seal.name, _get_single_value(seal), message)
     if charts.repeats is None:
         return

@@ -664,7 +664,7 @@ def _run_checks(
             None if records else end,
             unit=data.unit,
             first=fastest,
-            extra=sweep_advice,
+            remedy=sweep_advice,
         ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
