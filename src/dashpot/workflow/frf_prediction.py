@@ -588,7 +588,7 @@ def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
 def _format_headline(frf: FRF, peak: tuple[float, float], fit: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
-    name, unit = frf.quantity.replace("_", " "), frf.read
+    name, unit = frf.quantity.label, frf.read
     height_text = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
     peak_text = (
         f"the {name} is {height_text}, the end of the band"

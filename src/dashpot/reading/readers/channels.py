@@ -14,6 +14,7 @@ from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
+from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Caution, Source, list_cautions
 from dashpot.base.units import Unit
 from dashpot.reading.columns.file_kinds import FileKind
@@ -369,8 +370,7 @@ def refuse_all_sizes(
 def is_stated(file: OpenedFile, channel: Channel) -> bool:
     """Whether the unit of a channel is stated by the user or in each cell, as of clock times."""
     column = file.table.columns[channel.index]
-    clocked = column.content == "clock"
-    return clocked or file.options.unit_of(channel.role, column.name) is not None
+    return column.content == "clock" or file.options.unit_of(channel.role, column.name) is not None
 
 
 def refuse_other_rate(file: OpenedFile) -> None:
@@ -545,8 +545,9 @@ def load_test(
     )
     count = len(loaded_columns.values)
     if count < min_count:
-        plural = "s" * (count != 1)
-        raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {min_count}")
+        raise ReadError(
+            f"only {format_count(count, 'row')} of numbers; a test needs at least {min_count}"
+        )
     return loaded_columns
 
 
@@ -602,8 +603,9 @@ def select_segment(loaded_columns: LoadedColumns, segment: int | None) -> Loaded
         return loaded_columns
     count = len(loaded_columns.starts)
     if segment > count:
-        plural = "s" * (count != 1)
-        raise ReadError(f"--file-part segment={segment}, but the file has {count} segment{plural}")
+        raise ReadError(
+            f"--file-part segment={segment}, but the file has {format_count(count, 'segment')}"
+        )
     keep = np.zeros(len(loaded_columns.values), dtype=bool)
     keep[slices(loaded_columns.starts, len(keep))[segment - 1]] = True
     questions = tuple(
