@@ -74,8 +74,8 @@ from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit
 from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise, nearly_white
 from dashpot.numerics.inference.model_order import (
     DECISIVE_BIC,
+    ArmShortage,
     OrderChoice,
-    Shortage,
     select_model_order,
 )
 from dashpot.planning import checks as planning
@@ -733,7 +733,9 @@ FITTING = [
     Case(
         "arms_enough",
         judge_integer(
-            lambda n: solid.arms_enough(None if n < 2 else Shortage(1, n, 9e-3, 4e-3), 1, unit="N")
+            lambda n: solid.arms_enough(
+                None if n < 2 else ArmShortage(1, n, 9e-3, 4e-3), 1, unit="N"
+            )
         ),
         1,
         2,

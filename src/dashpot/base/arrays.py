@@ -182,7 +182,7 @@ def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> 
     return array
 
 
-def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
+def validate_measured_fields(result: object, *names: str, minimum: int = 1) -> None:
     """Set fields of a frozen value to :func:`validate_measured` arrays of one length, except None.
 
     A ``time`` among them must increase.

@@ -331,7 +331,7 @@ def _render_residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) 
     curves = [mark.y for mark in marks if isinstance(mark, Line)]
     time_span = (min(low for low, _ in spans), max(high for _, high in spans))
     panel = Panel(
-        Scale(relaxation.SINCE_RAMP, time_span, log=True),
+        Scale(relaxation.TIME_AFTER_RAMP_LABEL, time_span, log=True),
         Scale(f"residual, {unit}", compute_padded_limits(*curves, np.array([noise, -noise]))),
         (*rules, *marks),
     )

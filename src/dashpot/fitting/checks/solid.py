@@ -13,8 +13,8 @@ from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.numerics.inference.model_order import (
     MAX_SE_LN_TAU,
     MIN_K_OVER_SE,
+    ArmShortage,
     OrderChoice,
-    Shortage,
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -213,7 +213,7 @@ def order_agreed(choice: OrderChoice) -> Finding:
 
 
 @criterion("arms that the data support", "<=", source="the requested number; BIC and significance")
-def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
+def arms_enough(arm_shortage: ArmShortage | None, arms: int, *, unit: str) -> Finding:
     """The requested number of arms is enough: the data support no further one.
 
     `unit` is that of the residual.

@@ -341,7 +341,7 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
     )
     starts = [table[i][1] for i in _find_valleys(cost)]
     full_problem = problem(law, window.test.indenter.gravity)
-    optima = full_problem.valleys(
+    optima = full_problem.find_optima(
         starts,
         same_distance=_SAME_VALLEY,
         max_steps=_TRIES,
