@@ -761,7 +761,7 @@ CURVES = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", extra="Measure longer."
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", remedy="Measure longer."
         ),
         3.001,
         2.999,
@@ -769,7 +769,7 @@ CURVES = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", extra="Measure longer."
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", remedy="Measure longer."
         ),
         1.1e-12,
         0.9e-12,

@@ -429,8 +429,8 @@ def _compute_rig_sensitivity(
     r"""Return the errors of the solid by the rigs of relaxation and hammer test, shape (p, d).
 
     Their gradient is J'c, and C J'c the change of the solid, C being the covariance of
-    all that was fitted. An earlier fit without its tests has the gradient :math:`C_0^{-1}` times its
-    change.
+    all that was fitted. An earlier fit without its tests has as gradient its change
+    times :math:`C_0^{-1}`.
     """
     parameter_count = len(covariance)
     gradients = [
