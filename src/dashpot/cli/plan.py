@@ -66,7 +66,7 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
         _PRIOR_GROUP,
         build_options(PlannedRamp, "noise", argument="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
-            help="Assumed seal: paper, broad, hidden, or a fit."),
+            help="Assumed seal: paper, broad, hidden (fast arm), or a fit."),
         build_options(HammerPlan, "mass", "seals", argument="hammer"),
         opt("--target-sd", "target_sd", hidden_alias="wanted", type=float, default=10.0,
             metavar="PERCENT", help="Target standard deviation (10)."),

@@ -43,10 +43,10 @@ _TABLES: dict[type, Callable[..., str]] = {
 
 
 def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
-    """Write a record or a result, and return where it stands.
+    """Write a record or a result, and return its path.
 
     ``.json``: its document, which ``dashpot.read`` takes back where it has a schema; ``.png``,
-    ``.svg``, ``.pdf``: its picture; ``.html``: its page; ``.csv``: its numbers.
+    ``.svg``, ``.pdf``: its figure; ``.html``: its page; ``.csv``: its numbers.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
 
 def _picture(result: Any) -> Any:
     if not hasattr(result, "plot"):
-        raise ExportError(f"a {type(result).__name__} has no picture. Write it as .json")
+        raise ExportError(f"a {type(result).__name__} has no figure. Write it as .json")
     return result.plot()
 
 
@@ -120,7 +120,7 @@ def picture(result: object) -> Picture:
     """
     draw = figure_of(result)
     if draw is None:
-        raise TypeError(f"a {type(result).__name__} has no picture")
+        raise TypeError(f"a {type(result).__name__} has no figure")
     figure: Picture = draw(result)
     return figure
 
