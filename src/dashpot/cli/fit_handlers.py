@@ -238,7 +238,7 @@ def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
             *request.get_option_words(),
             "-o",
             "fit.json",
-            remark="keeps it for predict, compare, export",
+            remark="writes it for predict, compare, export",
         )
     if not request.result_path:
         return ""
