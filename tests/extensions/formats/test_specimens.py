@@ -36,7 +36,7 @@ def test_read_refuses_a_segment_that_is_not_there(tmp_path) -> None:
     label = np.repeat([1.0, 2.0], len(TIME))
     columns = (np.tile(values, 2) for values in (TIME, DISPLACEMENT, FORCE))
     path = write(tmp_path / "seals.csv", head, label, *columns)
-    with pytest.raises(ReadError, match="the file has 2 segments"):
+    with pytest.raises(ReadError, match="the file has two segments"):
         read_relaxation(path, options=ReadOptions(segment=3))
 
 

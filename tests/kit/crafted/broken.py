@@ -44,7 +44,7 @@ def _hardly_files() -> list[Row]:
         Row("no bytes", b"", "refused", ("is empty (0 bytes)",)),
         Row("blank lines alone", b"\n\n  \n", "refused", ("nothing but blank lines",)),
         Row("a header alone", HEAD.encode(), "refused", ("no numbers under the header",)),
-        Row("one row of numbers", HEAD.encode() + b"0;0;0\n", "refused", ("only 1 row of numbers", "at least 8")),
+        Row("one row of numbers", HEAD.encode() + b"0;0;0\n", "refused", ("only one row of numbers", "at least 8")),
         Row("a letter", b"Dear Sir,\nplease find no data here.\n", "refused", ("no numbers under the header",)),
         Row("bytes of no text", b"\x00\x01\x02\x03" * 400, "refused", ("not a text file",)),
         Row("a picture", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + b"\x00\x10" * 200, "refused", ("not a text file",)),
